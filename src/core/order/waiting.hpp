@@ -33,14 +33,10 @@ class Waiting final {
       end_ = node + 1;
     else
       fresh_.push_back(node);
-    note_covered(covered);
-  }
-  // States that others cover.
-  void note_covered(const std::vector<std::uint32_t>& covered) {
     for (const std::uint32_t other : covered) in_vain_ += other < cursor_;
   }
 
-  // Whether `begin` is to be called, and slots are to be told.
+  // Whether `begin` is to be called.
   bool looks_at_slots() const { return by_progress_.has_value(); }
   // The state taken last is going to be expanded; its slots.
   void begin(const std::int32_t* slots) {

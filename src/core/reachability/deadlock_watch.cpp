@@ -61,11 +61,11 @@ void DeadlockWatch::end(std::uint32_t node, SymbolicState& source) {
   candidates_.clear();
 }
 
-bool DeadlockWatch::ends(std::uint32_t node, SymbolicState& source) {
-  const bool met = std::any_of(candidates_.begin(), candidates_.end(),
-                               [&](const Candidate& candidate) { return meets(candidate, node, source); });
+void DeadlockWatch::end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals) {
+  for (const Candidate& candidate : candidates_)
+    if (std::find(goals.begin(), goals.end(), candidate.goal) == goals.end() && meets(candidate, node, source))
+      goals.push_back(candidate.goal);
   candidates_.clear();
-  return met;
 }
 
 }  // namespace tachk

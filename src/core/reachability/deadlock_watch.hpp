@@ -28,8 +28,8 @@ class DeadlockWatch final {
   void pass(ConstZoneRef guarded, const Effect& effect);
   // Throws ModelFault. `node` is the number of the state.
   void end(std::uint32_t node, SymbolicState& source);
-  // Instead of `end`: whether that would settle a goal. Throws ModelFault.
-  bool ends(std::uint32_t node, SymbolicState& source);
+  // Instead of `end`: appends the goals that are to be settled. Throws ModelFault.
+  void end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals);
 
  private:
   struct Candidate {

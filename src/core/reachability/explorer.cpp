@@ -1,8 +1,8 @@
 #include "reachability/explorer.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "reachability/paths.hpp"
@@ -30,15 +30,9 @@ Options consistent(Options options, const Limits& limits, const Program& program
   return options;
 }
 
-// Whether states are taken in stretches once there are many: what is next must not depend on what has just been stored.
-bool goes_in_stretches(const Options& options) {
-  return options.passing == 0 && !options.partial_order && options.order != SearchOrder::depth_first &&
-         options.order != SearchOrder::random_depth_first;
-}
-
-// Into how many shares stored states are divided, as a power of two.
-unsigned share_bits_of(const Options& options) {
-  return goes_in_stretches(options) ? static_cast<unsigned>(std::bit_width(threads_of(options) - 1)) : 0;
+unsigned threads_of(const Options& options) {
+  constexpr unsigned most = 8;  // one thread stores what all of them find
+  return options.threads != 0 ? options.threads : std::clamp(std::thread::hardware_concurrency(), 1u, most);
 }
 
 // Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
@@ -57,7 +51,7 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
     : options_(consistent(options, limits, program)),
       limits_(limits),
       graph_(std::move(program), options_),
-      passed_(graph_.program(), graph_.operations(), options_, graph_.smaller_operations(), share_bits_of(options_)),
+      passed_(graph_.program(), graph_.operations(), options_, graph_.smaller_operations()),
       waiting_(options_.order, options_.seed, limits_.depth),
       goals_(graph_.program(), graph_.semantics(), graph_.operations(), options_.shortest),
       deadlocks_(graph_, goals_),
@@ -69,8 +63,6 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
             .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
                                 looks_at_actions_only(graph_.program())),
-            .simulated = {},
-            .stretch = {},
             .ahead = {},
             .pace = {}} {}
 
@@ -109,7 +101,7 @@ struct Explorer::Storing {
       if (!search.meets_a_goal(successor)) return search.passing_.add(successor);
       discrete = search.passed_.locate();
     }
-    search.store(successor, discrete);
+    search.store(successor, discrete, true);
   }
 };
 
@@ -117,63 +109,38 @@ Status Explorer::search(std::uint64_t expansions) {
   if (!std::exchange(work_.started, true)) {
     graph_.start(Storing{*this});
     waiting_.close();
+    waiting_.consider(graph_.program(), passed_);
   }
   while (!goals_.settled()) {
-    if (expansions == 0) return Status::running;
+    if (expansions-- == 0) return Status::running;
     const std::uint32_t node = next();
     if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
-    const std::size_t together = expand_together(expansions);
-    if (together == 0) expand(node);
-    work_.stretch.next += std::max<std::size_t>(together, 1);
-    expansions -= std::max<std::size_t>(together, 1);
+    look_ahead(node, expansions);
+    expand(node);
+    waiting_.consider(graph_.program(), passed_);
     if (passed_.stored() > limits_.states) return Status::state_limit;
     if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
   }
   return Status::finished;
 }
 
-// The next state, which is the first of what is left of the stretch.
 std::uint32_t Explorer::next() {
-  if (const std::span<const std::uint32_t> left = work_.stretch.left(); !left.empty()) return left.front();
-  work_.simulation.settle(std::exchange(work_.simulated, {}));
-  merging_.settle();
-  waiting_.consider(graph_.program(), passed_);
   for (std::uint32_t node = waiting_.next(); node != no_node; node = waiting_.next()) {
     if (options_.shortest && !keeps_layers(node)) return no_node;
-    if (passed_.covered(node) || !waiting_.admits(node)) continue;
-    begin_stretch(node);
-    return node;
+    if (!passed_.covered(node) && waiting_.admits(node)) return node;
   }
   return no_node;
-}
-
-void Explorer::begin_stretch(std::uint32_t first) {
-  constexpr std::size_t most = 256;
-  Stretch& stretch = work_.stretch;
-  stretch.nodes.assign(1, first);
-  stretch.next = 0;
-  stretch.alone = !goes_in_stretches(options_) || passed_.size() < options_.threads_after;
-  if (!stretch.alone) {
-    std::vector<std::uint32_t> others;
-    waiting_.foresee(most - 1, others);
-    if (options_.shortest) std::erase_if(others, [this](std::uint32_t node) { return node >= layers_.end(); });
-    for (const std::uint32_t node : others) {
-      waiting_.next();
-      if (!passed_.covered(node) && waiting_.admits(node)) stretch.nodes.push_back(node);
-    }
-    stretch.alone = options_.threads == 1 || !work_.pace.several(work_.explored);
-  }
-  const std::uint32_t behind = stretch.nodes.back() + 1;
-  std::vector<std::uint32_t> kept = stretch.nodes.size() > 1 ? stretch.nodes : std::vector<std::uint32_t>();
-  if (options_.shortest)
-    passed_.protect(std::move(kept), behind, layers_.end());
-  else
-    passed_.protect(std::move(kept), 0, 0);
 }
 
 void Explorer::expand(std::uint32_t number) {
   node_ = number;
   ++work_.explored;
+  if (work_.ahead)
+    if (const auto result = work_.ahead->result(number, goals_)) return take(number, *result);
+  expand_alone(number);
+}
+
+void Explorer::expand_alone(std::uint32_t number) {
   passed_.unpack(number, source_.slots.data());
   waiting_.begin(source_.slots.data());
   graph_.unpack(passed_, number, source_);
@@ -190,15 +157,12 @@ bool Explorer::covers(std::uint32_t discrete, const Successor& successor) {
 }
 
 bool Explorer::simulates(std::uint32_t discrete, const Successor& successor) {
-  if (!work_.simulation.asks()) {
-    work_.simulated.decline();
-    return false;
-  }
+  if (!work_.simulation.asks()) return false;
   const std::size_t others = passed_.count(discrete);
   if (others == 0) return false;
   const ClockBounds bounds = graph_.bounds(successor.slots);
   const bool simulated = passed_.covers(discrete, graph_.packed(successor.slots, successor.zone), &bounds);
-  work_.simulated.tell(simulated, others);
+  work_.simulation.tell(simulated, others);
   return simulated;
 }
 
@@ -209,37 +173,125 @@ void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) 
   if (coverer != no_node) partial_order_.leads_to(coverer);
 }
 
-void Explorer::store(const Successor& successor, std::uint32_t discrete) {
+void Explorer::store(const Successor& successor, std::uint32_t discrete, bool may_meet,
+                     std::optional<std::uint64_t> apart) {
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
   const ZoneView zone = graph_.packed(successor.slots, successor.zone);
   const ZoneView united = merging_.united(passed_, discrete, zone, waiting_.first_untouched());
-  const bool asks = work_.simulation.asks();
-  const ClockBounds bounds = asks ? graph_.bounds(successor.slots) : ClockBounds{};
-  const std::uint32_t number = passed_.add(discrete, united, parent, options_.subsumption, asks ? &bounds : nullptr);
+  const bool larger = united.data.bytes != zone.data.bytes;
+  if (larger && work_.ahead) work_.ahead->doubt();
+  const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
+  const std::uint32_t number = apart && !larger ? passed_.add_apart(discrete, zone, *apart, parent)
+                                                : passed_.add(discrete, united, parent, options_.subsumption,
+                                                              work_.simulation.asking() ? &bounds : nullptr);
   if (number == no_node) return note_coverer(discrete, successor);
   merging_.stored(number);
   partial_order_.leads_to(number);
-  enlist(number, parent, successor);
+  enlist(number, parent, successor, may_meet);
 }
 
-void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor) {
+void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet) {
   const auto [edges, slots, zone] = successor;
   waiting_.add(number, parent, slots, passed_.covered_last());
   try {
-    goals_.check(number, slots, zone);
+    if (may_meet) goals_.check(number, slots, zone);
     measures_.check(number, slots, zone);
   } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
     throw FaultReport{fault.kind, fault.position, number, {}, {}};
   }
 }
 
+// ---- several threads ------------------------------------------------------------------------------------------------
+
+void Explorer::look_ahead(std::uint32_t node, std::uint64_t expansions) {
+  const std::uint64_t most = std::clamp<std::uint32_t>(options_.threads_after / 8, 32, 512);
+  const std::size_t fewest = std::clamp<std::size_t>(options_.threads_after, 1, 64);
+  const bool none = options_.threads == 1 || options_.passing != 0 || options_.partial_order;
+  if (none || passed_.size() < options_.threads_after) return;
+  if ((work_.ahead && work_.ahead->result(node, goals_)) || !work_.pace.several(work_.explored)) return;
+  std::vector<std::uint32_t> nodes{node};
+  const std::uint64_t block = std::min(expansions, most);
+  waiting_.foresee(2 * block, nodes);
+  std::erase_if(nodes, [this](std::uint32_t other) { return passed_.covered(other); });
+  if (nodes.size() < fewest) return;
+  if (!work_.ahead) work_.ahead.emplace(graph_, passed_, options_.subsumption, threads_of(options_));
+  work_.ahead->look(std::move(nodes), block + 1, goals_, work_.taken);
+}
+
+// Does what `expand_alone` does, in the same order.
+void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
+  constexpr std::size_t soon = 4;
+  if (waiting_.looks_at_slots()) {
+    passed_.unpack(number, source_.slots.data());
+    waiting_.begin(source_.slots.data());
+  }
+  const auto& [harvest, expansion] = result;
+  const std::uint64_t before = work_.transitions;
+  std::size_t edge = expansion->first_edge;
+  const auto count = [&](std::uint32_t transitions) {
+    work_.transitions = before + transitions;
+    for (; edge < expansion->last_edge && harvest->edges[edge].second <= transitions; ++edge)
+      work_.taken[harvest->edges[edge].first] = 1;
+  };
+  bool wanted = true;
+  for (std::size_t n = expansion->first; n < expansion->last; ++n) {
+    Found& found = harvest->found[n];
+    if (n + soon < harvest->found.size()) passed_.expect(harvest->found[n + soon].key, harvest->found[n + soon].hash);
+    count(found.transitions);
+    take(*harvest, found, wanted);
+  }
+  count(expansion->transitions);
+  for (const std::size_t goal : expansion->stuck) goals_.settle(goal, number);
+  if (expansion->failure) std::rethrow_exception(expansion->failure);
+  waiting_.close();
+}
+
+// What is known of a successor holds unless a state has been stored that was taken to be covered.
+void Explorer::take(const Harvest& harvest, Found& found, bool& wanted) {
+  const bool first = !found.further && options_.subsumption;
+  const Found* coverer = first ? found.coverer : nullptr;
+  if (coverer != nullptr && coverer->node != no_node && !passed_.covered(coverer->node)) {
+    wanted = false;
+    return;
+  }
+  std::int32_t* slots = source_.slots.data();
+  std::copy_n(harvest.slots(found.slots), graph_.program().state_slots, slots);
+  std::uint32_t discrete = found.discrete;
+  if (discrete == HashIndex::absent) {
+    passed_.announce(slots, SlotSet::all());
+    discrete = passed_.locate();
+  }
+  const bool apart = found.apart && coverer == nullptr && work_.ahead->knows(discrete);
+  constexpr std::uint32_t some_edge = 0;
+  const Successor step{{&some_edge, 1}, slots, harvest.zone(found.zone)};
+  if (first) wanted = !(apart ? simulates(discrete, step) : covers(discrete, step));
+  if (!wanted) return;
+  if (coverer != nullptr) work_.ahead->doubt();
+  const std::uint32_t before = passed_.size();
+  const auto store = [&](ConstZoneRef zone) {
+    const bool alone = apart && (!work_.simulation.asking() || passed_.is_new(discrete));
+    found.node = passed_.size();
+    this->store({{&some_edge, 1}, slots, zone}, discrete, found.meets,
+                alone ? std::optional(found.hash) : std::nullopt);
+  };
+  if (found.abstract != Found::none) {
+    store(harvest.zone(found.abstract));
+  } else if (graph_.representatives().active()) {
+    store(step.zone);
+  } else {
+    source_.zone.assign(step.zone);
+    graph_.abstract(slots, source_.zone, store);
+  }
+  if (passed_.size() == before) found.node = no_node;
+}
+
 // ---- special cases --------------------------------------------------------------------------------------------------
 
-// For shortest paths: a waiting state may be covered only by one that is no further from the initial state, which
-// `begin_stretch` sees to. False if
+// For shortest paths: a waiting state may be covered only by one that is no further from the initial state. False if
 // the layer that has been gone through settles the goals.
 bool Explorer::keeps_layers(std::uint32_t node) {
   if (layers_.begins(node, passed_.size())) goals_.end_layer();
+  passed_.protect(node + 1, layers_.end());
   return !goals_.settled();
 }
 

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "order/waiting.hpp"
@@ -94,15 +93,6 @@ class Explorer final {
 
  private:
   struct Storing;
-  // States that are taken one after the other, whatever is stored meanwhile: what covers them is not looked at before
-  // all of them have been expanded, and they are not united with others.
-  struct Stretch {
-    std::vector<std::uint32_t> nodes;
-    std::size_t next = 0;
-    bool alone = false;  // one thread is to expand what is left of it
-
-    std::span<const std::uint32_t> left() const { return std::span(nodes).subspan(next); }
-  };
   // What has been done so far.
   struct Work {
     bool started = false;
@@ -110,25 +100,27 @@ class Explorer final {
     std::uint64_t transitions = 0;
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
     Trial simulation;                 // of states by others
-    TrialAnswers simulated;           // since that was settled
-    Stretch stretch;
-    std::optional<Ahead> ahead;  // where several threads work
+    std::optional<Ahead> ahead;       // where several threads look for successors
     Pace pace;
   };
 
   Status search(std::uint64_t expansions);
   std::uint32_t next();
-  void begin_stretch(std::uint32_t first);
   void expand(std::uint32_t node);
-  // Lets several threads expand the first states of the stretch, at most so many: how many that were.
-  std::size_t expand_together(std::uint64_t expansions);
-  void store_together(std::size_t count);
+  void expand_alone(std::uint32_t node);
+  // Lets other threads look for the successors of this node and of those behind it, if that pays.
+  void look_ahead(std::uint32_t node, std::uint64_t expansions);
+  void take(std::uint32_t node, const Ahead::Result& result);
+  // `wanted`: whether an abstracted zone of the same successor before this one was; told of this one.
+  void take(const Harvest& harvest, Found& found, bool& wanted);
   bool covers(std::uint32_t discrete, const Successor& successor);
   bool simulates(std::uint32_t discrete, const Successor& successor);
-  void store(const Successor& successor, std::uint32_t discrete);
-  void enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor);
+  // `may_meet`: not if the state is known to meet no open goal. `apart`: the hash of its zone, if it is known that it
+  // covers no stored one and no stored one covers it.
+  void store(const Successor& successor, std::uint32_t discrete, bool may_meet,
+             std::optional<std::uint64_t> apart = std::nullopt);
+  void enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet);
   void note_coverer(std::uint32_t discrete, const Successor& successor);
-  // Whether the layer of this node, which is the next one, is to be explored.
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const Successor& successor);
   // A search through the discrete states that lead to a node, which unites none.

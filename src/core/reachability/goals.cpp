@@ -58,12 +58,6 @@ bool GoalWatch::meets_any(std::int32_t* slots, ConstZoneRef zone) {
   return !open_.empty() && any_watch(slots, [&](const Watch& watch) { return meets(watch, slots, zone); });
 }
 
-bool GoalWatch::may_meet_any(std::int32_t* slots) {
-  return !open_.empty() && any_watch(slots, [&](const Watch& watch) {
-    return reached_[watch.goal] == no_node && semantics_.holds(*watch.condition, slots);
-  });
-}
-
 bool GoalWatch::meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone) {
   if (!semantics_.holds(condition, slots)) return false;
   atoms_.clear();

@@ -27,8 +27,6 @@ class GoalWatch final {
   void check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
   // Whether there is one. Throws ModelFault.
   bool meets_any(std::int32_t* slots, ConstZoneRef zone);
-  // Whether there may be one, by the slots alone. Throws ModelFault.
-  bool may_meet_any(std::int32_t* slots);
   // Whether some valuation of the zone satisfies the condition. Throws ModelFault.
   bool meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone);
 

@@ -2,9 +2,7 @@
 // tachk.engines.options, where it is documented what each is for and which values it takes: nothing is checked here.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <thread>
 
 #include "order/waiting.hpp"
 #include "states/store.hpp"
@@ -22,19 +20,14 @@ struct Options : ZoneGraphOptions, StoreOptions {
   std::uint32_t passing = 0;
   // Where time cannot pass, not all orders of independent actions are explored.
   bool partial_order = false;
-  // How many threads search; 0: as many as the machine has cores, up to eight.
+  // How many threads look for successors; 0: as many as the machine has cores, up to eight.
   std::uint32_t threads = 1;
-  std::uint32_t threads_after = 4096;  // states there must be before they do, and before states are taken in stretches
+  std::uint32_t threads_after = 4096;  // states there must be before they do
   bool shortest = false;               // breadth first only: no path to a goal is shorter than the one that is found
   // For liveness: after so many states depth first a short proof is looked for; of p --> q at once; UINT32_MAX: never.
   std::uint32_t proof_after = 2000;
   bool attempts = true;  // for p --> q: depth first from the states reached so far, on the way to all states
 };
-
-inline unsigned threads_of(const Options& options) {
-  constexpr unsigned most = 8;
-  return options.threads != 0 ? options.threads : std::clamp(std::thread::hardware_concurrency(), 1u, most);
-}
 
 struct Limits {
   std::uint64_t states = UINT64_MAX;  // stored

@@ -20,6 +20,13 @@ std::uint64_t hash_words(const std::uint64_t* words, std::size_t count) {
   return hash ^ (hash >> 29);
 }
 
+std::uint64_t hash_slots(const std::int32_t* slots, std::size_t count) {
+  std::uint64_t hash = 0x9E3779B97F4A7C15u;
+  for (std::size_t n = 0; n < count; ++n)
+    hash = (hash ^ static_cast<std::uint32_t>(slots[n])) * 0xD6E8FEB86659FD93u ^ hash >> 32;
+  return hash ^ (hash >> 29);
+}
+
 // Chunks have a dozen or some dozen slots: too few for a call of memcmp to pay.
 bool same_slots(const std::int32_t* a, const std::int32_t* b, std::size_t count) {
   std::size_t n = 0;
@@ -83,13 +90,12 @@ std::size_t StateLayout::first_slot(std::size_t word) const {
   return first_field_[word] < fields_.size() ? fields_[first_field_[word]].slot : initial_.size();
 }
 
-DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words, unsigned share_bits)
+DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
     : layout_(program),
       chunk_words_(layout_.words() > 2 * chunk_words ? chunk_words : 0),
       key_words_(layout_.words()),
       key_bytes_((layout_.bits() + 31) / 32 * sizeof(std::uint32_t)),
-      share_bits_(share_bits),
-      share_mask_((std::uint32_t{1} << share_bits) - 1),
+      records_(note_bytes + key_bytes_),
       chunks_(sizeof(std::uint64_t)) {
   if (chunk_words_ != 0) {
     for (std::size_t word = 0; word < layout_.words(); word += chunk_words_)
@@ -102,10 +108,9 @@ DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words, 
         chunk_members_[chunk].add(slot);
     key_words_ = (chunks + 1) / 2;
     key_bytes_ = chunks * sizeof(std::uint32_t);
+    records_ = RecordPool(note_bytes + key_bytes_);
     chunks_ = RecordPool(chunk_words_ * sizeof(std::uint64_t));
   }
-  for (std::uint32_t share = 0; share <= share_mask_; ++share)
-    shares_.push_back({RecordPool(note_bytes + key_bytes_), HashIndex()});
   own_ = reader();
 }
 
@@ -161,55 +166,34 @@ std::uint32_t DiscreteStates::intern_chunk() {
 void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written) {
   find_key(slots, written, own_, [this] { return intern_chunk(); });
   own_.hash = hash_words(own_.key.data(), key_words_);
-  shares_[share_of(own_)].index.prefetch(own_.hash);
+  index_.prefetch(own_.hash);
 }
 
 void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written, Reader& reader) const {
   reader.possible = find_key(slots, written, reader,
                              [&] { return find_chunk(reader.packed, hash_words(reader.packed.data(), chunk_words_)); });
-  reader.hash = reader.possible ? hash_words(reader.key.data(), key_words_) : 0;
-  shares_[share_of(reader)].index.prefetch(reader.hash);
-}
-
-std::uint32_t DiscreteStates::find(const std::uint64_t* key, std::uint64_t hash) const {
-  const std::uint32_t share = static_cast<std::uint32_t>(hash) & share_mask_;
-  return shares_[share].index.find(hash, [&](std::uint32_t number) { return has_key(number, key); });
+  reader.hash = reader.possible ? hash_words(reader.key.data(), key_words_) : hash_slots(slots, layout_.slots());
+  index_.prefetch(reader.hash);
 }
 
 std::uint32_t DiscreteStates::find(const Reader& reader) const {
-  return reader.possible ? find(reader.key.data(), reader.hash) : HashIndex::absent;
+  if (!reader.possible) return HashIndex::absent;
+  return index_.find(reader.hash, [&](std::uint32_t number) { return has_key(number, reader.key); });
 }
 
 std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
-  return locate(own_.key.data(), own_.hash, fresh_note);
-}
-
-std::uint32_t DiscreteStates::locate(const std::uint64_t* key, std::uint64_t hash, std::uint32_t fresh_note) {
-  const std::uint32_t found = find(key, hash);
+  const std::uint32_t found = find(own_);
   if (found != HashIndex::absent) return found;
-  const std::uint32_t share = static_cast<std::uint32_t>(hash) & share_mask_;
-  const std::uint32_t fresh = shares_[share].records.append() << share_bits_ | share;
-  std::memcpy(record(fresh) + note_bytes, key, key_bytes_);
+  const std::uint32_t fresh = records_.append();
+  std::memcpy(records_[fresh] + note_bytes, own_.key.data(), key_bytes_);
   note(fresh) = fresh_note;
-  shares_[share].index.insert(hash, fresh);
+  index_.insert(own_.hash, fresh);
   return fresh;
-}
-
-std::uint32_t DiscreteStates::size() const {
-  std::uint32_t sum = 0;
-  for (const Share& share : shares_) sum += share.records.size();
-  return sum;
-}
-
-std::size_t DiscreteStates::bytes() const {
-  std::size_t sum = chunks_.bytes() + chunk_index_.bytes();
-  for (const Share& share : shares_) sum += share.records.bytes() + share.index.bytes();
-  return sum;
 }
 
 bool DiscreteStates::equals(std::uint32_t number, const std::int32_t* slots) {
   find_key(slots, SlotSet::all(), own_, [this] { return intern_chunk(); });
-  return has_key(number, own_.key.data());
+  return has_key(number, own_.key);
 }
 
 void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots, Reader& reader) const {

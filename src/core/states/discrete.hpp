@@ -1,7 +1,6 @@
 // The discrete parts of states: bit-packed, each held once. Where they are large they are held as lists of chunks, each
 // chunk held once, because most chunks of a successor are those of its predecessor (the collapse method of SPIN:
-// Holzmann, "State compression in SPIN", 1997). They may be divided into shares, so that several threads may add
-// states, each to a share of its own.
+// Holzmann, "State compression in SPIN", 1997).
 #pragma once
 
 #include <cstddef>
@@ -52,7 +51,7 @@ class DiscreteStates {
   // What whoever looks at the states needs of his own: several threads may look at once, as long as none adds any.
   struct Reader {
     std::vector<std::uint64_t> key;     // of the announced state
-    std::uint64_t hash = 0;             // of that state, if it is possible
+    std::uint64_t hash = 0;             // of that state, equal for equal ones
     bool possible = true;               // not if a part of the state is in no stored one
     std::vector<std::uint64_t> packed;  // one chunk, or a state that is held whole
     // The state unpacked last and its chunks: a successor has most of them.
@@ -60,14 +59,12 @@ class DiscreteStates {
     std::vector<std::uint32_t> known_chunks;
   };
 
-  // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are. There are
-  // 2^share_bits shares.
-  DiscreteStates(const Program& program, std::size_t chunk_words, unsigned share_bits = 0);
+  // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
+  DiscreteStates(const Program& program, std::size_t chunk_words);
 
   // Sets the discrete state that the next `locate` looks up; all slots in which it differs from the state unpacked last
   // are in `written`. Call it early, so that its memory is fetched in the meantime.
   void announce(const std::int32_t* slots, const SlotSet& written);
-  const Reader& announced() const { return own_; }
   // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
   std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
@@ -79,39 +76,22 @@ class DiscreteStates {
   // The number of the announced state, or HashIndex::absent.
   std::uint32_t find(const Reader& reader) const;
 
-  // The share of a discrete state by its number, and that of the announced state by its hash: it has one once all its
-  // chunks are known.
-  std::uint32_t share_of(std::uint32_t number) const { return number & share_mask_; }
-  std::uint32_t share_of(const Reader& reader) const { return static_cast<std::uint32_t>(reader.hash) & share_mask_; }
-  // As `locate` for what was announced to a reader then: its key and hash. Different threads may ask at the same time
-  // for states of different shares.
-  std::uint32_t locate(const std::uint64_t* key, std::uint64_t hash, std::uint32_t fresh_note);
-  std::size_t key_words() const { return key_words_; }
+  void prefetch(std::uint64_t hash) const { index_.prefetch(hash); }
 
   // How many there are.
-  std::uint32_t size() const;
+  std::uint32_t size() const { return records_.size(); }
 
   // A number kept for each discrete state.
-  std::uint32_t& note(std::uint32_t number) { return *reinterpret_cast<std::uint32_t*>(record(number)); }
-  std::uint32_t note(std::uint32_t number) const { return *reinterpret_cast<const std::uint32_t*>(record(number)); }
-  std::size_t bytes() const;
+  std::uint32_t& note(std::uint32_t number) { return *reinterpret_cast<std::uint32_t*>(records_[number]); }
+  std::uint32_t note(std::uint32_t number) const { return *reinterpret_cast<const std::uint32_t*>(records_[number]); }
+  std::size_t bytes() const { return records_.bytes() + index_.bytes() + chunks_.bytes() + chunk_index_.bytes(); }
 
  private:
   static constexpr std::size_t note_bytes = sizeof(std::uint32_t);
-  struct Share {
-    RecordPool records;  // keys, each behind its note
-    HashIndex index;
-  };
-
-  std::byte* record(std::uint32_t number) { return shares_[share_of(number)].records[number >> share_bits_]; }
-  const std::byte* record(std::uint32_t number) const {
-    return shares_[share_of(number)].records[number >> share_bits_];
+  const std::byte* key_of(std::uint32_t number) const { return records_[number] + note_bytes; }
+  bool has_key(std::uint32_t number, const std::vector<std::uint64_t>& key) const {
+    return std::memcmp(key_of(number), key.data(), key_bytes_) == 0;
   }
-  const std::byte* key_of(std::uint32_t number) const { return record(number) + note_bytes; }
-  bool has_key(std::uint32_t number, const std::uint64_t* key) const {
-    return std::memcmp(key_of(number), key, key_bytes_) == 0;
-  }
-  std::uint32_t find(const std::uint64_t* key, std::uint64_t hash) const;
   // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks, which
   // `chunk()` tells of the packed one. False if a chunk is absent.
   template <class Chunk>
@@ -124,9 +104,8 @@ class DiscreteStates {
   std::size_t key_words_;
   std::size_t key_bytes_;  // of the words of a key those that are held, the others are 0: whole numbers of 32 bits
   Reader own_;
-  unsigned share_bits_;
-  std::uint32_t share_mask_;
-  std::vector<Share> shares_;  // a state belongs to that which the last bits of its number tell, and of its hash
+  RecordPool records_;  // keys, each behind its note
+  HashIndex index_;
 
   // Only for states in chunks.
   std::vector<std::size_t> chunk_slots_;  // the first slot of each chunk, and behind the last

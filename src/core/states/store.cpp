@@ -1,7 +1,8 @@
 #include "states/store.hpp"
 
-#include <cstring>
+#include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace tachk {
 namespace {
@@ -15,76 +16,226 @@ ZoneOperations with_shorter_vectors(ZoneOperations operations, bool shorter) {
 }  // namespace
 
 PassedList::PassedList(const Program& program, const ZoneOperations& zones, const StoreOptions& options,
-                       const std::vector<ZoneOperations>& smaller, unsigned share_bits)
-    : discretes_(program, options.chunk_words, share_bits), reclaim_(options.reclaim) {
-  const std::size_t count = std::size_t{1} << share_bits;
-  shares_.reserve(count);
-  for (std::size_t share = 0; share < count; ++share)
-    shares_.emplace_back(ZoneStore(zones, program.dimension(), smaller, options.rows_after),
-                         with_shorter_vectors(zones, !smaller.empty()), program.dimension(), options.reclaim, nodes_,
-                         discretes_);
-  covered_last_ = &shares_.front().covered();
+                       const std::vector<ZoneOperations>& smaller)
+    : dimension_(program.dimension()),
+      zones_(zones, dimension_, smaller, options.rows_after),
+      buffer_(zones),
+      scaled_(with_shorter_vectors(zones, !smaller.empty())),
+      reclaim_(options.reclaim),
+      scale_(choose_scale(scaled_, dimension_, 0)),
+      discretes_(program, options.chunk_words),
+      nodes_(sizeof(Node)) {}
+
+std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) const {
+  const std::uint32_t first = head(discrete);
+  std::uint32_t found = no_node;
+  const auto accept = [&](std::uint32_t number) {
+    if (!is_above(number, zone, bounds)) return false;
+    found = number;
+    return true;
+  };
+  if (is_long(first))
+    chain(first).any_above(bounds == nullptr ? extent_of(zone) : Extent::below_all(), accept);
+  else
+    for (std::uint32_t number = first; number != no_node && !accept(number);) number = next(number);
+  return found;
+}
+
+std::size_t PassedList::count(std::uint32_t discrete) const {
+  const std::uint32_t first = head(discrete);
+  if (is_long(first)) return chain(first).size();
+  std::size_t length = 0;
+  for (std::uint32_t member = first; member != no_node; member = next(member)) ++length;
+  return length;
 }
 
 std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
                               std::vector<std::uint32_t>& parts) {
-  Share& share = share_of(discrete);
-  std::memcpy(united.bytes, zone.data.bytes, share.zones().operations(zone.dimension).bytes);
+  const ZoneOperations& operations = zones_.operations(zone.dimension);
+  std::memcpy(united.bytes, zone.data.bytes, operations.bytes);
   std::size_t looked = 0;
   for (std::size_t before = SIZE_MAX; before != parts.size();) {  // a larger zone may unite with what a smaller did not
     before = parts.size();
-    share.for_each_waiting(discrete, first, parts, [&](std::uint32_t other) {
+    const auto look = [&](std::uint32_t number) {
+      if (number < first || covered(number)) return;
       ++looked;
-      return share.unite(united, zone.dimension, other);
-    });
+      if (operations.unite(united, this->zone(number, buffer_).data, zone.dimension)) parts.push_back(number);
+    };
+    if (const std::uint32_t newest = head(discrete); is_long(newest))
+      chain(newest).for_each_waiting(first, look);
+    else
+      for (std::uint32_t number = newest; number != no_node; number = next(number)) look(number);
   }
   return looked;
+}
+
+std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
+  std::uint32_t found = no_node;
+  const auto equal = [&](std::uint32_t number) {
+    if (!zones_.equals(zone_of(number), zone)) return false;
+    found = number;
+    return true;
+  };
+  const std::uint32_t first = head(discrete);
+  if (is_long(first))
+    chain(first).any_above(extent_of(zone), equal);
+  else
+    for (std::uint32_t number = first; number != no_node && !equal(number);) number = next(number);
+  return found;
 }
 
 bool PassedList::contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const {
   return subsumption ? covers(discrete, zone) : find(discrete, zone) != no_node;
 }
 
+void PassedList::cover(std::uint32_t number, std::uint32_t discrete) {
+  Node& node = entry(number);
+  node.link = discrete | mark;
+  --stored_;
+  covered_last_.push_back(number);
+  if (reclaim_) {
+    const std::uint32_t upper_hash = zones_.upper_hash(node.zone);
+    zones_.release(node.zone);
+    node.zone = upper_hash;
+  }
+  node.zone |= mark;
+}
+
+void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) {
+  std::uint32_t& head = this->head(discrete);
+  if (!is_long(head)) {
+    std::uint32_t before = no_node;
+    for (std::uint32_t number = head; number != no_node;) {
+      const std::uint32_t link = node(number).link;
+      const std::uint32_t behind = next(number);
+      if (!is_below(number, zone, bounds) || is_protected(number)) {
+        before = number;
+      } else {
+        if (before == no_node)
+          head = behind;
+        else
+          entry(before).link = link;
+        cover(number, discrete);
+      }
+      number = behind;
+    }
+    return;
+  }
+  Antichain& members = chain(head);
+  chain_bytes_ -= members.bytes();
+  members.remove_below(bounds == nullptr ? extent_of(zone) : Extent::above_all(), [&](std::uint32_t number) {
+    if (!is_below(number, zone, bounds) || is_protected(number)) return false;
+    cover(number, discrete);
+    return true;
+  });
+  chain_bytes_ += members.bytes();
+}
+
+bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const {
+  if (is_long(head))
+    return chain(head).any_above(extent_of(zone), [&](std::uint32_t number) { return zone_of(number) == zone_number; });
+  for (std::uint32_t number = head; number != no_node; number = next(number))
+    if (zone_of(number) == zone_number) return true;
+  return false;
+}
+
+void PassedList::rescale(Raw largest_entry) {
+  scale_ = choose_scale(scaled_, dimension_, largest_entry + largest_entry / 2);
+  for (Antichain& members : chains_) {
+    chain_bytes_ -= members.bytes();
+    members.measure_anew([&](std::uint32_t number) { return extent_of(zone(number, buffer_)); });
+    chain_bytes_ += members.bytes();
+  }
+}
+
+void PassedList::add_to(Antichain& members, std::uint32_t number) {
+  ZoneView zone = this->zone(number, buffer_);
+  const Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
+  if (largest_entry > scale_.limit) {
+    rescale(largest_entry);
+    zone = this->zone(number, buffer_);  // where others have been meanwhile
+  }
+  chain_bytes_ -= members.bytes();
+  members.add(extent_of(zone), number, first_waiting_);
+  chain_bytes_ += members.bytes();
+}
+
+void PassedList::append(std::uint32_t discrete, std::uint32_t number) {
+  std::uint32_t& head = this->head(discrete);
+  if (!is_long(head)) {
+    std::size_t length = 0;
+    for (std::uint32_t member = head; member != no_node; member = next(member)) ++length;
+    if (length < short_chain) {
+      if (head != no_node) entry(number).link = head;
+      head = number;
+      return;
+    }
+    std::vector<std::uint32_t> members;  // the newest comes first
+    for (std::uint32_t member = head; member != no_node; member = next(member)) members.push_back(member);
+    head = static_cast<std::uint32_t>(chains_.size()) | mark;
+    chain_bytes_ += chains_.emplace_back().bytes();
+    for (auto member = members.rbegin(); member != members.rend(); ++member) {
+      add_to(chains_.back(), *member);
+      entry(*member).link = discrete | mark;
+    }
+  }
+  add_to(chain(head), number);
+}
+
 std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
                               const ClockBounds* bounds) {
-  Share& share = share_of(discrete);
-  share.covered().clear();
-  covered_last_ = &share.covered();
+  covered_last_.clear();
   if (subsumption) {
     if (covers(discrete, zone, bounds)) return no_node;
-    share.thin_out(discrete, zone, bounds);
-    stored_ -= static_cast<std::uint32_t>(share.covered().size());
+    thin_out(discrete, zone, bounds);
   }
-  const std::uint32_t zone_number = share.intern(zone);
-  if (!subsumption && share.holds(discrete, zone, zone_number)) {
-    share.release(zone_number);
+  const std::uint32_t zone_number = zones_.intern(zone);
+  if (!subsumption && holds(head(discrete), zone, zone_number)) {
+    zones_.release(zone_number);
     return no_node;
   }
-  const std::uint32_t fresh = append(parent);
-  if (((discrete | zone_number) & Nodes::mark) != 0) throw std::length_error("more states than node numbers");
-  nodes_[fresh] = {discrete | Nodes::mark, zone_number};
-  share.append(discrete, fresh);
+  return append_node(discrete, zone_number, parent);
+}
+
+std::uint32_t PassedList::add_apart(std::uint32_t discrete, ZoneView zone, std::uint64_t hash, std::uint32_t parent) {
+  covered_last_.clear();
+  return append_node(discrete, zones_.intern(zone, hash), parent);
+}
+
+std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent) {
+  const std::uint32_t fresh = nodes_.append();
+  if (((fresh | discrete | zone_number) & mark) != 0) throw std::length_error("more states than node numbers");
+  entry(fresh) = {discrete | mark, zone_number};
+  parents_.append(parent);
+  append(discrete, fresh);
   ++stored_;
   return fresh;
 }
 
-std::uint32_t PassedList::append(std::uint32_t parent) {
-  const std::uint32_t fresh = nodes_.append();
-  if ((fresh & Nodes::mark) != 0) throw std::length_error("more states than node numbers");
-  parents_.append(parent);
-  return fresh;
+bool PassedList::would_cover(std::uint32_t discrete, ZoneView zone) const {
+  const auto accept = [&](std::uint32_t number) { return is_below(number, zone, nullptr); };
+  const std::uint32_t first = head(discrete);
+  if (is_long(first)) return chain(first).any_below(extent_of(zone), accept);
+  std::uint32_t number = first;
+  while (number != no_node && !accept(number)) number = next(number);
+  return number != no_node;
+}
+
+// In a short antichain the newest comes first; what has covered it is newer.
+bool PassedList::has_since(std::uint32_t discrete, std::uint32_t first) const {
+  const std::uint32_t newest = head(discrete);
+  if (newest == no_node) return false;
+  return (is_long(newest) ? chain(newest).newest() : newest) >= first;
 }
 
 bool PassedList::may_equal(std::uint32_t number, ZoneView zone) const {
-  const ZoneStore& zones = zones_of(number);
-  if (reclaim_ && covered(number)) return (zones.upper_hash(zone) | Nodes::mark) == nodes_[number].zone;
-  return zones.equals(nodes_.zone(number), zone);
+  if (reclaim_ && covered(number)) return (zones_.upper_hash(zone) | mark) == node(number).zone;
+  return zones_.equals(zone_of(number), zone);
 }
 
 std::size_t PassedList::bytes() const {
-  std::size_t sum = discretes_.bytes() + nodes_.bytes() + parents_.bytes();
-  for (const Share& share : shares_) sum += share.bytes();
-  return sum;
+  return discretes_.bytes() + zones_.bytes() + nodes_.bytes() + parents_.bytes() + chain_bytes_ +
+         chains_.capacity() * sizeof(Antichain);
 }
 
 }  // namespace tachk

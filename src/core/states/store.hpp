@@ -1,25 +1,25 @@
 // The states that have been seen: discrete parts and zones interned, and for each discrete part an antichain of zones.
 // A node costs 8 bytes and its parent about one; a zone or a discrete part that many nodes share is held once. A
 // covered node stays, because paths lead through it, but the memory of a zone that only covered nodes have is used
-// again. Where several threads add states, they are divided into shares by their discrete parts, and a zone is held
-// once in each.
+// again.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 #include "program/program.hpp"
+#include "states/antichain.hpp"
 #include "states/discrete.hpp"
-#include "states/nodes.hpp"
+#include "states/memory.hpp"
 #include "states/parents.hpp"
-#include "states/share.hpp"
 #include "states/zone_store.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
 namespace tachk {
+
+inline constexpr std::uint32_t no_node = UINT32_MAX;
 
 struct StoreOptions {
   bool reclaim = true;          // the zones of covered nodes are given up
@@ -30,11 +30,9 @@ struct StoreOptions {
 
 class PassedList {
  public:
-  // `smaller`: as of a ZoneStore; all zones of a discrete state have one dimension. There are 2^share_bits shares.
+  // `smaller`: as of a ZoneStore; all zones of a discrete state have one dimension.
   PassedList(const Program& program, const ZoneOperations& zones, const StoreOptions& options,
-             const std::vector<ZoneOperations>& smaller = {}, unsigned share_bits = 0);
-  PassedList(const PassedList&) = delete;
-  PassedList& operator=(const PassedList&) = delete;
+             const std::vector<ZoneOperations>& smaller = {});
 
   // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
   // meantime. All slots in which it differs from the state unpacked last are in `written`.
@@ -47,23 +45,21 @@ class PassedList {
     return coverer(discrete, zone, bounds) != no_node;
   }
   // A stored state with this discrete part whose zone does; no_node if there is none.
-  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const {
-    return share_of(discrete).coverer(discrete, zone, bounds);
-  }
+  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const;
+  // Whether no state with this discrete part has been stored.
+  bool is_new(std::uint32_t discrete) const { return head(discrete) == no_node; }
   // The states with this number and larger ones wait, and are to be found by `unite`. To be told before any is added,
   // and whenever it grows.
-  void wait_from(std::uint32_t first) {
-    for (Share& share : shares_) share.wait_from(first);
-  }
+  void wait_from(std::uint32_t first) { first_waiting_ = first; }
   // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
   // zone which is larger. The union goes to `united`, the nodes are added to `parts`. How many zones were looked at.
   std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
                     std::vector<std::uint32_t>& parts);
   // How many states with this discrete part are stored.
-  std::size_t count(std::uint32_t discrete) const { return share_of(discrete).count(discrete); }
+  std::size_t count(std::uint32_t discrete) const;
 
   // The stored state with this discrete part and this zone; no_node if there is none.
-  std::uint32_t find(std::uint32_t discrete, ZoneView zone) const { return share_of(discrete).find(discrete, zone); }
+  std::uint32_t find(std::uint32_t discrete, ZoneView zone) const;
 
   // As `covers`; without `subsumption`, whether an equal zone is stored.
   bool contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const;
@@ -85,56 +81,53 @@ class PassedList {
     discretes_.announce(slots, written, reader);
   }
   std::uint32_t locate(const DiscreteStates::Reader& reader) const { return discretes_.find(reader); }
+  // A number for the announced state, equal for equal states.
+  std::uint64_t key(const DiscreteStates::Reader& reader) const { return reader.hash; }
+  // Whether the zone contains one that is stored for this discrete state.
+  bool would_cover(std::uint32_t discrete, ZoneView zone) const;
+  std::uint64_t hash(ZoneView zone) const { return zones_.hash(zone); }
 
-  // What was announced last, and not to a reader.
-  const DiscreteStates::Reader& announced() const { return discretes_.announced(); }
-
-  // What several threads may add, each to a share of its own. `locate`: as without arguments, for what was announced to
-  // a reader.
-  std::size_t shares() const { return shares_.size(); }
-  Share& parts(std::size_t share) { return shares_[share]; }
-  std::size_t key_words() const { return discretes_.key_words(); }
-  std::uint32_t locate(const std::uint64_t* key, std::uint64_t hash) { return discretes_.locate(key, hash, no_node); }
-  // The number of a node that is going to be settled.
-  std::uint32_t append(std::uint32_t parent);
-  Nodes& nodes() { return nodes_; }
-  // So many more states are stored, less those that were covered.
-  void count_stored(std::int64_t more) {
-    stored_ = static_cast<std::uint32_t>(static_cast<std::int64_t>(stored_) + more);
+  // A state with this key and a zone with this hash are going to be added: asks for the memory that this looks at
+  // first.
+  void expect(std::uint64_t key, std::uint64_t hash) const {
+    discretes_.prefetch(key);
+    zones_.prefetch(hash);
   }
+
+  // Whether a state with this discrete part has been added whose number is `first` or larger.
+  bool has_since(std::uint32_t discrete, std::uint32_t first) const;
+  // Adds a state of which it is known that it covers no stored one and no stored one covers it; the hash of its zone.
+  std::uint32_t add_apart(std::uint32_t discrete, ZoneView zone, std::uint64_t hash, std::uint32_t parent);
 
   // The nodes that the last `add` has removed.
-  const std::vector<std::uint32_t>& covered_last() const { return *covered_last_; }
+  const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }
 
-  // From now on these nodes, whose numbers rise, and those from `first` to `last`, without it, are not covered by
-  // others.
-  void protect(std::vector<std::uint32_t> nodes, std::uint32_t first, std::uint32_t last) {
-    nodes_.protect(std::move(nodes), first, last);
-  }
+  // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.
+  void protect(std::uint32_t first, std::uint32_t last) { protected_ = {first, last - first}; }
 
   std::uint32_t size() const { return nodes_.size(); }
   std::uint32_t stored() const { return stored_; }
   // How many discrete states there are.
   std::uint32_t discrete_states() const { return discretes_.size(); }
-  bool covered(std::uint32_t number) const { return nodes_.covered(number); }
+  bool covered(std::uint32_t number) const { return (node(number).zone & mark) != 0; }
   // The number of the discrete state of a node.
-  std::uint32_t discrete(std::uint32_t number) const { return nodes_.discrete(number); }
+  std::uint32_t discrete(std::uint32_t number) const {
+    std::uint32_t link = node(number).link;
+    while ((link & mark) == 0) link = node(link).link;
+    return link & ~mark;
+  }
   // The node that a node has been reached from; no_node for the initial state.
   std::uint32_t parent(std::uint32_t number) const { return parents_[number]; }
   // The zone of a node that is not covered, or a copy of it in the buffer.
-  ZoneView zone(std::uint32_t number, ZoneBuffer& buffer) const {
-    return zones_of(number).read(nodes_.zone(number), buffer.get());
-  }
+  ZoneView zone(std::uint32_t number, ZoneBuffer& buffer) const { return zones_.read(zone_of(number), buffer.get()); }
   // Writes that zone.
   void copy_zone(std::uint32_t number, ZoneBuffer& zone) const {
     const ZoneView held = this->zone(number, zone);
     if (held.data.bytes != zone.get().bytes)
-      std::memcpy(zone.get().bytes, held.data.bytes, zones_of(number).operations(held.dimension).bytes);
+      std::memcpy(zone.get().bytes, held.data.bytes, zones_.operations(held.dimension).bytes);
   }
   // Whether the zone of a node that is not covered contains this one of the same discrete state.
-  bool includes(std::uint32_t number, ZoneView zone) const {
-    return zones_of(number).covers(nodes_.zone(number), zone);
-  }
+  bool includes(std::uint32_t number, ZoneView zone) const { return zones_.covers(zone_of(number), zone); }
   void unpack(std::uint32_t number, std::int32_t* slots) { discretes_.unpack(discrete(number), slots); }
   void unpack_discrete(std::uint32_t discrete, std::int32_t* slots) { discretes_.unpack(discrete, slots); }
   // Whether a node has this discrete state.
@@ -144,19 +137,67 @@ class PassedList {
   std::size_t bytes() const;
 
  private:
-  Share& share_of(std::uint32_t discrete) { return shares_[discretes_.share_of(discrete)]; }
-  const Share& share_of(std::uint32_t discrete) const { return shares_[discretes_.share_of(discrete)]; }
-  const ZoneStore& zones_of(std::uint32_t node) const {
-    return (shares_.size() == 1 ? shares_.front() : share_of(discrete(node))).zones();
-  }
+  static constexpr std::size_t short_chain = 8;
+  static constexpr std::uint32_t mark = std::uint32_t{1} << 31;
 
-  Nodes nodes_;
-  Parents parents_;
-  DiscreteStates discretes_;
-  std::vector<Share> shares_;
+  struct Node {
+    std::uint32_t link;  // the next in a short antichain; for the last one and others, the discrete state and the mark
+    std::uint32_t zone;  // of a covered node with the mark: if its zone may be gone, what else fits of the hash of that
+  };
+
+  bool is_long(std::uint32_t head) const { return head != no_node && (head & mark) != 0; }
+  Antichain& chain(std::uint32_t head) { return chains_[head & ~mark]; }
+  const Antichain& chain(std::uint32_t head) const { return chains_[head & ~mark]; }
+  const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
+  std::uint32_t zone_of(std::uint32_t number) const { return node(number).zone & ~mark; }
+  // The next in a short antichain; no_node behind the last.
+  std::uint32_t next(std::uint32_t number) const {
+    const std::uint32_t link = node(number).link;
+    return (link & mark) != 0 ? no_node : link;
+  }
+  // Removes the members of an antichain that the zone covers.
+  void thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds);
+  bool is_above(std::uint32_t number, ZoneView zone, const ClockBounds* bounds) const {
+    return zones_.covers(zone_of(number), zone, bounds);
+  }
+  bool is_below(std::uint32_t number, ZoneView zone, const ClockBounds* bounds) const {
+    return zones_.is_covered(zone_of(number), zone, bounds);
+  }
+  void cover(std::uint32_t number, std::uint32_t discrete);
+  std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
+  bool is_protected(std::uint32_t number) const { return number - protected_.first < protected_.count; }
+  // Whether an antichain has a member with this zone, which has this number.
+  bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
+  void append(std::uint32_t discrete, std::uint32_t number);
+  void add_to(Antichain& members, std::uint32_t number);
+  Extent extent_of(ZoneView zone) const {
+    return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_);
+  }
+  // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
+  void rescale(Raw largest_entry);
+  // The first node of the antichain of a discrete part, or the number of a long one with the mark.
+  std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
+  std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
+  Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
+
+  int dimension_;
+  ZoneStore zones_;
+  ZoneBuffer buffer_;      // for a copy of one of them
+  ZoneOperations scaled_;  // for which the scale is chosen
   bool reclaim_;
+  ExtentScale scale_;
+  DiscreteStates discretes_;
+  RecordPool nodes_;
+  Parents parents_;
+  std::vector<Antichain> chains_;
+  std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
-  const std::vector<std::uint32_t>* covered_last_;  // of the share to which a state was added last
+  std::vector<std::uint32_t> covered_last_;
+  std::uint32_t first_waiting_ = UINT32_MAX;
+  struct {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  } protected_;
 };
 
 }  // namespace tachk

@@ -87,12 +87,6 @@ class ZoneGraph final {
   const ZoneOperations& operations() const { return operations_; }
   // Those of each smaller dimension, if zones are stored without clocks that do not matter; else none.
   const std::vector<ZoneOperations>& smaller_operations() const { return smaller_; }
-  // Those of zones of this dimension as they are stored.
-  const ZoneOperations& operations(int dimension) const {
-    return smaller_.empty() || dimension == program_.dimension() ? operations_
-                                                                 : smaller_[static_cast<std::size_t>(dimension)];
-  }
-  std::size_t bytes(int dimension) const { return operations(dimension).bytes; }
   Semantics& semantics() { return semantics_; }
   // Where processes are interchangeable, successors are told with those sorted; how that was done for the last one, and
   // whether it is done, may be asked for here.
@@ -119,8 +113,6 @@ class ZoneGraph final {
     return options_.extrapolation != Extrapolation::none && smaller_.empty() && !program_.has_stopwatches &&
            program_.diagonals.empty();
   }
-  // Whether `abstract` may throw.
-  bool may_overflow() const { return options_.extrapolation == Extrapolation::none; }
   // The constants that count in a discrete state, until the next call.
   ClockBounds bounds(const std::int32_t* slots) { return abstraction_.bounds(slots); }
 

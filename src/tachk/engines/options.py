@@ -121,11 +121,9 @@ class Options:
             use in a quarter of the first 256, and then 1,500 depth first, each in a search of its own; not with
             `shortest`, nor where `deadlock` is asked for.
         threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
-            their number, the states, their order and the runs are the same; only memory differs. One thread searches
-            depth first, over local times, with `passing` or `partial_order`, for certificates, and for runs that go on
-            for ever.
-        threads_after: how many states there must be before a search uses more than one thread, and before it takes
-            states in stretches whose members are not dropped for each other.
+            their number, the states, their order and the runs are the same. One thread searches depth first, over local
+            times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
+        threads_after: how many states there must be before a search uses more than one thread.
         processes: how many searches for different queries run at the same time, each in a process of its own, once a
             second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.

@@ -1,10 +1,12 @@
-// The successors of many states at once, found and stored by several threads: the same are stored, under the same
-// numbers, as by one thread that takes the states one after the other.
+// Successors of the states that the search is going to expand next, found by several threads before it asks for them.
 //
-// First all threads find the successors, and drop those that a stored state covers; nothing is stored meanwhile. Then
-// each share of the discrete states is gone through by one thread, which compares what was found for it, in order, with
-// what is stored there and with what comes before it. Last, when it is known how many are new, they get their numbers.
-// That one state of the batch covers another one must not matter: so none may be removed as long as the batch lasts.
+// The threads change nothing: they look at the states stored so far, each with a zone graph of its own, and drop the
+// successors that one of these covers. The search then takes what is left, state by state in its own order, and does
+// with it what it does with successors that it finds itself. So it stores the same states in the same order however
+// many threads there are and whatever each of them does. What has been found stays right while states are added,
+// because a state that is covered remains covered.
+//
+// While the search stores, the other threads expand the first states of the next block, for which they need no store.
 #pragma once
 
 #include <atomic>
@@ -12,11 +14,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "reachability/ahead/finder.hpp"
-#include "reachability/ahead/keeper.hpp"
 #include "reachability/ahead/team.hpp"
 #include "reachability/goals.hpp"
 #include "states/store.hpp"
@@ -26,107 +26,76 @@ namespace tachk {
 
 class Ahead final {
  public:
-  Ahead(const ZoneGraph& graph, PassedList& passed, unsigned threads);
+  Ahead(const ZoneGraph& graph, const PassedList& passed, bool subsumption, unsigned threads);
 
-  // Finds the successors of these states, which are not covered. How many of the first ones may be stored: up to one in
-  // which a goal may be reached or which may lead to an error. Threads are started unless there are some.
-  std::size_t find(std::span<const std::uint32_t> nodes, const GoalWatch& goals, const std::vector<std::uint8_t>& taken,
-                   const Finder::Manner& manner);
-  // How many successors have been found.
-  std::size_t found() const;
-  // Stores the successors of the first `count` of the states.
-  void store(std::size_t count, const Keeper::Terms& terms);
-  // Tells of each state, and of each state stored behind it, in order: begin(place, expansion, edges), and
-  // add(harvest, found, union, keeper) which returns the number of the node. Then they are nodes.
-  template <class Begin, class Add>
-  void number(std::size_t count, Begin begin, Add add);
+  // What was found of a state; nothing if it was not among those that were looked at, or if other goals are open by
+  // now. States are asked for in the order in which they were given.
+  struct Result {
+    Harvest* harvest;
+    const Expansion* expansion;
+  };
+  std::optional<Result> result(std::uint32_t node, const GoalWatch& goals);
+  // Whether what was found of a discrete state says how its successors compare with all stored states: with those
+  // stored since only as long as none of them was taken to be covered.
+  bool knows(std::uint32_t discrete) const {
+    return !block_.doubtful || !passed_.has_since(discrete, block_.first_unknown);
+  }
+  // A state is stored that was taken to be covered, or one that is more than was found.
+  void doubt() { block_.doubtful = true; }
 
-  std::span<const std::unique_ptr<Keeper>> keepers() const { return keepers_; }
-  // The most threads that have worked at the same time.
+  // Looks for the successors of the first `block` of these states, or of fewer. The others are likely to be next.
+  // Threads are started unless there are some.
+  void look(std::vector<std::uint32_t> nodes, std::size_t block, const GoalWatch& goals,
+            const std::vector<std::uint8_t>& taken);
+  // The most threads that have looked at the same time.
   unsigned threads() const { return threads_; }
-  // Ends the threads until there is more to do.
-  void rest() { team_.reset(); }
+  // Ends the threads until there is more to look for.
+  void rest();
 
  private:
-  // The finder of each member, made by the thread that uses it, so that what two of them write does not lie side by
-  // side.
-  void make_finders();
-  void find(unsigned member, std::span<const std::uint32_t> nodes);
-  // Finds out to which shares states belong some part of which is new.
-  void divide();
-  // Calls work(keeper, member) for each share.
-  template <class Work>
-  void each_share(Work work);
-
-  // Whether nobody has taken this share yet.
-  bool takes(std::size_t share) { return !taken_[share].flag.exchange(true); }
-
-  struct alignas(64) Taken {
-    std::atomic<bool> flag{false};
+  struct Place {
+    std::uint32_t finder;
+    std::uint32_t expansion;
   };
+  // The states that are looked at together.
+  struct Block {
+    std::vector<std::uint32_t> nodes;
+    std::vector<Place> places = {};   // of their expansions
+    std::vector<Place> early = {};    // of those that have been expanded early, among these
+    std::size_t next = 0;             // among the nodes
+    std::uint32_t first_unknown = 0;  // the first state stored since
+    bool doubtful = false;
+    std::uint64_t goals_then = 0;
+  };
+  static constexpr std::uint32_t nobody = UINT32_MAX;
+  static constexpr std::size_t fewest_early = 16;
+  static constexpr std::size_t most_early = 512;
 
+  // The others end what they do early.
+  void interrupt();
+  // Finds what has been expanded early in the block; how many states the others have expanded.
+  std::size_t place_early();
+  void find(const GoalWatch& goals, const std::vector<std::uint8_t>& taken);
+  void find(unsigned member, std::atomic<std::size_t>& next);
+  // Sifts, and lets the others go on with these states.
+  void sift_and_go_on(std::vector<std::uint32_t> further);
+  // Of the successors whose keys fall to this share: which ones earlier ones cover.
+  void sift(std::uint64_t share, std::uint64_t shares, std::vector<Found*>& latest);
+  void compare(Found& found, Found* before) const;
+  const Harvest& harvest(const Found& found) const { return finders_[found.finder]->harvest(); }
+  bool same_discrete(const Found& one, const Found& other) const;
+
+  const PassedList& passed_;
   const ZoneGraph& graph_;
-  PassedList& passed_;
   std::vector<std::unique_ptr<Finder>> finders_;
-  std::vector<Taken> taken_;  // of each share
-  std::vector<std::unique_ptr<Keeper>> keepers_;
-  std::vector<Expansion> expansions_;
-  alignas(64) std::atomic<std::uint32_t> next_{0};
-  alignas(64) std::atomic<std::uint32_t> first_event_{0};
+  std::vector<std::vector<Found*>> latest_;  // of each thread: the last one with a discrete state, by keys
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> share_{0};
+  std::atomic<std::uint32_t> sifting_{0};  // how many of the others
+  std::size_t early_ = fewest_early;       // how many states each of the others notes
   unsigned threads_ = 1;
+  Block block_;
   std::optional<Team> team_;  // ends before what it works on
 };
-
-template <class Begin, class Add>
-void Ahead::number(std::size_t count, Begin begin, Add add) {
-  struct Source {
-    Keeper* keeper;
-    const Arrivals::Arrival* next;
-    const Arrivals::Arrival* last;
-    const Keeper::Union* next_union;
-  };
-  constexpr std::uint64_t end = UINT64_MAX;
-  std::vector<Source> sources;
-  for (const std::unique_ptr<Keeper>& keeper : keepers_) {
-    const std::span<const Arrivals::Arrival> all = keeper->arrivals();
-    sources.push_back({keeper.get(), all.data(), all.data() + all.size(), keeper->unions().data()});
-  }
-  for (std::size_t place = 0; place < count; ++place) {
-    const Expansion& expansion = expansions_[place];
-    Harvest& harvest = finders_[expansion.finder]->harvest();
-    begin(place, expansion,
-          std::span(harvest.edges).subspan(expansion.first_edge, expansion.last_edge - expansion.first_edge));
-    for (;;) {
-      Source* first = nullptr;
-      std::uint64_t least = end;
-      for (Source& source : sources)
-        if (source.next != source.last && source.next->order < least) {
-          least = source.next->order;
-          first = &source;
-        }
-      if (least >> 32 != place) break;
-      const auto arrival = static_cast<std::uint32_t>(first->keeper->numbers().size());
-      const std::span<const Keeper::Union> unions = first->keeper->unions();
-      const bool united = first->next_union != unions.data() + unions.size() && first->next_union->arrival == arrival;
-      first->keeper->numbers().push_back(add(harvest, harvest.found[static_cast<std::uint32_t>(least)],
-                                             united ? first->next_union++ : nullptr, *first->keeper));
-      ++first->next;
-    }
-  }
-  each_share([](Keeper& keeper, unsigned) { keeper.settle(); });
-}
-
-// Each begins with those that it has worked on before, as a rule.
-template <class Work>
-void Ahead::each_share(Work work) {
-  for (Taken& taken : taken_) taken.flag = false;
-  const std::size_t shares = keepers_.size();
-  const std::size_t members = team_->members();
-  team_->share([&](unsigned member) {
-    for (std::size_t n = 0; n < shares; ++n)
-      if (const std::size_t share = (member * shares / members + n) % shares; takes(share))
-        work(*keepers_[share], member);
-  });
-}
 
 }  // namespace tachk

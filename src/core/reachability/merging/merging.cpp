@@ -1,7 +1,6 @@
 #include "reachability/merging/merging.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace tachk {
 
@@ -9,17 +8,11 @@ ZoneView Merging::united(PassedList& passed, std::uint32_t discrete, ZoneView zo
   fresh_.clear();
   if (!allowed_) return zone;
   passed.wait_from(first);
-  if (first == no_node) return zone;
-  if (!trial_.asks()) {
-    answers_.decline();
-    return zone;
-  }
+  if (first == no_node || !trial_.asks()) return zone;
   const std::size_t looked = passed.unite(discrete, zone, first, united_.get(), fresh_);
-  answers_.tell(!fresh_.empty(), looked);
+  trial_.tell(!fresh_.empty(), looked);
   return fresh_.empty() ? zone : ZoneView{united_.get(), zone.dimension};
 }
-
-void Merging::settle() { trial_.settle(std::exchange(answers_, {})); }
 
 void Merging::stored(std::uint32_t node) {
   for (const std::uint32_t part : fresh_) parts_.push_back({node, part});

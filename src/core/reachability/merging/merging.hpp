@@ -22,15 +22,6 @@ class Merging final {
   Merging(bool allowed, const ZoneOperations& operations)
       : allowed_(allowed), trial_(allowed, Trial::short_first), united_(operations) {}
 
-  // Whether zones may be united, and whether they are to be until `settle` is called.
-  bool allowed() const { return allowed_; }
-  bool asks() const { return trial_.asks(); }
-  // Weighs whether uniting has paid since this was called last.
-  void settle();
-  // What others have tried, and one that they have united.
-  void add(const TrialAnswers& answers) { answers_.add(answers); }
-  void add(std::uint32_t whole, std::uint32_t part) { parts_.push_back({whole, part}); }
-
   // The union of the zone with as many as possible of those that wait in this discrete state, in nodes from `first` on.
   ZoneView united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first);
   // The node that has the zone returned last.
@@ -51,7 +42,6 @@ class Merging final {
 
   bool allowed_;
   Trial trial_;
-  TrialAnswers answers_;  // since it was settled
   ZoneBuffer united_;
   std::vector<std::uint32_t> fresh_;  // what the zone returned last has been made of, besides what was new
   std::vector<Part> parts_;
