@@ -93,11 +93,10 @@ EVENTUALLY = (
 
 
 @pytest.mark.parametrize("kind", ["groups", "rings"])
-@pytest.mark.parametrize("block", range(2))
-def test_what_each_run_meets(kind: str, block: int) -> None:
+def test_what_each_run_meets(kind: str) -> None:
     """Sorted or not, depth first or by a short proof: the same answers, runs that replay, and proofs."""
     with_exchanges = proofs = 0
-    for seed in range(10 * block, 10 * block + 10):
+    for seed in range(20):
         model = tachk.loads(CASES[kind](Random(f"met{seed}")).text)
         queries = Random(seed).sample(EVENTUALLY, 3)
         ways = (Options(), Options(proof_after=NEVER), Options(proof_after=0, attempts=False), Options(symmetry=False))
