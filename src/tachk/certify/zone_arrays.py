@@ -163,20 +163,31 @@ class Pieces:
 
     def beyond(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
         """Those that lie within no single one of the others; as `without`."""
-        left, done, number = self, [self.take(slice(0))], 0
-        while len(left.row):
-            other = np.searchsorted(others.row, left.row) + number
-            some = other < np.searchsorted(others.row, left.row, "right")
-            done.append(left.take(~some))
-            left, other, number = left.take(some), other[some], number + 1
-            used = np.ones(len(other), bool) if counts is None else counts(other, left.origin)
-            bounds = others.table[others.zone[other]]
-            left = left.take(~(used & (left.table[left.zone] <= bounds).all(axis=(1, 2))))
-        return joined(done)
+
+        def left_of(pieces: Pieces, used: Truths, zone: Numbers) -> Pieces:
+            within = (pieces.table[pieces.zone] <= others.table[zone]).all(axis=(1, 2))
+            return pieces.take(~(used & within))
+
+        return self._compared(others, counts, left_of)
 
     def without(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
         """What is outside of all others of their discrete states, which are in the order of these, as far as they count
         for pieces of their origins."""
+
+        def left_of(pieces: Pieces, used: Truths, zone: Numbers) -> Pieces:
+            parts = pieces.take(used).become(outside, others.table, zone[used])
+            return joined([pieces.take(~used), parts])
+
+        return self._compared(others, counts, left_of)
+
+    def _compared(
+        self,
+        others: Pieces,
+        counts: Callable[[Numbers, Numbers], Truths] | None,
+        left_of: Callable[[Pieces, Truths, Numbers], Pieces],
+    ) -> Pieces:
+        """What is left after one of the others of their discrete states after the other. `left_of` tells what is left
+        of pieces, of which some are compared with another zone each."""
         left, done, number = self, [self.take(slice(0))], 0
         while len(left.row):
             other = np.searchsorted(others.row, left.row) + number
@@ -184,8 +195,7 @@ class Pieces:
             done.append(left.take(~some))
             left, other, number = left.take(some), other[some], number + 1
             used = np.ones(len(other), bool) if counts is None else counts(other, left.origin)
-            parts = left.take(used).become(outside, others.table, others.zone[other[used]])
-            left = joined([left.take(~used), parts])
+            left = left_of(left, used, others.zone[other])
         return joined(done)
 
 
