@@ -1,6 +1,6 @@
 """A quick look at a network: which processes cannot become each other, by the variables that their edges mention.
 
-Colours of processes, variables and elements of arrays are refined as in `tachk.reduction.symmetry.colours`, but nothing
+Colours of processes, variables and elements of arrays are divided (`tachk.reduction.symmetry.refinement`), but nothing
 is asked of other numbers nor of the order in which things stand. So most networks without interchangeable processes are
 recognised before anything is read in full. What an edge mentions is looked for once in networks that share processes.
 """
@@ -17,6 +17,7 @@ from tachk.model.remembered import by_network, by_part
 from tachk.model.traversal import statement_expressions, walk
 from tachk.records import dataclass
 from tachk.reduction.impossible import never_taken
+from tachk.reduction.symmetry.refinement import Line, numbered, refined
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +40,8 @@ class Sketch:
 
 _Mention = tuple[Variable, int | None]
 """Of a variable; of an array also the element, by its index where that is a constant."""
-_Mentions = tuple[tuple[Hashable, tuple[_Mention, ...]], ...]
-"""Locations and edges, with what each of them mentions."""
+_Mentions = tuple[Line[_Mention], ...]
+"""Locations and edges, with what each of them mentions, wherever it does."""
 
 
 @by_network
@@ -55,7 +56,7 @@ def sketch_of(network: Network) -> Sketch:
 
 
 def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
-    processes = _numbers(
+    processes = numbered(
         (
             process.initial,
             tuple(v.type for v in process.variables),
@@ -65,45 +66,26 @@ def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
         else number
         for number, (process, own) in enumerate(zip(network.processes, lines, strict=True))
     )
-    things = list(dict.fromkeys(mention for own in lines for _, mentioned in own for mention in mentioned))
-    colours = dict(zip(things, _numbers((each[0].type, each[1] is None) for each in things), strict=True))
-    while len(set(processes)) < len(processes):
-        places: dict[_Mention, Counter[Hashable]] = {each: Counter() for each in things}
-        for process, own in zip(processes, lines, strict=True):
-            for shape, mentioned in own:
-                for each in mentioned:
-                    places[each][process, shape] += 1
-        divided = _numbers((colours[each], frozenset(counted.items())) for each, counted in places.items())
-        before = len(set(processes)), len(set(colours.values()))
-        colours = dict(zip(things, divided, strict=True))
-        seen = (
-            [(shape, tuple(sorted(colours[each] for each in mentioned))) for shape, mentioned in own] for own in lines
-        )
-        processes = _numbers(
-            (process, frozenset(Counter(own).items())) for process, own in zip(processes, seen, strict=True)
-        )
-        if before == (len(set(processes)), len(set(divided))):
-            break
-    return processes
-
-
-def _numbers(things: Iterable[Hashable]) -> list[int]:
-    """The same number for those that are equal."""
-    found: dict[Hashable, int] = {}
-    return [found.setdefault(thing, len(found)) for thing in things]
+    things = list(dict.fromkeys(mention for own in lines for _, mentioned in own for _, mention in mentioned))
+    colours = dict(zip(things, numbered((each[0].type, each[1] is None) for each in things), strict=True))
+    return refined(lines, processes, colours, lambda _: None)
 
 
 @by_part
 def _locations(process: Process, known: Known) -> _Mentions:
     return tuple(
-        (("location", number), _mentioned(_of_location(location, known), known))
+        _line(("location", number), _of_location(location, known), known)
         for number, location in enumerate(process.locations)
     )
 
 
 @by_part
 def _edges(process: Process, known: Known) -> _Mentions:
-    return tuple(((edge.source, edge.target), _mentioned(_of_edge(edge, known), known)) for edge in process.edges)
+    return tuple(_line((edge.source, edge.target), _of_edge(edge, known), known) for edge in process.edges)
+
+
+def _line(shape: Hashable, expressions: Iterable[Expression], known: Known) -> Line[_Mention]:
+    return shape, tuple((None, mention) for mention in _mentioned(expressions, known))
 
 
 def _of_location(location: Location, known: Known) -> Iterator[Expression]:
