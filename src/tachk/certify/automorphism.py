@@ -30,10 +30,9 @@ from tachk.certify.junctions import Atom, Junction, Part, Sets, atoms, part_of
 from tachk.certify.leaves import FAULT, Case, Leaf, UndecidedError, Unknown, Values, content
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.traversal import (
-    called_functions,
     process_expressions,
-    statement_expressions,
     walk,
+    with_bodies,
     written_variables,
 )
 from tachk.model.types import cell_count
@@ -172,9 +171,7 @@ class Automorphisms:
 
     def _mentions(self, expressions: Iterable[Expression], whole: Exchange) -> bool:
         """Whether something that is exchanged is mentioned."""
-        outer = list(expressions)
-        inner = [e for function in called_functions(outer) for e in statement_expressions(function.body)]
-        for node in (node for expression in (*outer, *inner) for node in walk(expression)):
+        for node in (node for expression in with_bodies(expressions) for node in walk(expression)):
             if isinstance(node, LocationTest) and node.process in whole.slots:
                 return True
             if isinstance(node, Reference) and not whole.slots.keys().isdisjoint(self._slots(node.variable)):

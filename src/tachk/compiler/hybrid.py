@@ -13,7 +13,7 @@ from tachk.diagnostics.span import Span
 from tachk.model.expressions import Call, Expression, Field, Index, Reference, Unary
 from tachk.model.floating import DOUBLE, FloatingOperation
 from tachk.model.network import Location, Network
-from tachk.model.traversal import called_functions, reads_hybrid, statement_expressions, walk
+from tachk.model.traversal import reads_hybrid, walk, with_bodies
 from tachk.model.types import cell_count
 from tachk.operators import UnaryOperator
 
@@ -133,8 +133,7 @@ def _slots_read(network: Network, known: Known, layout: SlotLayout) -> set[int]:
     """The slots of the variables that rates name, in functions too."""
     written = [rate for p in network.processes for location in p.locations for _, rate in location.hybrid_rates]
     folded = [fold(rate, known) for rate in written]
-    bodies = [s for f in called_functions(folded) for s in statement_expressions(f.body)]
-    named = {node.variable for outer in (*folded, *bodies) for node in walk(outer) if isinstance(node, Reference)}
+    named = {node.variable for outer in with_bodies(folded) for node in walk(outer) if isinstance(node, Reference)}
     spans = ((layout.first_slot(variable), cell_count(variable.type)) for variable in named)
     return {slot for first, count in spans for slot in range(first, first + count) if layout.is_state(slot)}
 

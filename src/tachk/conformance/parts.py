@@ -20,11 +20,10 @@ from tachk.model.expressions import Constant, Expression, Index, LocationTest, R
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap
 from tachk.model.traversal import (
-    called_functions,
     children,
     process_expressions,
-    statement_expressions,
     walk,
+    with_bodies,
     written_variables,
 )
 from tachk.model.types import ChannelType, element_type
@@ -187,10 +186,9 @@ class _Groups:
 
 
 def _things_of(shared: Container[Variable], process: Process) -> Iterator[_Thing]:
-    expressions = list(process_expressions(process))
-    bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
-    yield from _things(shared, [*expressions, *bodies])
-    nodes = (node for expression in (*expressions, *bodies) for node in walk(expression))
+    expressions = with_bodies(process_expressions(process))
+    yield from _things(shared, expressions)
+    nodes = (node for expression in expressions for node in walk(expression))
     yield from (("process", node.process) for node in nodes if isinstance(node, LocationTest))
 
 

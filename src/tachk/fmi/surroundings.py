@@ -28,11 +28,10 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Network, Process, Signal, Synchronisation
 from tachk.model.traversal import (
-    called_functions,
     process_expressions,
     roots,
-    statement_expressions,
     walk,
+    with_bodies,
     written_variables,
 )
 from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, kinds_of_cells
@@ -111,8 +110,7 @@ class _Part:
     def __init__(self, network: Network, members: set[int], known: Known) -> None:
         self.members = members
         outermost = [e for number in members for e in process_expressions(network.processes[number])]
-        bodies = [e for f in called_functions(outermost) for e in statement_expressions(f.body)]
-        nodes = [node for expression in (*outermost, *bodies) for node in walk(expression)]
+        nodes = [node for expression in with_bodies(outermost) for node in walk(expression)]
         self.used = {node.variable for node in nodes if isinstance(node, Reference)}
         self.written = written_variables(outermost)
         self.places = {node.process for node in nodes if isinstance(node, LocationTest)}
@@ -198,9 +196,7 @@ def _used(network: Network, ours: _Part) -> Iterator[Variable]:
 
 
 def _is_seen(network: Network, signal: Signal, ours: _Part) -> bool:
-    nodes = list(walk(signal.expression))
-    bodies = [e for f in called_functions([signal.expression]) for e in statement_expressions(f.body)]
-    nodes += [node for body in bodies for node in walk(body)]
+    nodes = [node for expression in with_bodies([signal.expression]) for node in walk(expression)]
     asked = {node.process for node in nodes if isinstance(node, LocationTest)}
     read = {node.variable for node in nodes if isinstance(node, Reference)} & {*network.all_variables()}
     return asked <= ours.members and read <= ours.used

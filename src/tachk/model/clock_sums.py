@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from tachk.model.expressions import Assign, Binary, Conditional, Expression, Field, Index, Reference
 from tachk.model.network import Network
-from tachk.model.traversal import called_functions, statement_expressions, walk
+from tachk.model.traversal import walk, with_bodies
 from tachk.model.types import ClockType
 from tachk.operators import BinaryOperator
 from tachk.records import dataclass
@@ -50,9 +50,7 @@ def clock_sum(value: Expression) -> ClockSum | None:
 
 def clock_assignments(expressions: Iterable[Expression]) -> Iterator[Assign]:
     """What sets a clock in the expressions and the functions that they call."""
-    outer = list(expressions)
-    bodies = (e for function in called_functions(outer) for e in statement_expressions(function.body))
-    for expression in (*outer, *bodies):
+    for expression in with_bodies(expressions):
         for node in walk(expression):
             if isinstance(node, Assign) and isinstance(node.target.type, ClockType):
                 yield node

@@ -147,6 +147,12 @@ def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:
     return found
 
 
+def with_bodies(expressions: Iterable[Expression]) -> list[Expression]:
+    """The expressions, and the outermost ones in the functions that they call, directly or through other functions."""
+    outer = list(expressions)
+    return [*outer, *(e for function in called_functions(outer) for e in statement_expressions(function.body))]
+
+
 def may_change(node: Expression) -> bool:
     """Whether a node itself, its parts aside, may change something."""
     return isinstance(node, Assign | Increment) or (isinstance(node, Call) and node.function.operation is None)
@@ -168,8 +174,7 @@ def reads_clock(expression: Expression) -> bool:
 
 def reads_hybrid(expression: Expression) -> bool:
     """Whether the expression, or a function that it calls, names a hybrid clock."""
-    bodies = (s for f in called_functions([expression]) for s in statement_expressions(f.body))
-    nodes = (node for outer in (expression, *bodies) for node in walk(outer))
+    nodes = (node for outer in with_bodies([expression]) for node in walk(outer))
     return any(isinstance(node, Reference) and node.variable.is_hybrid for node in nodes)
 
 
@@ -190,8 +195,7 @@ def asks_deadlock(expression: Expression) -> bool:
 
 def clock_in(expression: Expression) -> Expression | None:
     """The first clock that an expression or a function that it calls names, whatever for."""
-    bodies = (s for f in called_functions([expression]) for s in statement_expressions(f.body))
-    nodes = (node for outer in (expression, *bodies) for node in walk(outer))
+    nodes = (node for outer in with_bodies([expression]) for node in walk(outer))
     return next((node for node in nodes if isinstance(node.type, ClockType)), None)
 
 
@@ -205,10 +209,9 @@ def written_variables(expressions: Iterable[Expression]) -> set[Variable]:
 
 @by_part
 def _written(expression: Expression) -> frozenset[Variable]:
-    bodies = [e for f in called_functions([expression]) for e in statement_expressions(f.body)]
     written: set[Variable] = set()
     calls: list[Call] = []
-    for outer in (expression, *bodies):
+    for outer in with_bodies([expression]):
         for node in walk(outer):
             if isinstance(node, Assign | Increment):
                 written.update(roots(node.target))

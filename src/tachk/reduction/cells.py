@@ -30,7 +30,7 @@ from tachk.model.expressions import (
     Variable,
 )
 from tachk.model.remembered import by_part
-from tachk.model.traversal import called_functions, children, statement_expressions, walk
+from tachk.model.traversal import children, walk, with_bodies
 
 Cell = tuple[Variable, int | None]
 """A variable and the first index; None: any element of it, or the variable as a whole."""
@@ -95,7 +95,7 @@ def mentioned_cells(expressions: Iterable[Expression], known: Known) -> tuple[se
 def _mentioned(expression: Expression, known: Known) -> tuple[frozenset[int], frozenset[Cell]]:
     processes: set[int] = set()
     cells: set[Cell] = set()
-    pending = _with_bodies(expression)
+    pending = with_bodies([expression])
     while pending:
         match pending.pop():
             case LocationTest(process):
@@ -122,7 +122,7 @@ def written_cells(expressions: Iterable[Expression], known: Known) -> set[Cell]:
 def _written(expression: Expression, known: Known) -> frozenset[Cell]:
     written: set[Cell] = set()
     calls: list[Call] = []
-    for outer in _with_bodies(expression):
+    for outer in with_bodies([expression]):
         for node in walk(outer):
             if isinstance(node, Assign | Increment):
                 written.update(places(node.target, known))
@@ -138,8 +138,3 @@ def _written(expression: Expression, known: Known) -> frozenset[Cell]:
                     written.update(places(argument, known))
         changed = len(written) > before
     return frozenset(written)
-
-
-def _with_bodies(expression: Expression) -> list[Expression]:
-    bodies = (e for f in called_functions([expression]) for e in statement_expressions(f.body))
-    return [expression, *bodies]

@@ -15,10 +15,9 @@ from tachk.model.network import Location, Network, Process
 from tachk.model.remembered import by_network, by_part
 from tachk.model.traversal import (
     asks_deadlock,
-    called_functions,
     process_expressions,
-    statement_expressions,
     walk,
+    with_bodies,
     written_variables,
 )
 from tachk.model.types import ChannelType
@@ -148,7 +147,6 @@ def mentioned(expressions: Iterable[Expression]) -> tuple[set[int], set[Variable
 
 @by_part
 def _mentioned(expression: Expression) -> tuple[frozenset[int], frozenset[Variable]]:
-    bodies = [e for f in called_functions([expression]) for e in statement_expressions(f.body)]
-    nodes = [node for outer in (expression, *bodies) for node in walk(outer)]
+    nodes = [node for outer in with_bodies([expression]) for node in walk(outer)]
     processes = frozenset(node.process for node in nodes if isinstance(node, LocationTest))
     return processes, frozenset(node.variable for node in nodes if isinstance(node, Reference))

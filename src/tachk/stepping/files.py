@@ -10,7 +10,7 @@ from tachk.compiler.hybrid import refuse_hybrid
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.model.expressions import Call
 from tachk.model.network import Network
-from tachk.model.traversal import called_functions, process_expressions, statement_expressions, walk
+from tachk.model.traversal import process_expressions, walk, with_bodies
 from tachk.stepping.claims import ClaimedRun
 from tachk.stepping.report_file import read_report
 from tachk.stepping.run_file import SUFFIX, read_run_file
@@ -41,8 +41,7 @@ def check_determined(network: Network) -> None:
     """Raises UsageError for a model whose steps do not determine its states: its updates draw random numbers; and
     UnsupportedError for one with hybrid clocks, which the reference semantics does not know."""
     refuse_hybrid(network, "a replay of runs step by step")
-    expressions = [e for process in network.processes for e in process_expressions(process)]
-    expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+    expressions = with_bodies(e for process in network.processes for e in process_expressions(process))
     for node in (node for expression in expressions for node in walk(expression)):
         if isinstance(node, Call) and node.function.operation is not None and node.function.operation.draws:
             problem = f"{node.span}: `{node.function.name}` draws a number that no run tells"

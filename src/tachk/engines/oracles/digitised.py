@@ -22,7 +22,7 @@ from tachk.engines.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics
 from tachk.model.expressions import Assign, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.traversal import called_functions, statement_expressions, walk
+from tachk.model.traversal import walk, with_bodies
 from tachk.model.types import ClockType
 from tachk.semantics.clock_constants import clock_constants, interval
 from tachk.semantics.discrete import PreparedNetwork, prepare
@@ -66,8 +66,7 @@ def explore_grid(network: Network, goals: Sequence[Expression], step: Fraction, 
 
 def _largest_reset(network: Network) -> int:
     updates = [update for process in network.processes for edge in process.edges for update in edge.updates]
-    bodies = (e for function in called_functions(updates) for e in statement_expressions(function.body))
-    inside = (e for expression in (*updates, *bodies) for e in walk(expression))
+    inside = (e for expression in with_bodies(updates) for e in walk(expression))
     resets = (e for e in inside if isinstance(e, Assign) and isinstance(e.type, ClockType))
     return max((interval(e.value)[1] for e in resets), default=0)
 

@@ -10,7 +10,13 @@ from tachk.compiler.intervals import interval
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.model.expressions import Assign, Binary, Constant, Expression, Increment, Reference, Variable
 from tachk.model.network import Edge, Network
-from tachk.model.traversal import called_functions, reads_clock, roots, statement_expressions, walk, written_variables
+from tachk.model.traversal import (
+    reads_clock,
+    roots,
+    walk,
+    with_bodies,
+    written_variables,
+)
 from tachk.model.types import BoolType, ChannelType, ClockType, IntType, bounds
 from tachk.operators import BinaryOperator
 from tachk.records import dataclass
@@ -62,8 +68,7 @@ def steps_of(network: Network, known: Known) -> tuple[Step, ...]:
 
 def _clocks_set_to_zero(network: Network, known: Known) -> frozenset[Variable]:
     """The clocks (or arrays or records of them) that nothing sets to another value than 0."""
-    outer = list(network_expressions(network))
-    outer += [part for function in called_functions(outer) for part in statement_expressions(function.body)]
+    outer = with_bodies(network_expressions(network))
     every = set(network.all_variables())
     for expression in outer:
         for node in walk(expression):

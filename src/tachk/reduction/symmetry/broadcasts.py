@@ -17,7 +17,14 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.network import Edge, Network
-from tachk.model.traversal import called_functions, children, roots, statement_expressions, walk, written_variables
+from tachk.model.traversal import (
+    called_functions,
+    children,
+    roots,
+    walk,
+    with_bodies,
+    written_variables,
+)
 from tachk.model.types import ChannelType
 from tachk.records import dataclass
 from tachk.reduction.symmetry.kinds import Refusal
@@ -75,8 +82,7 @@ def _listeners(network: Network, known: Known, process: int) -> Iterator[_Listen
             writes = frozenset(cell for cell, _ in plain)
             yield _Listener(process, edge, _cell(channel), indices, writes, plain)
             continue
-        inside = [*updates, *(e for f in called_functions(updates) for e in statement_expressions(f.body))]
-        mentioned = (cell for expression in inside for cell in _mentioned(expression, known))
+        mentioned = (cell for expression in with_bodies(updates) for cell in _mentioned(expression, known))
         reads = frozenset(cell for cell in mentioned if cell[0].kind is not VariableKind.FRAME)
         written = frozenset(cell for expression in updates for cell in _written(expression))
         # What functions write through references and globals is written somewhere in it.
