@@ -86,3 +86,29 @@ def test_edges_that_are_never_taken_do_not_count() -> None:
     text = "bool x;\nprocess P(const int me) { init location L { to L { guard me > 1; assign x = 1; } to L { } } }\n"
     two, one = (sketch_of(tachk.loads(f"{text}A = P({a});\nB = P(1);\nsystem A, B;").network) for a in (0, 2))
     assert two.repeats and not one.repeats
+
+
+def _of_two(words: str) -> bool:
+    text = f"int[0, 5] turn;\nprocess P(const int[0, 1] me) {{ {_loop(words)} }}\nsystem P;"
+    return sketch_of(tachk.loads(text).network).repeats
+
+
+def test_numbers_that_are_more_than_names_tell_them_apart() -> None:
+    assert _of_two("guard turn == me; assign turn = 1 - me;")
+    assert not _of_two("guard turn > me; assign turn = 1 - me;")
+
+
+def test_what_a_function_does_with_a_number_counts() -> None:
+    function = "bool before(int[0, 1] p) { return p < turn; }\n"
+    words = "guard before(me); assign turn = 1 - me;"
+    text = f"int[0, 5] turn;\n{function}process P(const int[0, 1] me) {{ {_loop(words)} }}\nsystem P;"
+    assert not sketch_of(tachk.loads(text).network).repeats
+
+
+def test_updates_in_another_order_tell_nothing() -> None:
+    text = (
+        "int[0, 9] a, c; bool b, d;\n"
+        "process P() { init location L { to L { assign a = 2, b = 1; } } }\n"
+        "process Q() { init location L { to L { assign d = 1, c = 2; } } }\nsystem P, Q;"
+    )
+    assert sketch_of(tachk.loads(text).network).repeats

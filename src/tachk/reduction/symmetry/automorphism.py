@@ -25,7 +25,7 @@ from tachk.records import dataclass
 from tachk.reduction.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
 from tachk.reduction.symmetry.predicates import Junction, Term, flat, predicate_term
 from tachk.reduction.symmetry.terms import Number, Place, Reader, Token, cell_nodes
-from tachk.reduction.symmetry.units import Unit, read_edge, read_location
+from tachk.reduction.symmetry.units import Unit, read_edge, read_location, without_names
 
 Atom = Variable | Place | tuple[int, int]
 """What a renaming may move: a variable, a process, a number of a kind."""
@@ -138,15 +138,7 @@ class Reading:
 
     def outline(self, token: Token) -> Hashable:
         """What a token has in common with all that it may become."""
-        match token:
-            case Number(node, value):
-                return value if self.kinds.plain(self.kinds.find(node)[0]) is not None else "a name"
-            case Variable():
-                return token.type
-            case Place():
-                return "a process"
-            case _:
-                return token
+        return without_names(self.kinds, token)
 
     def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
         if isinstance(term, Junction):

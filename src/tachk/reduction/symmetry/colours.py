@@ -27,10 +27,11 @@ def colours_of_processes(reading: Reading) -> Sequence[int]:
 
 
 def _refined(reading: Reading) -> Sequence[int]:
+    told = reading.outline
     texts = [
         [
-            *((("location", place, _text(reading, unit)), _mentions(reading, unit)) for place, unit in enumerate(here)),
-            *((_text(reading, unit), _mentions(reading, unit)) for unit in edges),
+            *((("location", place, unit.text(told)), _mentions(reading, unit)) for place, unit in enumerate(here)),
+            *((unit.text(told), _mentions(reading, unit)) for unit in edges),
         ]
         for here, edges in zip(reading.locations, reading.edges, strict=True)
     ]
@@ -51,12 +52,6 @@ def _kind(atom: Atom) -> Hashable:
             return root
         case _:
             return atom.type
-
-
-def _text(reading: Reading, unit: Unit) -> Hashable:
-    """Up to what renamings may move."""
-    loose = (Counter(tuple(map(reading.outline, update.tokens)) for update in each) for each in unit.loose)
-    return (tuple(map(reading.outline, unit.tokens)), *(frozenset(counted.items()) for counted in loose))
 
 
 def _mentions(reading: Reading, unit: Unit) -> list[_Mention]:

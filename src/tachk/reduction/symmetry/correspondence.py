@@ -11,8 +11,7 @@ prove.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 
 from tachk.diagnostics.span import Span
@@ -84,9 +83,9 @@ class _Matching:
             return [(units, images)] if units else []
         classes: dict[Hashable, tuple[list[Unit], list[Unit]]] = {}
         for unit in units:
-            classes.setdefault(_text(unit, self._told_image), ([], []))[0].append(unit)
+            classes.setdefault(unit.text(self._told_image), ([], []))[0].append(unit)
         for image in images:
-            classes.setdefault(_text(image, self._told), ([], []))[1].append(image)
+            classes.setdefault(image.text(self._told), ([], []))[1].append(image)
         alike = [each for each in classes.values() if len(each[0]) == len(each[1])]
         lonely: dict[Hashable, tuple[list[Unit], list[Unit]]] = {}
         for own, its_images in classes.values():
@@ -157,8 +156,3 @@ class _Matching:
             return None
         root, shift = self.reading.kinds.find(token.node)
         return (root, token.value - shift) if self.reading.kinds.plain(root) is None else None
-
-
-def _text(unit: Unit, told: Callable[[Token], Hashable]) -> Hashable:
-    loose = (Counter(tuple(map(told, update.tokens)) for update in updates) for updates in unit.loose)
-    return (tuple(map(told, unit.tokens)), *(frozenset(counted.items()) for counted in loose))

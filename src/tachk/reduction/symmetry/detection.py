@@ -248,20 +248,6 @@ def _candidates(reading: Reading) -> Iterable[list[int]]:
     return (members for members in shapes.values() if len(members) > 1)
 
 
-def numbers_of_processes(reading: Reading) -> set[frozenset[int]]:
-    """By which numbers processes with the same text otherwise are told apart: a set for each place in their texts."""
-    found: set[frozenset[int]] = set()
-    for members in _candidates(reading):
-        texts = [_numbers(reading, member) for member in members]
-        found |= {frozenset(column) for column in zip(*texts, strict=True) if len(set(column)) == len(members)}
-    return found
-
-
-def _numbers(reading: Reading, process: int) -> list[int]:
-    units = (*reading.locations[process], *reading.edges[process])
-    return [token.value for unit in units for token in unit.every_token if isinstance(token, Number)]
-
-
 def _pairs(reading: Reading, one: int, other: int) -> Iterable[tuple[Token, Token, Span]]:
     """What stands at the same places of two processes, and what they declare."""
     first, second = (reading.network.processes[number] for number in (one, other))

@@ -20,9 +20,13 @@ from tachk.model.types import ChannelType, IntType
 from tachk.operators import BinaryOperator, Group
 from tachk.records import dataclass
 from tachk.reduction.spectators import every_action_counts, mentioned
-from tachk.reduction.symmetry.detection import find_symmetry, numbers_of_processes
+from tachk.reduction.symmetry.detection import find_symmetry
 from tachk.reduction.symmetry.kept import BehindIt, NotKeptError, WhetherItNames, uses
+from tachk.reduction.symmetry.process_numbers import most_alike, numbers_of_processes
 from tachk.words import Direction
+
+_NOBODY = 2
+"""So many values of a variable that names processes may be those of none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +46,14 @@ def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser 
     where a target speaks of ``deadlock`` or of nothing, and where there are priorities."""
     if every_action_counts(network, targets):
         return None
-    symmetry = find_symmetry(network, targets)
-    if not symmetry.apart:
+    candidates = _candidates(network, targets)
+    symmetry = find_symmetry(network, targets) if candidates else None
+    if symmetry is None or not symmetry.apart:
         return None
     before = sum(len(group.members) for group in symmetry.groups)
-    for numbers in sorted(numbers_of_processes(symmetry.reading), key=lambda each: (-len(each), min(each))):
-        names = range(min(numbers), max(numbers) + 1)
-        coarser = _without_order(network, names) if len(names) == len(numbers) else None
-        if coarser is None or not mentioned(targets)[1].isdisjoint(coarser.variables):
+    for names, variables in candidates:
+        coarser = _without_order(network, names, variables)
+        if coarser is None:
             continue
         found = find_symmetry(coarser.network, targets)
         if sum(len(group.members) for group in found.groups) > before:
@@ -57,23 +61,46 @@ def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser 
     return None
 
 
-def _without_order(network: Network, names: range) -> Coarser | None:
+def _candidates(network: Network, targets: Sequence[Expression]) -> Sequence[tuple[range, Sequence[Variable]]]:
+    """Numbers of processes, many of them first, each with the variables that may count through them. What is cheap to
+    find out is asked first: in most networks there are none."""
+    known, asked = known_values(network, []), mentioned(targets)[1]
+    most = most_alike(network) + _NOBODY
+    counting = [v for v in _counting(network) if v not in known.values and 2 <= _values(v) <= most]
+    forgettable = {v for v in counting if v not in asked and _is_used_by_one_edge_at_a_time(network, v)}
+    if not forgettable:
+        return []
+    found = []
+    for numbers in numbers_of_processes(network, max(2, min(map(_values, forgettable)) - _NOBODY)):
+        names = range(min(numbers), max(numbers) + 1)
+        variables = [v for v in counting if _may_name(v, names)]
+        if len(names) == len(numbers) and variables and forgettable.issuperset(variables):
+            found.append((names, variables))
+    return sorted(found, key=lambda each: (-len(each[0]), each[0].start))
+
+
+def _without_order(network: Network, names: range, variables: Sequence[Variable]) -> Coarser | None:
     known = known_values(network, [])
-    variables = tuple(v for v in _counting(network) if v not in known.values and _may_name(network, v, names))
     for variable in variables:
         rest = _forgotten(network, variable, names, known)
         if rest is None:
             return None
         network = rest
-    return Coarser(network, variables) if variables else None
+    return Coarser(network, tuple(variables))
 
 
-def _may_name(network: Network, variable: Variable, names: range) -> bool:
-    """Whether the values of a variable are the numbers of processes, and few others that are nobody's."""
+def _values(variable: Variable) -> int:
+    """How many values a variable that may name processes has; 0 if it cannot name any."""
     if not isinstance(variable.type, IntType) or variable.declared_meta or variable.carries is not None:
-        return False
+        return 0
+    return variable.type.high - variable.type.low + 1
+
+
+def _may_name(variable: Variable, names: range) -> bool:
+    """Whether the values of a variable are the numbers of processes, and few others that are nobody's."""
+    assert isinstance(variable.type, IntType)
     low, high = variable.type.low, variable.type.high
-    return low <= names[0] and names[-1] <= high and high - low + 1 <= len(names) + 2
+    return low <= names[0] and names[-1] <= high and _values(variable) <= len(names) + _NOBODY
 
 
 def _counting(network: Network) -> list[Variable]:

@@ -1,14 +1,16 @@
 """A quick look at a network: which processes cannot become each other, by the variables that their edges mention.
 
 Colours of processes, variables and elements of arrays are divided (`tachk.reduction.symmetry.refinement`), but nothing
-is asked of other numbers nor of the order in which things stand. So most networks without interchangeable processes are
-recognised before anything is read in full. What an edge mentions is looked for once in networks that share processes.
+is asked of the order in which things stand. Then processes of one colour are divided by the numbers that are more than
+names in their own texts. So most networks without interchangeable processes are recognised before anything is read in
+full. What is asked of one process is looked for once in networks that share it.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from tachk.compiler.fold import Known, fold, fold_place, known_values
 from tachk.model.expressions import Call, Constant, Expression, Function, Index, Reference, Variable, VariableKind
@@ -17,6 +19,7 @@ from tachk.model.remembered import by_network, by_part
 from tachk.model.traversal import statement_expressions, walk
 from tachk.records import dataclass
 from tachk.reduction.impossible import never_taken
+from tachk.reduction.symmetry.alone import text_alone
 from tachk.reduction.symmetry.refinement import Line, numbered, refined
 
 
@@ -37,6 +40,11 @@ class Sketch:
         """Whether two processes with edges have the same colour."""
         return len(set(self.colours)) < len(self.colours)
 
+    def edges_taken(self, network: Network, process: int) -> tuple[Edge, ...]:
+        """The edges of a process that are not known to be never taken."""
+        edges = network.processes[process].edges
+        return tuple(edge for place, edge in enumerate(edges) if (process, place) not in self.never)
+
 
 _Mention = tuple[Variable, int | None]
 """Of a variable; of an array also the element, by its index where that is a constant."""
@@ -52,7 +60,7 @@ def sketch_of(network: Network) -> Sketch:
     for number, process in enumerate(network.processes):
         edges = enumerate(_edges(process, known))
         lines.append((*_locations(process, known), *(line for place, line in edges if (number, place) not in never)))
-    return Sketch(known, never, _refined(network, lines))
+    return _divided(network, Sketch(known, never, _refined(network, lines)))
 
 
 def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
@@ -69,6 +77,23 @@ def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
     things = list(dict.fromkeys(mention for own in lines for _, mentioned in own for _, mention in mentioned))
     colours = dict(zip(things, numbered((each[0].type, each[1] is None) for each in things), strict=True))
     return refined(lines, processes, colours, lambda _: None)
+
+
+def _divided(network: Network, sketch: Sketch) -> Sketch:
+    """Colours divided by what processes do on their own, where that tells the first two of a colour apart."""
+
+    def alone(number: int) -> Hashable:
+        return text_alone(network.processes[number], sketch.edges_taken(network, number), sketch.known)
+
+    members: dict[int, list[int]] = {}
+    for number, colour in enumerate(sketch.colours):
+        members.setdefault(colour, []).append(number)
+    texts: dict[int, Hashable] = {}
+    for alike in members.values():
+        if len(alike) > 1 and alone(alike[0]) != alone(alike[1]):
+            texts |= {number: alone(number) for number in alike}
+    colours = numbered((colour, texts.get(number)) for number, colour in enumerate(sketch.colours))
+    return replace(sketch, colours=colours)
 
 
 @by_part

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator
 
 from tachk.compiler.failures import can_fail
@@ -10,6 +11,7 @@ from tachk.diagnostics.span import Span
 from tachk.model.expressions import Assign, Constant, Expression, Reference, Variable
 from tachk.model.network import Edge, Location
 from tachk.records import dataclass
+from tachk.reduction.symmetry.kinds import Kinds
 from tachk.reduction.symmetry.terms import Number, Place, Reader, Shift, Token
 
 
@@ -39,6 +41,11 @@ class Unit:
         """The tokens up to numbers and variables."""
         return tuple(map(_outline, self.every_token))
 
+    def text(self, told: Callable[[Token], Hashable]) -> Hashable:
+        """What is told of each token; of updates in any order, of all of them together."""
+        loose = (Counter(tuple(map(told, update.tokens)) for update in updates) for updates in self.loose)
+        return (tuple(map(told, self.tokens)), *(frozenset(counted.items()) for counted in loose))
+
 
 def _outline(token: Token) -> Hashable:
     if isinstance(token, Variable):
@@ -46,6 +53,19 @@ def _outline(token: Token) -> Hashable:
     if isinstance(token, Number | Place | Shift):
         return type(token).__name__
     return token
+
+
+def without_names(kinds: Kinds, token: Token) -> Hashable:
+    """What a token has in common with all that it may become."""
+    match token:
+        case Number(node, value):
+            return value if kinds.plain(kinds.find(node)[0]) is not None else "a name"
+        case Variable():
+            return token.type
+        case Place():
+            return "a process"
+        case _:
+            return token
 
 
 def read_location(reader: Reader, process: int, location: Location) -> Unit:
