@@ -13,7 +13,7 @@ import time
 from random import Random
 
 from tachk import Limits
-from tachk.properties import reachability
+from tachk.properties import weaker
 from tachk.testing.lossy.halves import compare, random_halves
 
 _LIMITS = Limits(states=10_000)
@@ -21,7 +21,7 @@ _LIMITS = Limits(states=10_000)
 
 def main(arguments: list[str]) -> int:
     count, seed = map(int, arguments)
-    reachability.WORTH_CARRYING_OVER = 0
+    weaker.WORTH_CARRYING_OVER = 0
     started = time.monotonic()
     done = compared = fewer = faults = wrong = 0
     try:

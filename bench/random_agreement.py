@@ -25,7 +25,7 @@ from dataclasses import replace
 from random import Random
 
 from tachk.model.expressions import BOOL, Constant
-from tachk.properties import reachability
+from tachk.properties import reachability, weaker
 from tachk.properties.verdict import Answer
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
@@ -104,7 +104,7 @@ def main(arguments: list[str]) -> int:
 def compare_reductions(seeds: range) -> int:
     """Prints how often which verdicts were compared, and every disagreement."""
     # What large networks are looked at for is looked at in small ones.
-    reachability.FIRST_LOOK = reachability.WORTH_CARRYING_OVER = 0
+    reachability.FIRST_LOOK = weaker.WORTH_CARRYING_OVER = 0
     compared: Counter[tuple[str, str]] = Counter()
     fewer: Counter[str] = Counter()
     wrong, networks, runs, started = 0, Counter[str](), 0, time.monotonic()

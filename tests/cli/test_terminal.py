@@ -136,15 +136,15 @@ import sys
 from tachk.properties import reachability
 from tachk.cli.main import run
 
-lower, searches = reachability.lower, []
+lowered, searches = reachability.lowered, []
 
 def interrupt(*arguments):
     searches.append(arguments)
     if len(searches) > 1:
         raise KeyboardInterrupt
-    return lower(*arguments)
+    return lowered(*arguments)
 
-reachability.lower = interrupt
+reachability.lowered = interrupt
 run()
 """
 

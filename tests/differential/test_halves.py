@@ -10,15 +10,15 @@ import tachk
 from tachk import Limits
 from tachk.engines import reference
 from tachk.engines.outcome import Status
-from tachk.properties import reachability
+from tachk.properties import weaker
 from tachk.testing.lossy.halves import compare, random_halves
 
 LIMITS = Limits(states=2000)
 
 
-@pytest.mark.parametrize("carried_over_from", [0, reachability.WORTH_CARRYING_OVER])
+@pytest.mark.parametrize("carried_over_from", [0, weaker.WORTH_CARRYING_OVER])
 def test_leaving_out_a_half_changes_no_answer(carried_over_from: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reachability, "WORTH_CARRYING_OVER", carried_over_from)
+    monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", carried_over_from)
     first = 12 * (carried_over_from == 0)
     found = [compare(random_halves(Random(seed)), LIMITS) for seed in range(first, first + 12)]
     assert [problem for one in found for problem in one.problems] == []

@@ -24,6 +24,7 @@ class Statistics:
     interchangeable: processes of which the search did not tell which is which.
     exchanged: the same in words: ``P(1) to P(9) (9)``, for each group or ring.
     less_known: the variables of which a coarser network that was searched keeps less.
+    asked_of_all: whether what is asked of some interchangeable processes was asked of all of them.
     local_times: whether each process had a time of its own.
     threads: the most threads that worked for the search at the same time.
     """
@@ -37,6 +38,7 @@ class Statistics:
     interchangeable: int = 0
     exchanged: tuple[str, ...] = ()
     less_known: tuple[str, ...] = ()
+    asked_of_all: bool = False
     local_times: bool = False
     threads: int = 1
 
@@ -52,6 +54,7 @@ class Statistics:
             max(self.interchangeable, other.interchangeable),
             self.exchanged or other.exchanged,
             self.less_known or other.less_known,
+            self.asked_of_all or other.asked_of_all,
             self.local_times or other.local_times,
             max(self.threads, other.threads),
         )

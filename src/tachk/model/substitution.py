@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import assert_never
 
@@ -30,15 +30,16 @@ from tachk.model.expressions import (
 def substituted(expression: Expression, instead: Mapping[Variable, Expression]) -> Expression:
     """The expression with others in the place of variables, wherever they stand; functions that it calls stay as they
     are."""
+    if isinstance(expression, Reference):
+        return instead.get(expression.variable, expression)
+    return with_parts(expression, lambda part: substituted(part, instead))
 
-    def of(part: Expression) -> Expression:
-        return substituted(part, instead)
 
+def with_parts(expression: Expression, of: Callable[[Expression], Expression]) -> Expression:
+    """The expression with what ``of`` makes of each direct subexpression in its place."""
     match expression:
-        case Constant() | LocationTest() | Deadlock():
+        case Constant() | Reference() | LocationTest() | Deadlock():
             return expression
-        case Reference(variable):
-            return instead.get(variable, expression)
         case Index(base, index):
             return replace(expression, base=of(base), index=of(index))
         case Field(base):

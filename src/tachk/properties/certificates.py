@@ -33,9 +33,9 @@ from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.traversal import asks_deadlock, clock_in
-from tachk.properties import liveness, reachability
+from tachk.properties import liveness
 from tachk.properties.observed import observed
-from tachk.properties.verdict import Verdict
+from tachk.properties.verdict import Verdict, answers_of
 from tachk.reduction.symmetry.detection import find_symmetry
 from tachk.reduction.symmetry.sketch import sketch_of
 from tachk.reduction.symmetry.tables import tables_of
@@ -82,7 +82,7 @@ def is_provable(verdict: Verdict) -> bool:
     """Whether a certificate shows the answer: it says that something is never reached, or always."""
     query = verdict.query
     if query.target is not None:
-        return verdict.answer is reachability.answers_of(query)[1]
+        return verdict.answer is answers_of(query)[1]
     return query.avoided is not None and verdict.answer is liveness.answers_of(query)[1]
 
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
-from tachk.compiler.lower import lower
-from tachk.compiler.program import Goal, Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.exact.concretise import concretise
 from tachk.engines.guided_search import explore_along, states_along
@@ -20,32 +18,34 @@ from tachk.engines.outcome import (
     GoalOutcome,
     Outcome,
     Progress,
-    Statistics,
     Status,
 )
 from tachk.engines.zone import explore
-from tachk.model.expressions import Expression, Variable
+from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.query import Query
 from tachk.properties.fault_explanation import explain
 from tachk.properties.observed import ObserverMove, fault_without_observer, observed, without_observer
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import none_begun
 from tachk.properties.unexamined import unexamined
-from tachk.properties.vacuity import Trigger, noted, triggers_of, with_notes
-from tachk.properties.verdict import Answer, Verdict
-from tachk.records import dataclass
-from tachk.reduction.budgets import budgets
-from tachk.reduction.bystanders import without_bystanders
+from tachk.properties.vacuity import triggers_of, with_notes
+from tachk.properties.verdict import Answer, Verdict, answers_of
+from tachk.properties.weaker import (
+    Found,
+    Weaker,
+    lowered,
+    settle_asked_of_all,
+    settle_weaker,
+    settle_without_bystanders,
+)
 from tachk.reduction.guided import guided
-from tachk.reduction.impossible import without_impossible
 from tachk.reduction.spectators import with_spectators, without_spectators
 from tachk.reduction.symmetry.forgotten import with_less_known
-from tachk.reduction.symmetry.tables import in_equal_parts, with_symmetry
+from tachk.reduction.symmetry.tables import in_equal_parts
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError
-from tachk.semantics.timed_trace import TimedTrace, Transition
+from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 
 
@@ -62,11 +62,14 @@ def answer(
         return none_begun(search.tasks, TIME_LIMIT)
     settled: dict[int, Verdict] = {}
     if options.drop_bystanders:
-        settled, reached = _settle_without_bystanders(model.network, search, options, limits, progress)
+        settled, reached = settle_without_bystanders(model.network, search, options, limits, progress)
         for task in search.tasks:
             if task.number in reached and not _is_interrupted(settled):
                 left = limits.after(time.monotonic() - started)
                 settled |= _carried_over(model, task, reached[task.number], options, left, progress, trace)
+    if options.symmetry and not _is_interrupted(settled):
+        left = limits.after(time.monotonic() - started)
+        settled |= settle_asked_of_all(model.network, search.without(settled), options, left, progress)
     if _is_interrupted(settled):
         return none_begun((t for t in search.tasks if t.number not in settled), INTERRUPTED) | settled
     for tasks in _parts(model.network, search.without(settled).tasks, options):
@@ -95,59 +98,8 @@ def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[
     return [tuple(tasks[number] for number in part) for part in parts]
 
 
-_FIRST_TRY = 1_000_000
-"""How many states of a network that can do more than the one in question may be stored: it may have more of them."""
 FIRST_LOOK = 20_000
 """Where so many states are enough, less is not asked to be known."""
-WORTH_CARRYING_OVER = 5_000
-"""So many states without bystanders make it worth while to look for the run with them along the one without."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Coarser:
-    """A network that can do all that another one can: what is unreachable there is unreachable.
-
-    Attributes:
-        unexamined: what is left out in it and may meet a run-time error.
-        less_known: the variables of which it keeps less.
-        spared: budgets that need not be followed in it.
-    """
-
-    network: Network
-    unexamined: tuple[str, ...] = ()
-    less_known: tuple[str, ...] = ()
-    spared: frozenset[Variable] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """A target that is reached in a coarser network.
-
-    Attributes:
-        path: the transitions that lead to it there.
-    """
-
-    coarser: _Coarser
-    path: tuple[Transition, ...]
-    statistics: Statistics
-
-
-def _settle_without_bystanders(
-    network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
-) -> tuple[dict[int, Verdict], dict[int, _Found]]:
-    """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on, and what
-    was found about those that are reachable then and worth to be carried over."""
-
-    def relaxed(mentioned: Sequence[Expression]) -> _Coarser | None:
-        possible = without_impossible(network)
-        rest = without_bystanders(possible, mentioned)
-        if rest == possible:
-            return None
-        return _Coarser(rest, unexamined=unexamined(possible, rest), spared=budgets(possible, mentioned))
-
-    settled, found = _settle_in(relaxed, network, search, options, limits, progress)
-    worth = {number: each for number, each in found.items() if each.statistics.states_stored >= WORTH_CARRYING_OVER}
-    return settled, {} if options.shortest else worth
 
 
 def _settle_with_less_known(
@@ -180,9 +132,12 @@ def _settle_with_less_known(
     if not rest.tasks or _is_interrupted(decided):
         return decided
     names = tuple(variable.name for variable in less.variables)
-    coarser = _Coarser(less.network, unexamined=unexamined(network, reduced), less_known=names)
+
+    def coarser(targets: Sequence[Expression], conditions: Sequence[Expression]) -> Weaker:
+        return Weaker(less.network, targets, conditions, unexamined=unexamined(network, reduced), less_known=names)
+
     left = limits.after(time.monotonic() - started)
-    settled, _ = _settle_in(lambda _: coarser, network, rest, options, left, progress)
+    settled, _ = settle_weaker(coarser, network, rest, options, left, progress)
     decided |= settled
     rest = search.without(decided)
     if rest.tasks and options.order is SearchOrder.AUTO and not options.shortest:
@@ -196,54 +151,10 @@ def _settle_with_less_known(
     return decided
 
 
-def _settle_in(
-    coarser_for: Callable[[Sequence[Expression]], _Coarser | None],
-    network: Network,
-    search: Search,
-    options: Options,
-    limits: Limits,
-    progress: Progress | None,
-) -> tuple[dict[int, Verdict], dict[int, _Found]]:
-    """The verdicts about targets that are unreachable in a coarser network, which may depend on what they mention, and
-    what was found about those that are reachable there."""
-    started = time.monotonic()
-    targets = [task.target for task in search.tasks]
-    first_try = replace(
-        limits,
-        states=_FIRST_TRY if limits.states is None else min(limits.states, _FIRST_TRY),
-        seconds=None if limits.seconds is None else limits.seconds / 2,
-    )
-    try:
-        with time_limit(first_try.seconds):
-            triggers = triggers_of(search.tasks, network)
-            coarser = coarser_for([*targets, *(trigger.condition for trigger in triggers)])
-            if coarser is None:
-                return {}, {}
-            program, goals = _lowered(coarser.network, targets, triggers, options)
-    except OutOfTimeError:
-        return {}, {}
-    outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
-    if outcome.reason == INTERRUPTED:
-        return none_begun(search.tasks, INTERRUPTED), {}
-    statistics = replace(outcome.statistics, less_known=coarser.less_known)
-    of_targets = list(zip(search.tasks, outcome.goals[: len(targets)], strict=True))
-    settled = {
-        task.number: Verdict(task.query, answers_of(task.query)[1], True, "", statistics, unexamined=coarser.unexamined)
-        for task, goal in of_targets
-        if goal.status is Status.UNREACHABLE
-    }
-    found = {
-        task.number: _Found(coarser, goal.path, statistics)
-        for task, goal in of_targets
-        if goal.status is Status.REACHED and goal.path is not None and outcome.exact
-    }
-    return with_notes(settled, triggers, outcome.goals[len(targets) :]), found
-
-
 def _carried_over(
     model: PreparedNetwork,
     task: Task,
-    found: _Found,
+    found: Found,
     options: Options,
     limits: Limits,
     progress: Progress | None,
@@ -251,13 +162,13 @@ def _carried_over(
 ) -> dict[int, Verdict]:
     """The verdict about a target that is reached without bystanders, if it is reached in the same way with them."""
     started = time.monotonic()
-    members = {number for number, process in enumerate(found.coarser.network.processes) if process.edges}
+    members = {number for number, process in enumerate(found.weaker.network.processes) if process.edges}
     try:
         with time_limit(limits.seconds):
             network = without_spectators(model.network, [task.target]) if options.hold_spectators else model.network
             if any(not network.processes[number].edges for number in members):
                 return {}
-            along = guided(network, found.path, members, found.coarser.spared)
+            along = guided(network, found.path, members, found.weaker.spared)
             most = states_along(found.path, found.statistics.states_stored)
             bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
             left = bounded.after(time.monotonic() - started)
@@ -282,9 +193,10 @@ def _explore(
     try:
         with time_limit(limits.seconds):
             triggers = triggers_of(search.tasks, network)
-            mentioned = [*targets, *(trigger.condition for trigger in triggers)]
+            conditions = [trigger.condition for trigger in triggers]
+            mentioned = [*targets, *conditions]
             reduced = without_spectators(network, mentioned) if options.hold_spectators else network
-            program, goals = _lowered(reduced, targets, triggers, options)
+            program, goals = lowered(reduced, targets, conditions, options)
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)
     outcome = explore(program, goals, options, limits.after(time.monotonic() - started), progress)
@@ -308,28 +220,12 @@ def _explore(
     return with_notes(verdicts, triggers, outcome.goals[len(targets) :])
 
 
-def _lowered(
-    network: Network, targets: Sequence[Expression], triggers: Sequence[Trigger], options: Options
-) -> tuple[Program, tuple[Goal, ...]]:
-    """The program, the goals of the targets, and behind them those of the triggers, for which no search goes on."""
-    predicates = [*targets, *(trigger.condition for trigger in triggers)]
-    program, goals = lower(network, predicates)
-    if options.symmetry:
-        program = with_symmetry(program, network, predicates)
-    return program, (*goals[: len(targets)], *noted(goals[len(targets) :]))
-
-
 def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:
     """A run of the whole network that is a run of the reduced one; None where a spectator meets an error on the way."""
     try:
         return with_spectators(model, searched.network, run)
     except (StepError, EvaluationFault):
         return None
-
-
-def answers_of(query: Query) -> tuple[Answer, Answer]:
-    """The answers where the target is reachable and where it is not."""
-    return (Answer.HOLDS, Answer.FAILS) if query.holds_when_reached else (Answer.FAILS, Answer.HOLDS)
 
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"

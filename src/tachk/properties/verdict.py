@@ -21,6 +21,11 @@ class Answer(StrEnum):
         raise TypeError("an answer has three values; compare it with Answer.HOLDS, FAILS or UNKNOWN")
 
 
+def answers_of(query: Query) -> tuple[Answer, Answer]:
+    """The answers where the target is reachable and where it is not."""
+    return (Answer.HOLDS, Answer.FAILS) if query.holds_when_reached else (Answer.FAILS, Answer.HOLDS)
+
+
 @dataclass(frozen=True, slots=True)
 class Extreme:
     """The least or the largest value that an expression takes.

@@ -17,7 +17,6 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import reachability
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.scheduling.in_order import VerifyProgress, in_order, processes
@@ -25,7 +24,7 @@ from tachk.properties.scheduling.shares import Shares
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
 from tachk.properties.variants import non_zeno, pace, second_engine
 from tachk.properties.variants.second_engine import Answering
-from tachk.properties.verdict import Verdict
+from tachk.properties.verdict import Verdict, answers_of
 from tachk.reduction.spectators import every_action_counts
 from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
 from tachk.semantics.step import satisfies_invariant
@@ -153,7 +152,7 @@ def _explored_everything(network: Network, verdict: Verdict) -> bool:
     query = verdict.query
     if query.target is None:
         return False
-    proved = verdict.answer is reachability.answers_of(query)[1]
+    proved = verdict.answer is answers_of(query)[1]
     return proved and query.observer is None and every_action_counts(network, [query.target])
 
 

@@ -66,6 +66,7 @@ def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
         "interchangeable": statistics.interchangeable,
         "exchanged": list(statistics.exchanged),
         "less_known": list(statistics.less_known),
+        "asked_of_all": statistics.asked_of_all,
         "local_times": statistics.local_times,
         "threads": statistics.threads,
     }

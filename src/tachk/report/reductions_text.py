@@ -27,6 +27,8 @@ def for_all(members: str) -> str:
 def _told(statistics: Statistics) -> Iterator[str]:
     for members in statistics.exchanged:
         yield for_all(members)
+    if statistics.asked_of_all:
+        yield "what is asked of some of these processes was asked of all of them"
     if statistics.less_known:
         names = ", ".join(statistics.less_known)
         yield f"the order in which {names} goes through processes was left open, which can only add states"

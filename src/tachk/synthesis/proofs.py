@@ -12,8 +12,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.certificates import Proof, check_natively, find_proof, is_provable
 from tachk.properties.observed import observed
-from tachk.properties.reachability import answers_of
-from tachk.properties.verdict import Verdict
+from tachk.properties.verdict import Verdict, answers_of
 from tachk.properties.verify import check_initial_state
 from tachk.semantics.discrete import prepare
 

@@ -12,7 +12,7 @@ from tachk.engines.guided_search import explore_along
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Statistics, Status
 from tachk.engines.zone import explore
-from tachk.properties import reachability
+from tachk.properties import reachability, weaker
 from tachk.reduction.budgets import budgets
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.guided import guided
@@ -84,7 +84,7 @@ def test_a_path_that_the_others_do_not_allow_decides_nothing() -> None:
 def test_answers_are_those_of_the_whole(leaves: str, monkeypatch: pytest.MonkeyPatch) -> None:
     model = tachk.loads(MODEL.replace("LEAVES", leaves))
     (whole,) = model.verify(options=Options(drop_bystanders=False))
-    monkeypatch.setattr(reachability, "WORTH_CARRYING_OVER", 0)
+    monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", 0)
     (carried,) = model.verify()
     assert (carried.answer, carried.trace is None) == (whole.answer, whole.trace is None)
 
@@ -93,7 +93,7 @@ def test_after_an_interruption_no_query_is_begun(monkeypatch: pytest.MonkeyPatch
     def interrupted(*_: object) -> Outcome:
         return Outcome((GoalOutcome(Status.UNDECIDED),), Statistics(), INTERRUPTED)
 
-    monkeypatch.setattr(reachability, "WORTH_CARRYING_OVER", 0)
+    monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", 0)
     monkeypatch.setattr(reachability, "explore_along", interrupted)
     queries = ("E<> Main.B && Hearer.last == 2", "E<> Main.B && Hearer.last == 1")
     verdicts = tachk.loads(MODEL.replace("LEAVES", "")).verify(*queries)

@@ -19,7 +19,7 @@ from tachk.diagnostics.span import Source
 from tachk.engines.options import Limits
 from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.loading.load import load_model
-from tachk.properties import reachability
+from tachk.properties import reachability, weaker
 from tachk.properties import verify as verifying
 from tachk.properties.scheduling import shares
 from tachk.properties.verdict import Answer, Verdict
@@ -169,7 +169,7 @@ def test_no_time_to_leave_out_bystanders_decides_nothing(monkeypatch: pytest.Mon
     def late(*_: object) -> None:
         raise OutOfTimeError
 
-    monkeypatch.setattr(reachability, "without_bystanders", late)
+    monkeypatch.setattr(weaker, "without_bystanders", late)
     text = "process P() { init location A { to B; } location B; } system P; property p : E<> P.B;"
     (verdict,) = answers(text, Limits(seconds=60.0))
     assert verdict.answer is Answer.HOLDS

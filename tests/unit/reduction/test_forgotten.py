@@ -10,7 +10,7 @@ from tachk.compiler.lower import lower
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Status
 from tachk.engines.zone import explore
-from tachk.properties.reachability import answers_of
+from tachk.properties.verdict import answers_of
 from tachk.reduction.symmetry.forgotten import with_less_known
 from tachk.reduction.symmetry.tables import with_symmetry
 from tachk.resources import data_root

@@ -17,7 +17,7 @@ from dataclasses import field, replace
 
 from tachk.compiler.fold import Known
 from tachk.model.cell_layout import default_cells
-from tachk.model.expressions import Expression, Variable
+from tachk.model.expressions import Expression, Variable, VariableKind
 from tachk.model.network import Network
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, cell_count
@@ -208,13 +208,29 @@ class Reading:
                 return Refusal("they begin in different locations", second.span)
         return None
 
-    def _variable_objection(self, renaming: Renaming) -> Refusal | None:
+    def keeps_initial_values(self, renaming: Renaming) -> bool:
+        """Whether a renaming that maps the network onto itself maps the initial state onto itself."""
+        return all(self._keeps_values(variable, renaming) for variable in self._touched_variables(renaming))
+
+    def _touched_variables(self, renaming: Renaming) -> Iterator[Variable]:
         touched = dict.fromkeys(renaming.variables)
         for root in renaming.values:
             touched.update(dict.fromkeys(self._of_kind.get(root, ())))
-        for variable in touched:
-            if variable.kind in ("bound", "frame"):
-                continue
+        return (variable for variable in touched if variable.kind not in (VariableKind.BOUND, VariableKind.FRAME))
+
+    def _keeps_values(self, variable: Variable, renaming: Renaming) -> bool:
+        """Whether what a variable begins with becomes that of its image."""
+        other = renaming.variables.get(variable, variable)
+        tree = self.reader.tree_of(variable)
+        nodes, images = cell_nodes(tree, variable.type), cell_images(self.kinds, tree, variable.type, renaming)
+        before, after = (each.initial or default_cells(each.type) for each in (variable, other))
+        return all(
+            after[image] == renaming.value(self.kinds, node, value)
+            for image, node, value in zip(images, nodes, before, strict=True)
+        )
+
+    def _variable_objection(self, renaming: Renaming) -> Refusal | None:
+        for variable in self._touched_variables(renaming):
             objection = self._one_variable(variable, renaming)
             if objection is not None:
                 return objection
@@ -231,11 +247,8 @@ class Reading:
         if list(map(self.kinds.find, nodes)) != list(map(self.kinds.find, of_other)):
             return Refusal(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
         images = cell_images(self.kinds, tree, variable.type, renaming)
-        if self.is_constant(variable) or self.is_constant(other):
-            before, after = (each.initial or default_cells(each.type) for each in (variable, other))
-            for cell, image in enumerate(images):
-                if after[image] != renaming.value(self.kinds, nodes[cell], before[cell]):
-                    return Refusal(f"the values of `{other.name}` tell them apart", other.span)
+        if (self.is_constant(variable) or self.is_constant(other)) and not self._keeps_values(variable, renaming):
+            return Refusal(f"the values of `{other.name}` tell them apart", other.span)
         if variable.priorities or other.priorities:
             default = (self.network.default_priority,) * len(images)
             priority, others_priority = variable.priorities or default, other.priorities or default

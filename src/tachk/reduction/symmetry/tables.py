@@ -52,15 +52,16 @@ def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list
     """The numbers of targets in sets that leave the same processes interchangeable: those that name processes would
     make a search for the others larger. One set where nothing is interchangeable at all."""
     numbers = list(range(len(targets)))
-    if len(targets) < 2 or not sketch_of(network).repeats or not _moved(network, []):
+    if len(targets) < 2 or not sketch_of(network).repeats or not interchanged(network, []):
         return [numbers]
     parts: dict[frozenset[tuple[Team, ...]], list[int]] = {}
     for number in numbers:
-        parts.setdefault(_moved(network, [targets[number]]), []).append(number)
+        parts.setdefault(interchanged(network, [targets[number]]), []).append(number)
     return list(parts.values())
 
 
-def _moved(network: Network, predicates: Sequence[Expression]) -> frozenset[tuple[Team, ...]]:
+def interchanged(network: Network, predicates: Sequence[Expression]) -> frozenset[tuple[Team, ...]]:
+    """The members of each group and ring."""
     symmetry = find_symmetry(network, predicates)
     return frozenset([*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)])
 

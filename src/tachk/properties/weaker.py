@@ -1,0 +1,178 @@
+"""Weaker questions: a target that is not reached even if more can happen, or more counts, is unreachable."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from tachk.compiler.lower import lower
+from tachk.compiler.program import Goal, Program
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import INTERRUPTED, Progress, Statistics, Status
+from tachk.engines.zone import explore
+from tachk.model.expressions import Expression, Variable
+from tachk.model.network import Network
+from tachk.properties.plan import Search, Task
+from tachk.properties.unanswered import none_begun
+from tachk.properties.unexamined import unexamined
+from tachk.properties.vacuity import noted, triggers_of, with_notes
+from tachk.properties.verdict import Verdict, answers_of
+from tachk.records import dataclass
+from tachk.reduction.budgets import budgets
+from tachk.reduction.bystanders import without_bystanders
+from tachk.reduction.impossible import without_impossible
+from tachk.reduction.spectators import without_spectators
+from tachk.reduction.symmetry.asked_of_all import asked_of_all
+from tachk.reduction.symmetry.tables import with_symmetry
+from tachk.semantics.timed_trace import Transition
+from tachk.time_limit import OutOfTimeError, time_limit
+
+_FIRST_TRY = 1_000_000
+"""How many states of a network that can do more than the one in question may be stored: it may have more of them."""
+WORTH_CARRYING_OVER = 5_000
+"""So many states without bystanders make it worth while to look for the run with them along the one without."""
+
+
+@dataclass(frozen=True, slots=True)
+class Weaker:
+    """A network that can do all that another one can, and questions that are true wherever those about it are.
+
+    Attributes:
+        targets, conditions: in their order.
+        unexamined: what is left out in it and may meet a run-time error.
+        less_known: the variables of which it keeps less.
+        spared: budgets that need not be followed in it.
+        asked_of_all: whether the targets are those of all interchangeable processes.
+    """
+
+    network: Network
+    targets: Sequence[Expression]
+    conditions: Sequence[Expression]
+    unexamined: tuple[str, ...] = ()
+    less_known: tuple[str, ...] = ()
+    spared: frozenset[Variable] = frozenset()
+    asked_of_all: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A target that is reached in a network that can do more.
+
+    Attributes:
+        path: the transitions that lead to it there.
+    """
+
+    weaker: Weaker
+    path: tuple[Transition, ...]
+    statistics: Statistics
+
+
+def settle_without_bystanders(
+    network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
+) -> tuple[dict[int, Verdict], dict[int, Found]]:
+    """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on, and what
+    was found about those that are reachable then and worth to be carried over."""
+
+    def relaxed(targets: Sequence[Expression], conditions: Sequence[Expression]) -> Weaker | None:
+        possible = without_impossible(network)
+        mentioned = [*targets, *conditions]
+        rest = without_bystanders(possible, mentioned)
+        if rest == possible:
+            return None
+        spared = budgets(possible, mentioned)
+        return Weaker(rest, targets, conditions, unexamined=unexamined(possible, rest), spared=spared)
+
+    settled, found = settle_weaker(relaxed, network, search, options, limits, progress)
+    worth = {number: each for number, each in found.items() if each.statistics.states_stored >= WORTH_CARRYING_OVER}
+    return settled, {} if options.shortest else worth
+
+
+def settle_asked_of_all(
+    network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
+) -> dict[int, Verdict]:
+    """The verdicts about targets that name some of several interchangeable processes, and are unreachable whichever of
+    these they name: then all of these processes remain interchangeable."""
+
+    def suits(task: Task) -> bool:
+        conditions = [trigger.condition for trigger in triggers_of([task], network)]
+        return of_all([task.target], conditions) is not None
+
+    def of_all(targets: Sequence[Expression], conditions: Sequence[Expression]) -> Weaker | None:
+        mentioned = [*targets, *conditions]
+        reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+        asked = asked_of_all(reduced, targets, conditions)
+        if asked is None:
+            return None
+        return Weaker(reduced, *asked, unexamined=unexamined(network, reduced), asked_of_all=True)
+
+    started = time.monotonic()
+    try:
+        with time_limit(limits.seconds):
+            tasks = tuple(filter(suits, search.tasks))
+    except OutOfTimeError:
+        return {}
+    if not tasks:
+        return {}
+    left = limits.after(time.monotonic() - started)
+    settled, _ = settle_weaker(of_all, network, replace(search, tasks=tasks), options, left, progress)
+    return settled
+
+
+def settle_weaker(
+    weaker_for: Callable[[Sequence[Expression], Sequence[Expression]], Weaker | None],
+    network: Network,
+    search: Search,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> tuple[dict[int, Verdict], dict[int, Found]]:
+    """The verdicts about targets that are unreachable by weaker questions, and what was found about those that are not.
+
+    Args:
+        weaker_for: the weaker questions for targets and for conditions that are asked on the way; None if there are
+            none.
+    """
+    started = time.monotonic()
+    targets = [task.target for task in search.tasks]
+    first_try = replace(
+        limits,
+        states=_FIRST_TRY if limits.states is None else min(limits.states, _FIRST_TRY),
+        seconds=None if limits.seconds is None else limits.seconds / 2,
+    )
+    try:
+        with time_limit(first_try.seconds):
+            triggers = triggers_of(search.tasks, network)
+            weaker = weaker_for(targets, [trigger.condition for trigger in triggers])
+            if weaker is None:
+                return {}, {}
+            program, goals = lowered(weaker.network, weaker.targets, weaker.conditions, options)
+    except OutOfTimeError:
+        return {}, {}
+    outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
+    if outcome.reason == INTERRUPTED:
+        return none_begun(search.tasks, INTERRUPTED), {}
+    statistics = replace(outcome.statistics, less_known=weaker.less_known, asked_of_all=weaker.asked_of_all)
+    of_targets = list(zip(search.tasks, outcome.goals[: len(targets)], strict=True))
+    settled = {
+        task.number: Verdict(task.query, answers_of(task.query)[1], True, "", statistics, unexamined=weaker.unexamined)
+        for task, goal in of_targets
+        if goal.status is Status.UNREACHABLE
+    }
+    found = {
+        task.number: Found(weaker, goal.path, statistics)
+        for task, goal in of_targets
+        if goal.status is Status.REACHED and goal.path is not None and outcome.exact
+    }
+    return with_notes(settled, triggers, outcome.goals[len(targets) :]), found
+
+
+def lowered(
+    network: Network, targets: Sequence[Expression], conditions: Sequence[Expression], options: Options
+) -> tuple[Program, tuple[Goal, ...]]:
+    """The program, the goals of the targets, and behind them those of conditions, for which no search goes on."""
+    predicates = [*targets, *conditions]
+    program, goals = lower(network, predicates)
+    if options.symmetry:
+        program = with_symmetry(program, network, predicates)
+    return program, (*goals[: len(targets)], *noted(goals[len(targets) :]))
