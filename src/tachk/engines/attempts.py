@@ -60,17 +60,13 @@ class Stretch:
         return self._search.statistics()
 
 
-def are_made(goals: Sequence[Goal], options: Options, limits: Limits) -> bool:
-    """Whether other searches may answer for all goals.
-
-    Whether a run ends in a deadlock depends on the abstraction, and is found out for one search only.
-    """
+def are_made(options: Options, limits: Limits) -> bool:
+    """Whether other searches may answer for all goals."""
     return (
         options.attempts
         and options.order is SearchOrder.AUTO
         and not options.shortest
         and (limits.states is None or limits.states > STORED)
-        and all(each.deadlock is DeadlockLiteral.ABSENT for goal in goals for each in goal.disjuncts)
     )
 
 
@@ -78,7 +74,8 @@ def in_one_order(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[_core.Explorer | None, str]:
     """A search that has decided all goals, or None; and why it was ended from outside, if it was."""
-    if program.interchangeable or options.partial_order or limits.depth is not None:
+    deadlocks = any(each.deadlock is not DeadlockLiteral.ABSENT for goal in goals for each in goal.disjuncts)
+    if deadlocks or program.interchangeable or options.partial_order or limits.depth is not None:
         return None, ""
     one = replace(options, partial_order=True, threads=1)
     explorer = _core.Explorer(encode(program, goals), core_options(one), core_limits(limits))

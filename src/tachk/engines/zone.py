@@ -129,7 +129,7 @@ def _ran(
         return replace(statistics_of(search, start), user_seconds=used, threads=search.threads())
 
     status, reason = _core.Status.STATE_LIMIT, ""
-    if attempts.are_made(goals, options, limits):
+    if attempts.are_made(options, limits):
         stretch = attempts.Stretch(explorer, stored=attempts.STORED)
         status, reason = run_in_slices(stretch, start, limits, progress)
         others = (attempts.in_one_order, attempts.depth_first) if status is _core.Status.STATE_LIMIT else ()
@@ -139,7 +139,7 @@ def _ran(
                 break
             first = statistics(explorer)
             other, reason = attempt(program, goals, options, limits.after(first.seconds), progress)
-            if other is not None:
+            if other is not None and not _doubtful(program, goals, options, other):
                 both = first.then(replace(statistics(other), seconds=0.0, user_seconds=0.0))
                 return _Ran(other, _core.Status.FINISHED, "", both)
     if status is _core.Status.STATE_LIMIT and not reason:
@@ -155,8 +155,13 @@ def _told(program: Program, goals: Sequence[Goal], options: Options, ran: _Ran) 
     outcomes = _noted(goals, outcomes)
     statistics = with_exchanges(ran.statistics, program)
     outcome = Outcome(outcomes, statistics, ran.reason, fault, exact=not program.has_stopwatches)
+    return outcome, _doubtful(program, goals, options, explorer)
+
+
+def _doubtful(program: Program, goals: Sequence[Goal], options: Options, explorer: _core.Explorer) -> list[int]:
+    """The goals that an explorer has reached, maybe only seemingly: those that a replay does not confirm."""
     if options.extrapolation is not Extrapolation.LU:
-        return outcome, []
+        return []
     everybody = replace(program, interchangeable=())
     doubtful = []
     for number, goal in enumerate(goals):
@@ -164,7 +169,7 @@ def _told(program: Program, goals: Sequence[Goal], options: Options, ran: _Ran) 
         if node is not None and any(d.deadlock is not DeadlockLiteral.ABSENT for d in goal.disjuncts):
             if not leads_to(everybody, goals, options, explorer.path_to_goal(number), number):
                 doubtful.append(number)
-    return outcome, doubtful
+    return doubtful
 
 
 def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:

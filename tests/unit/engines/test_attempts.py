@@ -68,9 +68,29 @@ def test_limits_are_kept(limits: Limits, monkeypatch: pytest.MonkeyPatch) -> Non
     assert verdict(REACHED, limits=Limits(depth=60, states=2000)).answer is Answer.HOLDS
 
 
-def test_deadlocks_are_not_looked_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_deadlocks_are_looked_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attempts, "STORED", 100)
-    assert verdict("E<> deadlock", limits=Limits(states=2000)).answer is Answer.UNKNOWN
+    found = verdict("E<> deadlock", limits=Limits(states=2000))
+    assert (found.answer, found.statistics.states_stored < 1000) == (Answer.HOLDS, True)
+    assert found.trace is not None
+
+
+# With the abstraction nothing keeps y from growing, although it always equals x.
+SEEMINGLY_STUCK = """
+process Q() {
+    clock x, y;
+    init location A { invariant x <= 3; to A { guard y <= 5; } }
+}
+system P, Q;
+"""
+
+
+def test_a_deadlock_that_only_seems_to_be_found_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 5)
+    text = COUNTERS.replace("N = 7", "N = 5").replace("system P;", SEEMINGLY_STUCK)
+    (found,) = tachk.loads(text).verify("E<> deadlock", options=ALL_STATES)
+    (plain,) = tachk.loads(text).verify("E<> deadlock", options=replace(ALL_STATES, attempts=False))
+    assert found.answer is plain.answer is Answer.FAILS
 
 
 def test_what_is_not_found_depth_first_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
