@@ -104,7 +104,7 @@ def main(arguments: list[str]) -> int:
 def compare_reductions(seeds: range) -> int:
     """Prints how often which verdicts were compared, and every disagreement."""
     # What large networks are looked at for is looked at in small ones.
-    reachability.FIRST_LOOK = weaker.WORTH_CARRYING_OVER = 0
+    reachability.FIRST_LOOK = reachability.FEW = weaker.WORTH_CARRYING_OVER = 0
     compared: Counter[tuple[str, str]] = Counter()
     fewer: Counter[str] = Counter()
     wrong, networks, runs, started = 0, Counter[str](), 0, time.monotonic()

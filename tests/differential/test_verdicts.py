@@ -14,6 +14,7 @@ from tachk.testing.reductions.verdict_agreement import compare_verdicts, random_
 @pytest.mark.parametrize("block", range(3))
 def test_no_reduction_changes_a_verdict(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reachability, "FIRST_LOOK", 0)
+    monkeypatch.setattr(reachability, "FEW", 0)
     monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", 0)
     decided: Counter[str] = Counter()
     fewer = 0

@@ -35,6 +35,7 @@ from tachk.properties.weaker import (
     Found,
     Weaker,
     lowered,
+    naming_some,
     settle_asked_of_all,
     settle_weaker,
     settle_without_bystanders,
@@ -69,7 +70,7 @@ def answer(
                 settled |= _carried_over(model, task, reached[task.number], options, left, progress, trace)
     if options.symmetry and not _is_interrupted(settled):
         left = limits.after(time.monotonic() - started)
-        settled |= settle_asked_of_all(model.network, search.without(settled), options, left, progress)
+        settled |= _settle_asked_of_all(model, search.without(settled), options, left, progress, trace)
     if _is_interrupted(settled):
         return none_begun((t for t in search.tasks if t.number not in settled), INTERRUPTED) | settled
     for tasks in _parts(model.network, search.without(settled).tasks, options):
@@ -90,6 +91,11 @@ def _is_interrupted(settled: Mapping[int, Verdict]) -> bool:
     return any(verdict.reason == INTERRUPTED for verdict in settled.values())
 
 
+def _decided(verdicts: Mapping[int, Verdict]) -> dict[int, Verdict]:
+    """What a short search does not leave open."""
+    return {number: verdict for number, verdict in verdicts.items() if verdict.reason != STATE_LIMIT}
+
+
 def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[tuple[Task, ...]]:
     """The tasks in sets that one exploration each decides."""
     if not tasks:
@@ -100,6 +106,30 @@ def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[
 
 FIRST_LOOK = 20_000
 """Where so many states are enough, less is not asked to be known."""
+
+
+FEW = 1_000
+"""Where so many states are enough, what names some interchangeable processes is not asked of all of them."""
+
+
+def _settle_asked_of_all(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about targets that name some of several interchangeable processes, and are unreachable whichever
+    these are; and those that few states decide."""
+    started = time.monotonic()
+    if limits.states is not None and limits.states <= FEW:
+        return {}
+    some = naming_some(model.network, search, options, limits)
+    if not some.tasks:
+        return {}
+    few = replace(limits.after(time.monotonic() - started), states=FEW)
+    decided = _decided(_explore(model, some, options, few, progress, trace))
+    rest = some.without(decided)
+    if rest.tasks and not _is_interrupted(decided):
+        left = limits.after(time.monotonic() - started)
+        decided |= settle_asked_of_all(model.network, rest, options, left, progress)
+    return decided
 
 
 def _settle_with_less_known(
@@ -126,8 +156,7 @@ def _settle_with_less_known(
         look = replace(limits.after(time.monotonic() - started), states=FIRST_LOOK)
         return _explore(model, part, replace(options, order=order), look, progress, trace)
 
-    first = short_search(search, options.order)
-    decided = {number: verdict for number, verdict in first.items() if verdict.reason != STATE_LIMIT}
+    decided = _decided(short_search(search, options.order))
     rest = search.without(decided)
     if not rest.tasks or _is_interrupted(decided):
         return decided

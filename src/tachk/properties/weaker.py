@@ -88,35 +88,42 @@ def settle_without_bystanders(
     return settled, {} if options.shortest else worth
 
 
+def naming_some(network: Network, search: Search, options: Options, limits: Limits) -> Search:
+    """The search for those targets that name some of several interchangeable processes and can be asked of all."""
+
+    def names_some(task: Task) -> bool:
+        conditions = [trigger.condition for trigger in triggers_of([task], network)]
+        return _of_all(network, options, [task.target], conditions) is not None
+
+    try:
+        with time_limit(limits.seconds):
+            return replace(search, tasks=tuple(filter(names_some, search.tasks)))
+    except OutOfTimeError:
+        return replace(search, tasks=())
+
+
 def settle_asked_of_all(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
 ) -> dict[int, Verdict]:
-    """The verdicts about targets that name some of several interchangeable processes, and are unreachable whichever of
-    these they name: then all of these processes remain interchangeable."""
-
-    def suits(task: Task) -> bool:
-        conditions = [trigger.condition for trigger in triggers_of([task], network)]
-        return of_all([task.target], conditions) is not None
+    """The verdicts about targets that are unreachable whichever of several interchangeable processes they name: then
+    all of these remain interchangeable."""
 
     def of_all(targets: Sequence[Expression], conditions: Sequence[Expression]) -> Weaker | None:
-        mentioned = [*targets, *conditions]
-        reduced = without_spectators(network, mentioned) if options.hold_spectators else network
-        asked = asked_of_all(reduced, targets, conditions)
-        if asked is None:
-            return None
-        return Weaker(reduced, *asked, unexamined=unexamined(network, reduced), asked_of_all=True)
+        return _of_all(network, options, targets, conditions)
 
-    started = time.monotonic()
-    try:
-        with time_limit(limits.seconds):
-            tasks = tuple(filter(suits, search.tasks))
-    except OutOfTimeError:
-        return {}
-    if not tasks:
-        return {}
-    left = limits.after(time.monotonic() - started)
-    settled, _ = settle_weaker(of_all, network, replace(search, tasks=tasks), options, left, progress)
+    settled, _ = settle_weaker(of_all, network, search, options, limits, progress)
     return settled
+
+
+def _of_all(
+    network: Network, options: Options, targets: Sequence[Expression], conditions: Sequence[Expression]
+) -> Weaker | None:
+    mentioned = [*targets, *conditions]
+    reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+    asked = asked_of_all(reduced, targets, conditions)
+    if asked is None:
+        return None
+    return Weaker(reduced, *asked, unexamined=unexamined(network, reduced), asked_of_all=True)
 
 
 def settle_weaker(

@@ -6,7 +6,15 @@ import pytest
 
 import tachk
 from tachk import Limits, Options
+from tachk.properties import reachability
 from tachk.reduction.symmetry.asked_of_all import MOST_IMAGES, asked_of_all
+
+
+@pytest.fixture(autouse=True)
+def _asked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not only where there are many states."""
+    monkeypatch.setattr(reachability, "FEW", 0)
+
 
 TEXT = """
 const int N = 4;
@@ -68,8 +76,9 @@ def test_questions_about_each_process_share_a_search() -> None:
 
 
 def test_one_alternative_is_enough() -> None:
-    assert asked("E<> P(1).M && P(2).M || P(3).M")[0] == ["holds"]
-    assert asked("E<> P(3).M || P(1).M && P(2).M")[0] == ["holds"]
+    later = "P(3).L && P(3).x == 0 && P(4).x > 2"
+    assert asked(f"E<> P(1).M && P(2).M || {later}")[0] == ["holds"]
+    assert asked(f"E<> {later} || P(1).M && P(2).M")[0] == ["holds"]
 
 
 def test_one_that_cannot_be_asked_of_all_does_not_keep_the_others_from_it() -> None:
@@ -103,8 +112,7 @@ def test_the_initial_state_may_prefer_one_of_them() -> None:
 def test_what_holds_for_no_reason_is_told_also_where_there_would_be_one_for_others() -> None:
     (verdict,) = tachk.loads(FIRST_ONLY).verify("A[] P(2).M imply owner != 0")
     assert verdict.notes == ("holds only because `P(2).M` is never true",)
-    answers, of_all, _ = asked("A[] P(2).M imply owner != 0", text=FIRST_ONLY.replace("owner = 1", "owner = 0"))
-    assert (answers, of_all) == (["holds"], [True])
+    assert asked("A[] P(2).M imply owner != 0")[:2] == (["holds"], [True])
 
 
 def test_many_images_are_not_asked_for() -> None:
@@ -113,6 +121,19 @@ def test_many_images_are_not_asked_for() -> None:
     (verdict,) = model.verify("E<> P(1).M && P(2).M", limits=Limits(states=10_000))
     assert MOST_IMAGES < 40 * 39 // 2
     assert (verdict.answer.value, verdict.statistics.asked_of_all) == ("fails", False)
+
+
+def test_where_few_states_are_enough_it_is_asked_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reachability, "FEW", 100)
+    assert asked("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [False, False]
+    monkeypatch.setattr(reachability, "FEW", 3)
+    assert asked("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [True, False]
+
+
+def test_limits_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reachability, "FEW", 3)
+    (verdict,) = tachk.loads(TEXT % 0).verify("E<> P(1).M && P(2).M", limits=Limits(states=2))
+    assert (verdict.answer.value, verdict.reason) == ("unknown", "state limit")
 
 
 def test_questions_that_name_nobody_stay_as_they_are() -> None:
