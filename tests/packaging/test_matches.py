@@ -47,6 +47,7 @@ REASONS = {
         "engines/smt/evaluator.Evaluator.truth",
         "logic/constant_values.value_of",
         "model/evaluate._place",
+        "reduction/symmetry/asked_of_all._renamed",
     },
     "Anything else is kept as it is, one condition or one formula, which says the same.": {
         "compiler/goal._disjuncts",

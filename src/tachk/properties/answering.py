@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from time import monotonic
 
 from tachk.engines.options import Limits, Options
@@ -10,7 +11,6 @@ from tachk.frontend.loaded import LoadedModel, other_readings_of
 from tachk.frontend.priority_readings import FIRST
 from tachk.model.query import Query
 from tachk.properties.questions import Questions, checked
-from tachk.properties.readings import agreed
 from tachk.properties.scheduling.in_order import VerifyProgress
 from tachk.properties.unanswered import refused
 from tachk.properties.verdict import Answer, Verdict
@@ -48,3 +48,23 @@ def answers(
         agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
         for number, verdict in enumerate(verdicts)
     )
+
+
+def agreed(verdict: Verdict, taken: str, others: Iterable[tuple[str, Verdict]]) -> Verdict:
+    """The verdict as it is if it is unknown or all readings agree, else with the assumption on which it rests.
+
+    Args:
+        taken: the reading of the verdict, in words.
+        others: the other readings, each with its verdict about the same query.
+    """
+    differing: dict[Answer, list[str]] = {}
+    for reading, other in others:
+        if other.answer is not verdict.answer:
+            differing.setdefault(other.answer, []).append(reading)
+    if verdict.answer is Answer.UNKNOWN or not differing:
+        return verdict
+    elsewhere = "; ".join(
+        f"{'it is unknown' if answer is Answer.UNKNOWN else f'it {answer.value}'} if it is {' or '.join(readings)}"
+        for answer, readings in differing.items()
+    )
+    return replace(verdict, assumption=f"`default` is taken to be {taken}; {elsewhere}")

@@ -29,7 +29,7 @@ from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.readings import agreed
+from tachk.properties.answering import agreed
 from tachk.properties.unanswered import refused
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
