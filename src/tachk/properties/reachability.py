@@ -55,6 +55,7 @@ def answer(
 ) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number."""
     started = time.monotonic()
+    unobserved = model.network
     try:
         with time_limit(limits.seconds):
             if search.observer is not None:
@@ -70,7 +71,8 @@ def answer(
                 settled |= _carried_over(model, task, reached[task.number], options, left, progress, trace)
     if options.symmetry and not _is_interrupted(settled):
         left = limits.after(time.monotonic() - started)
-        settled |= _settle_asked_of_all(model, search.without(settled), options, left, progress, trace)
+        rest = search.without(settled)
+        settled |= _settle_asked_of_all(unobserved, model, rest, options, left, progress, trace)
     if _is_interrupted(settled):
         return none_begun((t for t in search.tasks if t.number not in settled), INTERRUPTED) | settled
     for tasks in _parts(model.network, search.without(settled).tasks, options):
@@ -113,14 +115,20 @@ FEW = 1_000
 
 
 def _settle_asked_of_all(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+    unobserved: Network,
+    model: PreparedNetwork,
+    search: Search,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+    trace: bool,
 ) -> dict[int, Verdict]:
     """The verdicts about targets that name some of several interchangeable processes, and are unreachable whichever
     these are; and those that few states decide."""
     started = time.monotonic()
     if limits.states is not None and limits.states <= FEW:
         return {}
-    some = naming_some(model.network, search, options, limits)
+    some = naming_some(unobserved, model.network, search, options, limits)
     if not some.tasks:
         return {}
     few = replace(limits.after(time.monotonic() - started), states=FEW)

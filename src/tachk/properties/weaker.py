@@ -23,7 +23,7 @@ from tachk.reduction.budgets import budgets
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.impossible import without_impossible
 from tachk.reduction.spectators import without_spectators
-from tachk.reduction.symmetry.asked_of_all import asked_of_all
+from tachk.reduction.symmetry.asked_of_all import asked_of_all, names_some
 from tachk.reduction.symmetry.tables import with_symmetry
 from tachk.semantics.timed_trace import Transition
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -88,16 +88,23 @@ def settle_without_bystanders(
     return settled, {} if options.shortest else worth
 
 
-def naming_some(network: Network, search: Search, options: Options, limits: Limits) -> Search:
-    """The search for those targets that name some of several interchangeable processes and can be asked of all."""
+def naming_some(unobserved: Network, network: Network, search: Search, options: Options, limits: Limits) -> Search:
+    """The search for those targets that name some of several interchangeable processes and can be asked of all.
 
-    def names_some(task: Task) -> bool:
+    Args:
+        unobserved: the network without the observer: what is moved in it is found out once for many searches.
+    """
+
+    def can_be_asked_of_all(task: Task) -> bool:
         conditions = [trigger.condition for trigger in triggers_of([task], network)]
-        return _of_all(network, options, [task.target], conditions) is not None
+        return (
+            any(names_some(unobserved, question) for question in (task.target, *conditions))
+            and _of_all(network, options, [task.target], conditions) is not None
+        )
 
     try:
         with time_limit(limits.seconds):
-            return replace(search, tasks=tuple(filter(names_some, search.tasks)))
+            return replace(search, tasks=tuple(filter(can_be_asked_of_all, search.tasks)))
     except OutOfTimeError:
         return replace(search, tasks=())
 

@@ -12,10 +12,13 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 
 from tachk.model.connectives import any_of
-from tachk.model.expressions import Binary, Constant, Expression, Field, Index, LocationTest, Reference
+from tachk.model.expressions import Binary, Constant, Expression, Field, Index, LocationTest, Reference, Variable
 from tachk.model.network import Network
+from tachk.model.remembered import by_network
 from tachk.model.substitution import with_parts
 from tachk.operators import BinaryOperator
+from tachk.records import dataclass
+from tachk.reduction.spectators import mentioned
 from tachk.reduction.symmetry.automorphism import Reading, Renaming
 from tachk.reduction.symmetry.detection import find_symmetry
 from tachk.reduction.symmetry.kinds import ArrayTree, RecordTree, Tree
@@ -24,6 +27,31 @@ from tachk.reduction.symmetry.tables import interchanged
 
 MOST_IMAGES = 100
 """A question that becomes more than so many is asked as it is: each state that is found is asked all of them."""
+
+
+def names_some(network: Network, question: Expression) -> bool:
+    """Whether a question mentions anything that exchanges of interchangeable processes move."""
+    if not sketch_of(network).repeats:
+        return False
+    processes, variables = mentioned([question])
+    moved = _moved(network)
+    return not processes.isdisjoint(moved.processes) or not variables.isdisjoint(moved.variables)
+
+
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    processes: frozenset[int]
+    variables: frozenset[Variable]
+
+
+@by_network
+def _moved(network: Network) -> _Moved:
+    symmetry = find_symmetry(network, [])
+    renamings = list(symmetry.renamings)
+    return _Moved(
+        frozenset(process for renaming in renamings for process in renaming.processes),
+        frozenset(variable for renaming in renamings for variable in symmetry.reading.moved_variables(renaming)),
+    )
 
 
 def asked_of_all(

@@ -210,9 +210,10 @@ class Reading:
 
     def keeps_initial_values(self, renaming: Renaming) -> bool:
         """Whether a renaming that maps the network onto itself maps the initial state onto itself."""
-        return all(self._keeps_values(variable, renaming) for variable in self._touched_variables(renaming))
+        return all(self._keeps_values(variable, renaming) for variable in self.moved_variables(renaming))
 
-    def _touched_variables(self, renaming: Renaming) -> Iterator[Variable]:
+    def moved_variables(self, renaming: Renaming) -> Iterator[Variable]:
+        """Those that are moved, and those that may hold numbers that are, or are indexed by them."""
         touched = dict.fromkeys(renaming.variables)
         for root in renaming.values:
             touched.update(dict.fromkeys(self._of_kind.get(root, ())))
@@ -230,7 +231,7 @@ class Reading:
         )
 
     def _variable_objection(self, renaming: Renaming) -> Refusal | None:
-        for variable in self._touched_variables(renaming):
+        for variable in self.moved_variables(renaming):
             objection = self._one_variable(variable, renaming)
             if objection is not None:
                 return objection
