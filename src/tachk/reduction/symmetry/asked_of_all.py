@@ -30,10 +30,13 @@ MOST_IMAGES = 100
 
 
 def names_some(network: Network, question: Expression) -> bool:
-    """Whether a question mentions anything that exchanges of interchangeable processes move."""
-    if not sketch_of(network).repeats:
+    """Whether a question mentions anything that exchanges of interchangeable processes move, as far as can be seen."""
+    sketch = sketch_of(network)
+    if not sketch.repeats:
         return False
     processes, variables = mentioned([question])
+    if any(sketch.colours.count(sketch.colours[number]) > 1 for number in processes if number < len(sketch.colours)):
+        return True
     moved = _moved(network)
     return not processes.isdisjoint(moved.processes) or not variables.isdisjoint(moved.variables)
 

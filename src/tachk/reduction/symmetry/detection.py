@@ -135,17 +135,28 @@ def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Sym
         for other in members[1:]:
             _align(reading, members[0], other)
     reading.settle()
-    found = [_attempt(reading, [(member,) for member in members]) for members in candidates]
-    open_ = [attempt for attempt in found if attempt.apart is not None]
-    for partners in _partnerships(open_):
-        joined = _attempt(reading, list(zip(*(sum(each.teams, ()) for each in partners), strict=True)))
-        if joined.reach > max(each.reach for each in partners):
-            found = [joined, *(attempt for attempt in found if attempt not in partners)]
-            break
-    rings, found = _with_rings(reading, found)
+    rings, found = _with_rings(reading, _attempts(reading, candidates))
     groups = tuple(group for attempt in found for group in attempt.groups)
     apart = tuple(attempt.apart for attempt in found if attempt.apart is not None)
     return Symmetry(groups, tuple(rings), apart, reading)
+
+
+def _attempts(reading: Reading, candidates: Iterable[Sequence[int]]) -> list[_Attempt]:
+    """What has become of the candidates, each by itself or those of several sets together."""
+    singles: list[list[Team]] = [[(member,) for member in members] for members in candidates]
+    found = [_attempt(reading, teams, most_in_vain=1) for teams in singles]
+    hopeless = [attempt for attempt in found if attempt.apart is not None and attempt.reach == 0]
+    for partners in _partnerships(hopeless):
+        joined = _joined(reading, partners, most_in_vain=1)
+        if joined.apart is None:
+            return [joined, *(attempt for attempt in found if attempt not in partners)]
+    found = [attempt if attempt.apart is None else _attempt(reading, attempt.teams) for attempt in found]
+    open_ = [attempt for attempt in found if attempt.apart is not None]
+    for partners in _partnerships(open_):
+        joined = _joined(reading, partners)
+        if joined.reach > max(each.reach for each in partners):
+            return [joined, *(attempt for attempt in found if attempt not in partners)]
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,11 +182,16 @@ class _Attempt:
         return prod(factorial(len(group.members)) for group in self.groups)
 
 
-def _attempt(reading: Reading, teams: list[Team]) -> _Attempt:
+def _joined(reading: Reading, partners: Sequence[_Attempt], most_in_vain: int = MOST_IN_VAIN) -> _Attempt:
+    teams = list(zip(*(sum(each.teams, ()) for each in partners), strict=True))
+    return _attempt(reading, teams, most_in_vain)
+
+
+def _attempt(reading: Reading, teams: list[Team], most_in_vain: int = MOST_IN_VAIN) -> _Attempt:
     refusal = _order_of_errors(reading, teams)
     if refusal is not None:
         return _Attempt(teams, [], Apart(teams[0], teams[1], refusal))
-    classes, apart = _classes(reading, teams)
+    classes, apart = _classes(reading, teams, most_in_vain)
     groups = []
     for each in classes:
         if len(each.members) > 1:
@@ -281,13 +297,13 @@ def _order_of_errors(reading: Reading, teams: Sequence[Team]) -> Refusal | None:
     return None
 
 
-def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangeable], Apart | None]:
+def _classes(reading: Reading, teams: Sequence[Team], most_in_vain: int) -> tuple[list[Interchangeable], Apart | None]:
     """The teams in classes of those that can be exchanged, and two that are in different ones if there are several.
 
     Colours that take longer to find are looked for once an exchange has been tried in vain.
     """
     for colours in _colours(reading):
-        classes, apart = _exchanged(reading, teams, colours, MOST_IN_VAIN if colours is reading.colours else 1)
+        classes, apart = _exchanged(reading, teams, colours, most_in_vain if colours is reading.colours else 1)
         if apart is None or apart.refusal is None:
             break
     return classes, apart
