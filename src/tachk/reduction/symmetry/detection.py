@@ -149,8 +149,8 @@ def _attempts(reading: Reading, candidates: Iterable[Sequence[int]]) -> list[_At
     for partners in _partnerships(hopeless):
         joined = _joined(reading, partners, most_in_vain=1)
         if joined.apart is None:
-            return [joined, *(attempt for attempt in found if attempt not in partners)]
-    found = [attempt if attempt.apart is None else _attempt(reading, attempt.teams) for attempt in found]
+            return [joined, *(_in_full(reading, attempt) for attempt in found if attempt not in partners)]
+    found = [_in_full(reading, attempt) for attempt in found]
     open_ = [attempt for attempt in found if attempt.apart is not None]
     for partners in _partnerships(open_):
         joined = _joined(reading, partners)
@@ -180,6 +180,11 @@ class _Attempt:
     def arrangements(self) -> int:
         """In how many orders they can be put by exchanging them."""
         return prod(factorial(len(group.members)) for group in self.groups)
+
+
+def _in_full(reading: Reading, attempt: _Attempt) -> _Attempt:
+    """An attempt that was given up early, made again."""
+    return attempt if attempt.apart is None else _attempt(reading, attempt.teams)
 
 
 def _joined(reading: Reading, partners: Sequence[_Attempt], most_in_vain: int = MOST_IN_VAIN) -> _Attempt:
