@@ -261,6 +261,10 @@ class Goal:
     disjuncts: tuple[Disjunct, ...]
     decides: bool = True
 
+    @property
+    def asks_deadlock(self) -> bool:
+        return any(disjunct.deadlock is not DeadlockLiteral.ABSENT for disjunct in self.disjuncts)
+
 
 @dataclass(frozen=True, slots=True)
 class Measure:

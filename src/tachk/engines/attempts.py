@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk import _core
-from tachk.compiler.program import DeadlockLiteral, Goal, Program
+from tachk.compiler.program import Goal, Program
 from tachk.engines.core_search import RunningSearch, core_limits, core_options, run_in_slices
 from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import Progress
@@ -74,7 +74,7 @@ def in_one_order(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[_core.Explorer | None, str]:
     """A search that has decided all goals, or None; and why it was ended from outside, if it was."""
-    deadlocks = any(each.deadlock is not DeadlockLiteral.ABSENT for goal in goals for each in goal.disjuncts)
+    deadlocks = any(goal.asks_deadlock for goal in goals)
     if deadlocks or program.interchangeable or options.partial_order or limits.depth is not None:
         return None, ""
     one = replace(options, partial_order=True, threads=1)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk import _core
-from tachk.compiler.program import DeadlockLiteral, Goal, Program
+from tachk.compiler.program import Goal, Program
 from tachk.engines.core_search import (
     core_limits,
     core_options,
@@ -61,9 +61,7 @@ def _avoiding_run(
 ) -> LivenessOutcome:
     """As `find_avoiding_run`, by one search; where processes are interchangeable a run is one up to exchanges."""
     goals = [avoided] if begins is None else [avoided, begins]
-    if options.extrapolation is Extrapolation.LU and any(
-        disjunct.deadlock is not DeadlockLiteral.ABSENT for goal in goals for disjunct in goal.disjuncts
-    ):
+    if options.extrapolation is Extrapolation.LU and any(goal.asks_deadlock for goal in goals):
         # A widened valuation may be stuck where the true ones are not, and so on one side of the goal only.
         options = replace(options, extrapolation=Extrapolation.MAX)
     first, stands = _search(program, goals, options, limits, progress)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tachk import _core
-from tachk.compiler.program import DeadlockLiteral, Goal, Program
+from tachk.compiler.program import Goal, Program
 from tachk.engines import attempts
 from tachk.engines.core_search import (
     core_limits,
@@ -166,7 +166,7 @@ def _doubtful(program: Program, goals: Sequence[Goal], options: Options, explore
     doubtful = []
     for number, goal in enumerate(goals):
         node = explorer.reached(number)
-        if node is not None and any(d.deadlock is not DeadlockLiteral.ABSENT for d in goal.disjuncts):
+        if node is not None and goal.asks_deadlock:
             if not leads_to(everybody, goals, options, explorer.path_to_goal(number), number):
                 doubtful.append(number)
     return doubtful

@@ -21,7 +21,8 @@ from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import none_begun
 from tachk.properties.unexamined import unexamined
 from tachk.properties.verdict import Answer, Extreme, Extremes, Verdict
-from tachk.reduction.spectators import with_spectators, without_spectators
+from tachk.properties.weaker import held
+from tachk.reduction.spectators import with_spectators
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError
 from tachk.semantics.timed_trace import TimedTrace
@@ -47,7 +48,7 @@ def _answer(
     try:
         with time_limit(limits.seconds):
             targets = [_where_it_is(where, expression, 0) for expression in query.operands]
-            network = without_spectators(model.network, targets) if options.hold_spectators else model.network
+            network = held(model.network, targets, options)
             searched = model if network == model.network else prepare(network)
     except OutOfTimeError:
         return none_begun([task], TIME_LIMIT)[task.number]

@@ -34,6 +34,7 @@ from tachk.properties.verdict import Answer, Verdict, answers_of
 from tachk.properties.weaker import (
     Found,
     Weaker,
+    held,
     lowered,
     naming_some,
     settle_asked_of_all,
@@ -41,7 +42,7 @@ from tachk.properties.weaker import (
     settle_without_bystanders,
 )
 from tachk.reduction.guided import guided
-from tachk.reduction.spectators import with_spectators, without_spectators
+from tachk.reduction.spectators import with_spectators
 from tachk.reduction.symmetry.forgotten import with_less_known
 from tachk.reduction.symmetry.tables import in_equal_parts
 from tachk.semantics.discrete import PreparedNetwork, prepare
@@ -153,7 +154,7 @@ def _settle_with_less_known(
         with time_limit(limits.seconds):
             triggers = triggers_of(search.tasks, network)
             mentioned = [*targets, *(trigger.condition for trigger in triggers)]
-            reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+            reduced = held(network, mentioned, options)
             less = with_less_known(reduced, mentioned)
     except OutOfTimeError:
         return {}
@@ -202,7 +203,7 @@ def _carried_over(
     members = {number for number, process in enumerate(found.weaker.network.processes) if process.edges}
     try:
         with time_limit(limits.seconds):
-            network = without_spectators(model.network, [task.target]) if options.hold_spectators else model.network
+            network = held(model.network, [task.target], options)
             if any(not network.processes[number].edges for number in members):
                 return {}
             along = guided(network, found.path, members, found.weaker.spared)
@@ -232,7 +233,7 @@ def _explore(
             triggers = triggers_of(search.tasks, network)
             conditions = [trigger.condition for trigger in triggers]
             mentioned = [*targets, *conditions]
-            reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+            reduced = held(network, mentioned, options)
             program, goals = lowered(reduced, targets, conditions, options)
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)

@@ -126,7 +126,7 @@ def _of_all(
     network: Network, options: Options, targets: Sequence[Expression], conditions: Sequence[Expression]
 ) -> Weaker | None:
     mentioned = [*targets, *conditions]
-    reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+    reduced = held(network, mentioned, options)
     asked = asked_of_all(reduced, targets, conditions)
     if asked is None:
         return None
@@ -179,6 +179,11 @@ def settle_weaker(
         if goal.status is Status.REACHED and goal.path is not None and outcome.exact
     }
     return with_notes(settled, triggers, outcome.goals[len(targets) :]), found
+
+
+def held(network: Network, mentioned: Sequence[Expression], options: Options) -> Network:
+    """The network as it is searched for what is mentioned."""
+    return without_spectators(network, mentioned) if options.hold_spectators else network
 
 
 def lowered(
