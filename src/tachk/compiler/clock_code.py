@@ -1,4 +1,4 @@
-"""Code that sets clocks."""
+"""Code that sets clocks, and what code cannot say about them, as their values lie in zones."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from typing import Protocol
 
 from tachk.compiler.assembler import Assembler
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.refused_clocks import clock_comparison_unsupported
+from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.diagnostics.span import Span
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import Assign, Expression
+from tachk.model.types import ChannelType, ClockType, Type, leaves
 
 
 class Generator(Protocol):
@@ -39,3 +41,32 @@ def set_clock(generator: Generator, expression: Assign) -> None:
     if whole.offset is not None:
         generator.value(whole.offset)
         emit(Opcode.ADVANCE_CLOCK, span=expression.span)
+
+
+def _contains_clocks(type_: Type) -> bool:
+    return any(isinstance(leaf, ClockType | ChannelType) for _, leaf in leaves(type_))
+
+
+def refuse_clock_cells(expression: Expression) -> None:
+    """Raises UnsupportedError for a copy of a value that contains clocks."""
+    if _contains_clocks(expression.type):
+        raise UnsupportedError(
+            Diagnostic(
+                "E0702",
+                "an array or record that contains clocks cannot be copied",
+                expression.span,
+                "assign its integer cells one by one, or pass it by reference",
+            )
+        )
+
+
+def clock_comparison_unsupported(span: Span) -> UnsupportedError:
+    """A clock is compared where only integers can be evaluated."""
+    return UnsupportedError(
+        Diagnostic(
+            "E0703",
+            "a clock is compared inside an expression that must be a number",
+            span,
+            "compare clocks only in guards, invariants and queries, joined by &&, ||, imply, not or forall",
+        )
+    )

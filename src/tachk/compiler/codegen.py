@@ -13,10 +13,9 @@ from collections.abc import Collection, Sequence
 
 from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.clock_code import set_clock
+from tachk.compiler.clock_code import clock_comparison_unsupported, refuse_clock_cells, set_clock
 from tachk.compiler.fold import Known, fold, fold_place, is_integer
 from tachk.compiler.functions import FunctionGenerator
-from tachk.compiler.refused_clocks import clock_comparison_unsupported, refuse_clock_cells
 from tachk.compiler.slot_layout import SlotLayout
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from itertools import count
 from math import gcd
 
 from tachk.compiler.bounds import (
@@ -19,10 +20,12 @@ from tachk.compiler.clock_updates import ClockUpdates
 from tachk.compiler.codegen import CodeGenerator
 from tachk.compiler.condition_code import ConditionCompiler
 from tachk.compiler.conditions import Conjunction, split_conjunction
+from tachk.compiler.failures import edge_can_fail
 from tachk.compiler.features import rate_of
 from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values
 from tachk.compiler.goal import Observed, compile_goal
 from tachk.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
+from tachk.compiler.partners import waiting_in_vain
 from tachk.compiler.program import (
     NO_CODE,
     Chances,
@@ -178,6 +181,7 @@ def _lowered(network: Network, known: Known, tables: Collection[Variable] = ()) 
     lowering.clocks.find(network, known)
     for number, process in enumerate(network.processes):
         lowering.add_process(number, process, known)
+    lowering.drop_those_in_vain(known)
     return lowering
 
 
@@ -297,6 +301,19 @@ class _Lowering:
                 both_directions=broadcast and not sends,
             )
         )
+
+    def drop_those_in_vain(self, known: Known) -> None:
+        """Drops edges that are never taken for want of a partner, and can be no run-time error. Processes may be
+        interchangeable but for them, and have to have the same clock bounds then."""
+        vain = set()
+        for number in waiting_in_vain(self.edges, self.layout.channels):
+            edge = self.edges[number]
+            if not edge_can_fail(self.network.processes[edge.process].edges[edge.edge], known):
+                vain.add(number)
+        if vain:
+            numbers = count()
+            self.bound_edges = [[edge for edge in own if next(numbers) not in vain] for own in self.bound_edges]
+            self.edges = [edge for number, edge in enumerate(self.edges) if number not in vain]
 
     def _possible_channels(self, place: Expression) -> tuple[int, int]:
         """The first of the channels that a place may denote, and their number: all of the variable it is built on."""

@@ -117,12 +117,16 @@ def test_a_select_label_gives_one_edge_for_each_value_that_the_guard_admits() ->
     a = p.location("a")
     i, j = bound_variable("i", IntType(0, 2)), bound_variable("j", IntType(1, 3))
     p.edge(a, a, selects=[i, j], guard=(i < j) & (n == i), send=channels[j], updates=[n.assign(i)])
+    q = network.process("Q")
+    b = q.location("b")
+    q.edge(b, b, receive=channels[n])
     program, _ = lower(network.build())
-    assert [edge.selects for edge in program.edges] == [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
-    assert [edge.channel for edge in program.edges] == [1, 2, 3, 2, 3, 3]
-    assert program.edges[3].guard == Condition((SlotTest(1, Comparison.EQUAL, 1),))
-    assert program.edges[3].update == Update(stores=((1, 1),))
-    assert {edge.edge for edge in program.edges} == {0}
+    edges = [edge for edge in program.edges if edge.sends]
+    assert [edge.selects for edge in edges] == [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
+    assert [edge.channel for edge in edges] == [1, 2, 3, 2, 3, 3]
+    assert edges[3].guard == Condition((SlotTest(2, Comparison.EQUAL, 1),))
+    assert edges[3].update == Update(stores=((2, 1),))
+    assert {edge.edge for edge in edges} == {0}
 
 
 def test_an_explosion_of_select_values_is_refused() -> None:
@@ -135,6 +139,33 @@ def test_an_explosion_of_select_values_is_refused() -> None:
     assert caught.value.diagnostic.code == "E0708"
 
 
+def test_an_edge_that_no_other_process_has_a_part_for_disappears_with_its_clock_bounds() -> None:
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    alone, shared, loud = network.channel("alone"), network.channel("shared"), network.channel("loud", broadcast=True)
+    p, q = network.process("P"), network.process("Q")
+    a, b = p.location("a"), q.location("b")
+    p.edge(a, a, guard=x <= 7, send=alone)
+    p.edge(a, a, guard=x <= 8, receive=alone)  # no process takes both parts
+    p.edge(a, a, guard=y <= 2, send=shared)
+    p.edge(a, a, send=loud)
+    q.edge(b, b, receive=shared)
+    q.edge(b, b, guard=x <= 9, receive=network.channel("unheard", broadcast=True))
+    program, _ = lower(network.build())
+    assert [(edge.process, edge.edge) for edge in program.edges] == [(0, 2), (0, 3), (1, 0)]
+    assert program.maximum_constants == (-1, -1, 2)
+
+
+def test_an_edge_without_a_partner_stays_where_it_can_be_a_run_time_error() -> None:
+    network = NetworkBuilder()
+    n = network.integer("n", 0, 3)
+    p = network.process("P")
+    a = p.location("a")
+    p.edge(a, a, guard=3 // n == 1, send=network.channel("alone"))
+    program, _ = lower(network.build())
+    assert len(program.edges) == 1
+
+
 def test_a_channel_index_that_varies_is_code() -> None:
     network = NetworkBuilder()
     n = network.integer("n", 0, 3)
@@ -142,10 +173,13 @@ def test_a_channel_index_that_varies_is_code() -> None:
     p = network.process("P")
     a = p.location("a")
     p.edge(a, a, receive=channels[n], updates=[n.assign(2)])
+    q = network.process("Q")
+    b = q.location("b")
+    q.edge(b, b, send=channels[1])
     program, _ = lower(network.build())
-    (edge,) = program.edges
+    edge = program.edges[0]
     machine = Machine(program, initial_slots(program))
-    machine.slots[1] = 3
+    machine.slots[2] = 3
     assert machine.run(edge.channel_code) == 3
     assert not edge.sends
 

@@ -74,3 +74,24 @@ def test_runs_end_at_the_goal(query: str, holds: bool, sorts: bool, options: Opt
     (verdict,) = tachk.loads(GOAL).verify(query, options=options)
     assert (verdict.answer.value == "holds") is holds
     assert (verdict.statistics.interchangeable > 0) is (holds and sorts)
+
+
+APART_BUT_FOR_AN_EDGE_IN_VAIN = """
+typedef int[0, 2] id_t;
+int[0, 1] fork[id_t] = {1, 0, 0};
+chan to[id_t];
+process P(const id_t me) {
+    clock x;
+    init location begin { to middle { assign x = 0; } }
+    location middle { invariant x <= 3; to end { guard x > 2; } }
+    location end { to end { guard fork[(me + 2) % 3] == 0 && x == 2; sync to[(me + 1) % 3]!; } }
+}
+system P;
+"""
+
+
+def test_processes_that_only_an_edge_without_a_partner_tells_apart() -> None:
+    """Its guard is false for one of them at once; still all have the same clock bounds, and the run is told."""
+    (verdict,) = tachk.loads(APART_BUT_FOR_AN_EDGE_IN_VAIN).verify("A[] not deadlock")
+    assert verdict.statistics.interchangeable > 0
+    assert verdict.trace is not None and len(verdict.trace.path) == 6
