@@ -91,11 +91,16 @@ def in_one_order(
 def depth_first(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[_core.Explorer | None, str]:
-    """A search that has reached all goals that decide, or None; and why it was ended from outside, if it was."""
+    """A search that has reached all goals that decide, or None; and why it was ended from outside, if it was.
+
+    All processes keep their places in it: a state that stands for others would go on with other processes than those
+    that have just come near to a goal.
+    """
     if not all(goal.disjuncts for goal in goals if goal.decides):
         return None, ""
     deep = replace(options, order=SearchOrder.DFS, threads=1)
-    explorer = _core.Explorer(encode(program, goals), core_options(deep), core_limits(limits))
+    apart = replace(program, interchangeable=())
+    explorer = _core.Explorer(encode(apart, goals), core_options(deep), core_limits(limits))
     status, reason = run_in_slices(Stretch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
     reached = all(explorer.reached(number) is not None for number, goal in enumerate(goals) if goal.decides)
     return explorer if reached else None, reason if status is _core.Status.RUNNING else ""

@@ -140,7 +140,8 @@ def _ran(
             first = statistics(explorer)
             other, reason = attempt(program, goals, options, limits.after(first.seconds), progress)
             if other is not None and not _doubtful(program, goals, options, other):
-                both = first.then(replace(statistics(other), seconds=0.0, user_seconds=0.0))
+                # The clock of the other one has run since the first one began.
+                both = replace(first, seconds=0.0, user_seconds=0.0).then(statistics(other))
                 return _Ran(other, _core.Status.FINISHED, "", both)
     if status is _core.Status.STATE_LIMIT and not reason:
         status, reason = run_in_slices(explorer, start, limits, progress)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 import tachk
 from tachk import _core
+from tachk.compiler.program import Goal, Program
 from tachk.engines import attempts
 from tachk.engines.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.engines.outcome import INTERRUPTED
+from tachk.engines.program_image import encode
 from tachk.properties.verdict import Answer, Verdict
 from tachk.testing.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
 
@@ -45,6 +50,34 @@ def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
     assert found.trace is not None
     more = Limits(states=3 * attempts.STORED)
     assert verdict(REACHED, replace(ALL_STATES, attempts=False), more).answer is Answer.UNKNOWN
+
+
+def test_the_time_of_both_searches_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, depth_first, later = time.perf_counter, attempts.depth_first, [0.0]
+
+    def taking_long(*arguments: Any) -> Any:
+        later[0] = 100.0
+        return depth_first(*arguments)
+
+    monkeypatch.setattr(time, "perf_counter", lambda: clock() + later[0])
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "depth_first", taking_long)
+    assert 100 < verdict(REACHED).statistics.seconds < 200
+
+
+def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where one state stands for others, the first process is another one after each step."""
+    searched = []
+
+    def noting(program: Program, goals: Sequence[Goal]) -> list[int]:
+        searched.append(program)
+        return encode(program, goals)
+
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "encode", noting)
+    found = verdict(REACHED, replace(ALL_STATES, symmetry=True))
+    assert found.answer is Answer.HOLDS and found.statistics.interchangeable == 7
+    assert searched and all(not program.interchangeable for program in searched)
 
 
 @pytest.mark.parametrize(
