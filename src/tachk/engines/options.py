@@ -118,8 +118,8 @@ class Options:
         attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
             a run is found early; off: runs are looked for once all states are reached. For `E<>` and `A[]` with the
             order `AUTO`: once 20,000 states are stored, up to 5,000 are explored as with `partial_order`, if that is of
-            use in a quarter of the first 256, and then 1,500 depth first, each in a search of its own; not with
-            `shortest`.
+            use in a quarter of the first 256, and then 1,500 depth first with processes that keep their places, each in
+            a search of its own; not with `shortest`.
         threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
             their number, the states, their order and the runs are the same. One thread searches depth first, over local
             times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
