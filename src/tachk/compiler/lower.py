@@ -66,6 +66,7 @@ def lower(
     """
     known = known_values(network, predicates)
     lowering = _lowered(network, known, tables)
+    lowering.drop_those_in_vain(known)
     goals = []
     observed: list[Observed] = []
     for goal, compared in (compile_goal(predicate, known, lowering.compiler) for predicate in predicates):
@@ -181,7 +182,6 @@ def _lowered(network: Network, known: Known, tables: Collection[Variable] = ()) 
     lowering.clocks.find(network, known)
     for number, process in enumerate(network.processes):
         lowering.add_process(number, process, known)
-    lowering.drop_those_in_vain(known)
     return lowering
 
 
