@@ -32,7 +32,7 @@ SHAPES = {
     "copies and diagonals": Shape(copies=0.4, advances=False, diagonals=True, constant=3),
 }
 
-APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False, deadlocks=False, clocks=1)
+APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False, clocks=1)
 """Processes that seldom meet, for searches over local times."""
 
 LONG_TIMES = {
@@ -60,12 +60,15 @@ def test_searches_over_local_times_agree_with_the_others() -> None:
         replace(always, extrapolation=Extrapolation.MAX, bounds=BoundScope.GLOBAL),
         replace(always, subsumption=False, chunk_words=1, rows_after=0),
     )
-    suited = 0
-    for seed in range(30):
+    suited = stuck = 0
+    for seed in range(40):
         case = random_case(Random(seed), APART)
-        suited += obstacle(encode(*lower(case.network, case.predicates))) is None
+        program, goals = lower(case.network, case.predicates)
+        is_suited = obstacle(encode(program, goals)) is None
+        suited += is_suited
+        stuck += is_suited and any(goal.asks_deadlock for goal in goals)
         assert compare(case, local, Effort(reference=100, sampled=150)).problems == (), f"seed {seed}"
-    assert suited > 20
+    assert suited > 28 and stuck > 8
 
 
 @pytest.mark.parametrize("shape", LONG_TIMES)

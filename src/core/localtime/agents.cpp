@@ -57,9 +57,6 @@ const char* global_obstacle(const Program& program) {
     if (channel.urgent) return "there are urgent channels";
     if (channel.broadcast) return "there are broadcast channels";
   }
-  for (const Goal& goal : program.goals)
-    for (const Disjunct& disjunct : goal.disjuncts)
-      if (disjunct.deadlock != DeadlockLiteral::absent) return "deadlock is asked for";
   return nullptr;
 }
 

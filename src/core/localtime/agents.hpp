@@ -23,10 +23,10 @@ struct Agents {
   static constexpr std::uint32_t nobody = UINT32_MAX;
 };
 
-// Local times are sound for reachability only, and only where nothing is said of the present of several processes at
-// once: no committed location, urgent channel, broadcast, priority or stopwatch, no clocks compared with one another,
-// no `deadlock` among the goals. An invariant may only speak of clocks and variables that no other process touches
-// without this one taking part (Govind, Herbreteau, Srivathsan, Walukiewicz 2019, section 2).
+// Local times are sound for reachability only, and only where no action depends on the present of processes that do not
+// take part: no committed location, urgent channel, broadcast, priority or stopwatch, no clocks compared with one
+// another. An invariant may only speak of clocks and variables that no other process touches without this one taking
+// part (Govind, Herbreteau, Srivathsan, Walukiewicz 2019, section 2).
 Agents find_agents(const Program& program);
 
 }  // namespace tachk

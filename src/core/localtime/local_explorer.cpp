@@ -37,6 +37,9 @@ LocalExplorer::LocalExplorer(Program program, const Options& options, const Limi
       slots_(graph_.program().slots.size()),
       exact_(graph_.ordinary().operations()) {
   if (options.shortest || limits.depth != UINT32_MAX) throw std::invalid_argument("steps are counted");
+  if (!asks_for_deadlock(graph_.program())) return;
+  if (options.extrapolation == Extrapolation::lu) throw std::invalid_argument("deadlock is asked for with LU bounds");
+  stuck_.emplace(graph_.program(), graph_.ordinary().operations(), goals_);
 }
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
@@ -105,6 +108,7 @@ void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent)
     zones_.add(node, successor.zone);
     actions_.add(successor.edges);
     goals_.check(node, slots, exact_.get());
+    if (stuck_) stuck_->check(node, slots, exact_.get());
   });
 }
 
@@ -124,8 +128,15 @@ std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
   if (graph_.symmetry().active()) actions = unsorted_path(graph_, actions);
   Semantics& semantics = graph_.ordinary().semantics();
   for (const Disjunct& disjunct : graph_.program().goals[goal].disjuncts)
-    if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, disjunct.condition)) return ordered;
+    for (const Condition& end : ends(disjunct, actions))
+      if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, end)) return ordered;
   throw std::logic_error("no times are right for a run over local times");
+}
+
+std::vector<Condition> LocalExplorer::ends(const Disjunct& disjunct, const Path& actions) {
+  if (disjunct.deadlock == DeadlockLiteral::absent) return {disjunct.condition};
+  LocalState last = state_after(graph_, actions);
+  return stuck_->conditions(disjunct, last.slots.data(), last.synchronised.get());
 }
 
 }  // namespace tachk

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "localtime/local_graph.hpp"
+#include "localtime/stuck_states.hpp"
 #include "order/waiting.hpp"
 #include "program/program.hpp"
 #include "reachability/explorer.hpp"
@@ -54,7 +55,8 @@ class WaitingZones final {
 
 class LocalExplorer final {
  public:
-  // Throws std::invalid_argument where a LocalGraph does, and for options and limits that count steps.
+  // Throws std::invalid_argument where a LocalGraph does, for options and limits that count steps, and where goals ask
+  // for deadlock but bounds are LU.
   LocalExplorer(Program program, const Options& options, const Limits& limits = {});
   LocalExplorer(const LocalExplorer&) = delete;
   LocalExplorer& operator=(const LocalExplorer&) = delete;
@@ -76,6 +78,8 @@ class LocalExplorer final {
   std::uint32_t next();
   void expand(std::uint32_t node);
   void store(const LocalSuccessor& successor, std::uint32_t parent);
+  // What a path, without exchanges, has to end in to meet a disjunct.
+  std::vector<Condition> ends(const Disjunct& disjunct, const Path& actions);
 
   Limits limits_;
   bool subsumption_;
@@ -85,8 +89,9 @@ class LocalExplorer final {
   WaitingZones zones_;
   ActionsTaken actions_;
   GoalWatch goals_;
-  std::vector<std::int32_t> slots_;  // of the state being expanded
-  ZoneBuffer exact_;                 // of a successor, before it is abstracted
+  std::optional<StuckStates> stuck_;  // where goals ask for deadlock
+  std::vector<std::int32_t> slots_;   // of the state being expanded
+  ZoneBuffer exact_;                  // of a successor, before it is abstracted
   std::uint64_t explored_ = 0;
   std::uint64_t transitions_ = 0;
   bool started_ = false;

@@ -10,52 +10,63 @@
 namespace tachk {
 namespace {
 
-struct State {
-  std::vector<std::int32_t> slots;
-  std::vector<LocalEntry> zone;
-  ZoneBuffer synchronised;
+void ignore(const Effect&) {}
+
+LocalState copy(const LocalSuccessor& successor) {
+  return {successor.effect.slots, successor.zone, successor.synchronised};
+}
+
+// Successors are not sorted as long as there is one.
+class WithoutSorting final {
+ public:
+  explicit WithoutSorting(LocalGraph& graph) : symmetry_(graph.symmetry()), before_(symmetry_.active()) {
+    symmetry_.activate(false);
+  }
+  ~WithoutSorting() { symmetry_.activate(before_); }
+  WithoutSorting(const WithoutSorting&) = delete;
+  WithoutSorting& operator=(const WithoutSorting&) = delete;
+
+ private:
+  LocalSymmetry& symmetry_;
+  bool before_;
 };
+
+LocalState initial(LocalGraph& graph) {
+  std::optional<LocalState> state;
+  graph.start([&](const LocalSuccessor& successor) { state = copy(successor); });
+  return *std::move(state);
+}
+
+LocalState after(LocalGraph& graph, LocalState& state, const Edges& action) {
+  std::optional<LocalState> next;
+  graph.expand(state.slots.data(), state.zone, ignore, [&](const LocalSuccessor& successor) {
+    if (!next && successor.edges == action) next = copy(successor);
+  });
+  if (!next) throw std::logic_error("a path over local times does not exist");
+  return *std::move(next);
+}
 
 class Walk {
  public:
-  explicit Walk(LocalGraph& graph) : graph_(graph), sorted_(initial(graph)), kept_(sorted_), places_(inverse(sort())) {}
-  ~Walk() { graph_.symmetry().activate(true); }
-  Walk(const Walk&) = delete;
-  Walk& operator=(const Walk&) = delete;
+  explicit Walk(LocalGraph& graph)
+      : graph_(graph), unsorted_(graph), sorted_(initial(graph)), kept_(sorted_), places_(inverse(sort())) {}
 
   // Takes an action of the sorted state, and tells that of the state in which processes keep their places.
   Edges take(const Edges& action) {
-    std::optional<State> next;
-    graph_.expand(sorted_.slots.data(), sorted_.zone, ignore, [&](const LocalSuccessor& successor) {
-      if (!next && successor.edges == action) next = copy(successor);
-    });
-    if (!next) throw std::logic_error("a path over local times does not exist");
-    State target = *next;
+    LocalState next = after(graph_, sorted_, action);
+    LocalState target = next;
     graph_.symmetry().arrange(places_, target.slots.data(), target.zone);
     const Edges taken = action_to(target);
-    sorted_ = *std::move(next);
+    sorted_ = std::move(next);
     kept_ = std::move(target);
     places_ = composed(inverse(sort()), places_);
     return taken;
   }
 
  private:
-  static void ignore(const Effect&) {}
-
-  static State copy(const LocalSuccessor& successor) {
-    return {successor.effect.slots, successor.zone, successor.synchronised};
-  }
-  // From here on successors are not sorted.
-  static State initial(LocalGraph& graph) {
-    graph.symmetry().activate(false);
-    std::optional<State> state;
-    graph.start([&](const LocalSuccessor& successor) { state = copy(successor); });
-    return *std::move(state);
-  }
-
   const Arrangement& sort() { return graph_.symmetry().sort(sorted_.slots.data(), sorted_.synchronised, sorted_.zone); }
 
-  Edges action_to(const State& target) {
+  Edges action_to(const LocalState& target) {
     const std::size_t slots = graph_.program().state_slots;
     std::optional<Edges> found;
     graph_.expand(kept_.slots.data(), kept_.zone, ignore, [&](const LocalSuccessor& successor) {
@@ -69,8 +80,9 @@ class Walk {
   }
 
   LocalGraph& graph_;
-  State sorted_;
-  State kept_;
+  WithoutSorting unsorted_;
+  LocalState sorted_;
+  LocalState kept_;
   Arrangement places_;  // which place of the sorted state each member has
 };
 
@@ -81,6 +93,13 @@ Path unsorted_path(LocalGraph& graph, const Path& actions) {
   Path path;
   for (const Edges& action : actions) path.push_back(walk.take(action));
   return path;
+}
+
+LocalState state_after(LocalGraph& graph, const Path& actions) {
+  const WithoutSorting unsorted(graph);
+  LocalState state = initial(graph);
+  for (const Edges& action : actions) state = after(graph, state, action);
+  return state;
 }
 
 }  // namespace tachk

@@ -103,13 +103,11 @@ class Timing {
     for (const Atom& atom : atoms_) {
       if (atom.left == atom.right) {
         if (atom.raw < raw_zero) differences_.push_back({now, now, atom.raw});
-      } else if (atom.right == 0) {
-        const Reset reset = resets_[atom.left];
-        differences_.push_back({now, reset.moment, atom.raw - 2 * Raw{reset.value}});
-      } else {
-        const Reset reset = resets_[atom.right];
-        differences_.push_back({reset.moment, now, atom.raw + 2 * Raw{reset.value}});
+        continue;
       }
+      const Reset left = atom.left == 0 ? Reset{now, 0} : resets_[atom.left];
+      const Reset right = atom.right == 0 ? Reset{now, 0} : resets_[atom.right];
+      differences_.push_back({right.moment, left.moment, atom.raw - 2 * (Raw{left.value} - Raw{right.value})});
     }
   }
 

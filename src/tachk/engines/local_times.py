@@ -88,6 +88,9 @@ def _chosen(
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:
             return None
+    if any(goal.asks_deadlock for goal in goals):
+        # With LU a state may be covered by others that can do more: it may be stuck where they are not.
+        options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
     if look and _goes_on(search):
         if _zones_each(ordinary) < _WORTH_IT * _zones_each(search):

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -130,6 +131,29 @@ void test_runs_come_in_the_order_of_time() {
   CHECK((other.path_to_goal(0) == Path{{1}, {0}}));
 }
 
+void test_deadlocks_are_found_with_equal_bounds_only() {
+  // Once all have left nothing is possible, and before that something is.
+  Program program = apart(3);
+  program.goals.push_back({{{all_there(3), DeadlockLiteral::required}}});
+  Condition first_stays;
+  first_stays.tests.push_back({0, Comparison::equal, 0});
+  program.goals.push_back({{{first_stays, DeadlockLiteral::required}}});
+  Options options;
+  options.extrapolation = Extrapolation::max;
+  LocalExplorer local(program, options);
+  CHECK(local.run(UINT64_MAX) == Status::finished);
+  CHECK(local.path_to_goal(0)->size() == 3);
+  CHECK(!local.path_to_goal(1));
+  options.extrapolation = Extrapolation::lu;
+  bool refused = false;
+  try {
+    LocalExplorer other(program, options);
+  } catch (const std::invalid_argument&) {
+    refused = true;
+  }
+  CHECK(refused);
+}
+
 void test_what_is_shared() {
   Program program = apart(2);
   CHECK(find_agents(program).obstacle == nullptr && find_agents(program).count == 2);
@@ -156,5 +180,6 @@ int main() {
   test_what_is_synchronised_keeps_constraints();
   test_the_search_needs_one_zone_for_each_discrete_state();
   test_runs_come_in_the_order_of_time();
+  test_deadlocks_are_found_with_equal_bounds_only();
   test_what_is_shared();
 }

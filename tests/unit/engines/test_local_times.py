@@ -57,7 +57,28 @@ EXAMPLES = {
         process Q() { init location A {} }""",
         "E<> deadlock",
         True,
-        "deadlock is asked for",
+    ),
+    "deadlock behind a bound that only counts from above": Example(
+        """process P() {
+            clock x;
+            init location A { to B { assign x = 0; } to B { guard x >= 3; } }
+            urgent location B { to A { guard x <= 2; } }
+        }
+        process Q() { clock y; init location A { invariant y <= 1; to A { guard y >= 1; assign y = 0; } } }""",
+        "E<> deadlock",
+        True,
+    ),
+    "no deadlock": Example(
+        """process P() { clock x; init location A { invariant x <= 3; to A { guard x >= 2; assign x = 0; } } }
+        process Q() { clock y; init location A { to B { guard y <= 4; } } location B {} }""",
+        "E<> deadlock",
+        False,
+    ),
+    "what is not stuck": Example(
+        """process P() { clock x; init location A { to B { guard x <= 3; } } location B {} }
+        process Q() { clock y; init location A { to B { guard y <= 1; assign y = 0; } } location B {} }""",
+        "E<> not deadlock and q.B and q.y > 3",
+        False,
     ),
     "shared variable": Example(
         """int[0,1] n = 0;
@@ -143,6 +164,65 @@ def test_a_run_is_told_in_the_order_of_time() -> None:
     assert verdict.trace is not None
     moved = [step.transition.participants[0].process for step in verdict.trace.steps if step.transition is not None]
     assert moved == [1, 0]
+
+
+MEETING = """
+chan meet;
+process P() {
+    clock x;
+    init location A { invariant x <= 5; to B { assign x = 0; } }
+    location B { invariant x <= 3; to C { guard x >= 2; sync meet!; } }
+    location C {}
+}
+process Q() {
+    clock y;
+    init location A { invariant y <= 5; to B { assign y = 0; } }
+    location B { to C { guard y <= 2; sync meet?; } }
+    location C {}
+}
+p = P(); q = Q(); system
+"""
+"""P waits for Q from 2 to 3 after its own move, Q for P up to 2 after its own: they are bound to miss if Q is first."""
+
+
+@pytest.mark.parametrize("processes", [["p", "q"], ["q", "p"]])
+@pytest.mark.parametrize(
+    ("query", "moved"),
+    [
+        ("E<> deadlock and p.B and q.B and p.x >= 1 and q.y <= 2", ["q", "p"]),
+        ("E<> not deadlock and p.B and q.B and p.x >= 2 and q.y <= 1", ["p", "q"]),
+        ("E<> deadlock and p.B and q.B and p.x < 1 and q.y >= 4", ["q", "p"]),
+    ],
+)
+def test_a_run_into_a_deadlock_comes_in_the_order_that_leads_there(
+    query: str, moved: list[str], processes: list[str]
+) -> None:
+    (verdict,) = tachk.loads(f"{MEETING} {', '.join(processes)};").verify(query, options=ALWAYS)
+    assert verdict.statistics.local_times and verdict.trace is not None
+    taken = [step.transition for step in verdict.trace.steps if step.transition is not None]
+    assert [processes[transition.participants[0].process] for transition in taken] == moved
+
+
+def test_a_deadlock_of_processes_in_a_ring() -> None:
+    model = tachk.loads(
+        """const int N = 4; typedef int[0, N - 1] seat_t; chan take[N], put[N];
+        process Philosopher(const seat_t seat) {
+            clock x;
+            init location thinking { to hungry { guard x >= 1; sync take[seat]!; assign x = 0; } }
+            location hungry { to eating { guard x >= 1; sync take[(seat + 1) % N]!; assign x = 0; } }
+            location eating { invariant x <= 2; to done { sync put[seat]!; } }
+            location done { invariant x <= 2; to thinking { sync put[(seat + 1) % N]!; assign x = 0; } }
+        }
+        process Fork(const seat_t place) {
+            init location free { to taken { sync take[place]?; } }
+            location taken { to free { sync put[place]?; } }
+        }
+        system Philosopher, Fork;"""
+    )
+    (verdict,) = model.verify("A[] not deadlock", options=ALWAYS)
+    assert verdict.answer is Answer.FAILS and verdict.trace is not None
+    assert verdict.statistics.local_times and verdict.statistics.exchanged
+    assert {*verdict.trace.steps[-1].state.discrete.locations[:4]} == {1}
 
 
 def test_the_choice_is_made_where_it_pays() -> None:

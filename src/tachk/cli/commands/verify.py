@@ -142,8 +142,8 @@ _DEFAULT = Options()
     default=_DEFAULT.local_times.value,
     show_default=True,
     help="Let each process have a time of its own, so that independent transitions need not be told apart by their "
-    "order, where that is sound. auto: where it seems to save many states. No effect with --trace shortest, "
-    "--max-depth or deadlock.",
+    "order, where that is sound. auto: where it seems to save many states. No effect with --trace shortest or "
+    "--max-depth.",
 )
 @click.option(
     "--partial-order",

@@ -1,0 +1,47 @@
+// Which states of the network in a zone over local times are deadlocks: goals that ask for `deadlock`.
+//
+// Whether a state is one depends on all processes at the same time, so that only the synchronised part of a zone is
+// asked. With LU bounds a state that is covered may be stuck where those that cover it are not. With equal lower and
+// upper bounds each clock of the two has the same value or is beyond its bound for both: one is stuck iff the other one
+// is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "program/program.hpp"
+#include "reachability/goals.hpp"
+#include "symbolic/dead_states.hpp"
+#include "zones/zone.hpp"
+
+namespace tachk {
+
+bool asks_for_deadlock(const Program& program);
+
+class StuckStates final {
+ public:
+  StuckStates(const Program& program, const ZoneOperations& operations, GoalWatch& goals);
+
+  // Settles the open goals that some valuation of a new state meets that is stuck, or is not, as the goal asks. The
+  // valuations are those that can be there at once, not abstracted. Throws ModelFault.
+  void check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
+
+  // For a disjunct that asks for deadlock: the valuations of the state that meet it are those that meet one of these
+  // conditions. Throws ModelFault.
+  std::vector<Condition> conditions(const Disjunct& disjunct, std::int32_t* slots, ConstZoneRef zone);
+
+ private:
+  // Of the zone that was looked at.
+  const Federation& pieces(const Disjunct& disjunct) const {
+    return disjunct.deadlock == DeadlockLiteral::required ? dead_.dead() : dead_.live();
+  }
+  bool any_piece_meets(const Disjunct& disjunct, std::int32_t* slots);
+
+  const Program& program_;
+  ZoneOperations operations_;
+  GoalWatch& goals_;
+  DeadStates dead_;
+  std::vector<std::size_t> open_;
+};
+
+}  // namespace tachk
