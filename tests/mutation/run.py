@@ -42,7 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.summary:
         print(summary(chosen, read_results(log)))
         return 0
-    found = _run(chosen, folder, log, fresh=given.fresh)
+    try:
+        found = _run(chosen, folder, log, fresh=given.fresh)
+    except WorkspaceError as error:
+        parser.error(str(error))
     print(f"\n{summary(chosen, found)}")
     unexpected = [m.id for m in chosen if (found[m.id].fate not in (KILLED, TIMEOUT)) != bool(m.equivalent)]
     if unexpected:

@@ -28,16 +28,20 @@ class OutOfTimeError(Exception):
 
 
 class WorkspaceError(Exception):
-    """The sources cannot be built, or a test does not exist."""
+    """The sources cannot be built, tests do not see them, or a test does not exist."""
 
 
 class Workspace:
-    """The copy in ``folder``; the checkout in ``root`` is only read."""
+    """The copy in ``folder``; the checkout in ``root`` is only read.
+
+    Raises WorkspaceError where tests would not see the copy.
+    """
 
     def __init__(self, root: Path, folder: Path) -> None:
         self.root, self.folder = root, folder
         self._stale = {"core", "dev"}
         self._synchronise()
+        self._find_the_copy()
 
     @contextmanager
     def changed(self, file: str, text: str) -> Iterator[None]:
@@ -108,6 +112,16 @@ class Workspace:
                 kept = name in wanted or path.suffix in (".pyc", ".so") or ".cache" in name
                 if path.is_file() and not kept:
                     path.unlink()
+
+    def _find_the_copy(self) -> None:
+        """An editable installation comes before PYTHONPATH."""
+        find = "from importlib.util import find_spec; print(find_spec('tachk').origin)"
+        _, found = self._call([sys.executable, "-c", find], {"PYTHONPATH": str(self.folder / "src")})
+        if not Path(found).is_relative_to(self.folder):
+            raise WorkspaceError(
+                f"Python finds tachk in {found.strip()}, not in {self.folder}. "
+                "Use an environment in which tachk is not installed in editable form."
+            )
 
     def _touch(self, file: str) -> None:
         if not file.endswith(".py"):
