@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from itertools import count
 from math import gcd
 
 from tachk.compiler.bounds import (
@@ -20,12 +19,11 @@ from tachk.compiler.clock_updates import ClockUpdates
 from tachk.compiler.codegen import CodeGenerator
 from tachk.compiler.condition_code import ConditionCompiler
 from tachk.compiler.conditions import Conjunction, split_conjunction
-from tachk.compiler.failures import edge_can_fail
 from tachk.compiler.features import rate_of
 from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values
 from tachk.compiler.goal import Observed, compile_goal
 from tachk.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
-from tachk.compiler.partners import waiting_in_vain
+from tachk.compiler.never_taken import never_taken
 from tachk.compiler.program import (
     NO_CODE,
     Chances,
@@ -65,8 +63,7 @@ def lower(
     and UnsupportedError for what the engine cannot represent.
     """
     known = known_values(network, predicates)
-    lowering = _lowered(network, known, tables)
-    lowering.drop_those_in_vain(known)
+    lowering = _lowered(network, known, tables, never_taken(network))
     goals = []
     observed: list[Observed] = []
     for goal, compared in (compile_goal(predicate, known, lowering.compiler) for predicate in predicates):
@@ -175,13 +172,23 @@ class Measured:
         )
 
 
-def _lowered(network: Network, known: Known, tables: Collection[Variable] = ()) -> _Lowering:
-    """The processes of a network, as far as no predicate counts."""
+def _lowered(
+    network: Network,
+    known: Known,
+    tables: Collection[Variable] = (),
+    never: Collection[tuple[int, int]] = frozenset(),
+) -> _Lowering:
+    """The processes of a network, as far as no predicate counts.
+
+    Args:
+        never: edges that are left out. Processes may be interchangeable but for edges that are never taken, and have to
+            have the same clock bounds then. In a part of a network such an edge may be taken with another part.
+    """
     layout = SlotLayout(network, known, tables)
     lowering = _Lowering(network, layout, CodeGenerator(layout, known, tables))
     lowering.clocks.find(network, known)
     for number, process in enumerate(network.processes):
-        lowering.add_process(number, process, known)
+        lowering.add_process(number, process, known, never)
     return lowering
 
 
@@ -201,12 +208,14 @@ class _Lowering:
 
     # ---- processes --------------------------------------------------------------------------------------------------
 
-    def add_process(self, number: int, process: Process, known: Known) -> None:
+    def add_process(self, number: int, process: Process, known: Known, never: Collection[tuple[int, int]]) -> None:
         compiled = [self._location(location, known) for location in process.locations]
         self.locations.append([location for location, _ in compiled])
         self.invariants.append([ranges for _, ranges in compiled])
         self.bound_edges.append([])
         for edge_number, edge in enumerate(process.edges):
+            if (number, edge_number) in never:
+                continue
             for selects, bound in self._instances(edge, known):
                 self._edge(number, edge_number, edge, selects, bound)
                 if len(self.edges) > MAXIMAL_EDGES:
@@ -301,19 +310,6 @@ class _Lowering:
                 both_directions=broadcast and not sends,
             )
         )
-
-    def drop_those_in_vain(self, known: Known) -> None:
-        """Drops edges that are never taken for want of a partner, and can be no run-time error. Processes may be
-        interchangeable but for them, and have to have the same clock bounds then."""
-        vain = set()
-        for number in waiting_in_vain(self.edges, self.layout.channels):
-            edge = self.edges[number]
-            if not edge_can_fail(self.network.processes[edge.process].edges[edge.edge], known):
-                vain.add(number)
-        if vain:
-            numbers = count()
-            self.bound_edges = [[edge for edge in own if next(numbers) not in vain] for own in self.bound_edges]
-            self.edges = [edge for number, edge in enumerate(self.edges) if number not in vain]
 
     def _possible_channels(self, place: Expression) -> tuple[int, int]:
         """The first of the channels that a place may denote, and their number: all of the variable it is built on."""

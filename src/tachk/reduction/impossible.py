@@ -10,15 +10,12 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 
-from tachk.compiler.failures import edge_can_fail
 from tachk.compiler.fold import Known, fold, known_values, negate
-from tachk.model.expressions import BOOL, Binary, Block, Call, Constant, Expression, Function, Return, Unary, Variable
+from tachk.model.expressions import BOOL, Binary, Block, Call, Constant, Expression, Function, Return, Unary
 from tachk.model.network import Edge, Network, Process
 from tachk.model.remembered import by_network
-from tachk.model.traversal import roots
-from tachk.model.types import BoolType, ChannelType
+from tachk.model.types import BoolType
 from tachk.operators import CONNECTIVES, UnaryOperator
-from tachk.words import Direction
 
 _FALSE = Constant(0, BOOL)
 
@@ -69,34 +66,6 @@ def _left(process: Process, number: int, possible: Collection[tuple[int, int]]) 
 
 def _never(edge: Edge) -> Edge:
     return replace(edge, selects=(), guard=_FALSE, synchronisation=None, updates=())
-
-
-def never_taken(network: Network, known: Known) -> frozenset[tuple[int, int]]:
-    """The edges, by process and number, that a constant switches off, or that would be taken with another one on a
-    channel on which no other process has a part for it. Nothing of them can be a run-time error."""
-    off: set[tuple[int, int]] = set()
-    waiting: list[tuple[int, int, Edge]] = []
-    users: dict[tuple[Variable, Direction], set[int]] = {}
-    for number, process in enumerate(network.processes):
-        for place, edge in enumerate(process.edges):
-            if edge.guard is not None and fold(edge.guard, known) == _FALSE:
-                off.add((number, place))
-                continue
-            if edge.synchronisation is None:
-                continue
-            channel, direction = edge.synchronisation.channel, edge.synchronisation.direction
-            for variable in roots(channel):
-                users.setdefault((variable, direction), set()).add(number)
-            assert isinstance(channel.type, ChannelType)
-            if direction is Direction.RECEIVE or not channel.type.broadcast:
-                waiting.append((number, place, edge))
-    for number, place, edge in waiting:
-        assert edge.synchronisation is not None
-        needed = Direction.SEND if edge.synchronisation.direction is Direction.RECEIVE else Direction.RECEIVE
-        partners = set().union(*(users.get((each, needed), ()) for each in roots(edge.synchronisation.channel)))
-        if partners <= {number} and not edge_can_fail(edge, known):
-            off.add((number, place))
-    return frozenset(off)
 
 
 def _is_never(edge: Edge, known: Known) -> bool:

@@ -20,7 +20,6 @@ from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
 from tachk.records import dataclass
-from tachk.reduction.impossible import never_taken
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, read
 from tachk.reduction.symmetry.broadcasts import order_matters
 from tachk.reduction.symmetry.colours import colours_of_processes
@@ -127,9 +126,7 @@ def _found(network: Network, predicates: tuple[Expression, ...]) -> Symmetry:
 def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
     """As `find_symmetry`, without anything that is known of the network."""
     known = known_values(network, predicates)
-    sketch = sketch_of(network)
-    never = sketch.never if known is sketch.known else never_taken(network, known)
-    reading = read(network, predicates, known, never)
+    reading = read(network, predicates, known, sketch_of(network).never)
     candidates = list(_candidates(reading))
     for members in candidates:
         for other in members[1:]:

@@ -13,12 +13,12 @@ from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from tachk.compiler.fold import Known, fold, fold_place, known_values
+from tachk.compiler.never_taken import never_taken
 from tachk.model.expressions import Call, Constant, Expression, Function, Index, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.remembered import by_network, by_part
 from tachk.model.traversal import statement_expressions, walk
 from tachk.records import dataclass
-from tachk.reduction.impossible import never_taken
 from tachk.reduction.symmetry.alone import text_alone
 from tachk.reduction.symmetry.refinement import Line, numbered, refined
 
@@ -55,7 +55,7 @@ _Mentions = tuple[Line[_Mention], ...]
 @by_network
 def sketch_of(network: Network) -> Sketch:
     known = known_values(network, ())
-    never = never_taken(network, known)
+    never = never_taken(network)
     lines: list[_Mentions] = []
     for number, process in enumerate(network.processes):
         edges = enumerate(_edges(process, known))
