@@ -50,6 +50,18 @@ def test_a_receiver_copies_what_the_sender_has_set(reaches) -> None:
     assert not reaches(network, d.reached & (y > 3))
 
 
+def test_a_computed_number_that_is_added_counts_for_the_unit_of_time(reaches) -> None:
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    n = network.integer("n", 0, 1)
+    process = network.process("P")
+    a, b = process.location("A"), process.location("B", urgent=True)
+    process.edge(a, a, updates=[n.assign(1)])
+    process.edge(a, b, guard=(y == 10) & (n == 1), updates=[x.assign(y + 5 * n)])
+    assert reaches(network, b.reached & (x > 10) & (x < 20))
+    assert not reaches(network, b.reached & ((x <= 10) | (x >= 20)))
+
+
 def test_the_invariant_of_the_target_holds_for_the_copy(reaches) -> None:
     network = NetworkBuilder()
     x, y = network.clock("x"), network.clock("y")
