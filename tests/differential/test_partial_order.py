@@ -217,6 +217,40 @@ OTHERS_COME_FIRST = {
         ),
         "q.c",
     ),
+    "a clock is set before another process reads it": (
+        (
+            "clock x, y;"
+            "process P() { init urgent location u { to v { assign x = 5; } } urgent location v {} }"
+            "process Q() { init urgent location a { to b { assign y = x; } } urgent location b {} }"
+        ),
+        "q.b && y >= 5",
+    ),
+    "a clock is set after another process has read it": (
+        (
+            "clock x, y;"
+            "process P() { init urgent location a { to b { assign y = x; } } urgent location b {} }"
+            "process Q() { init urgent location u { to v { assign x = 5; } } urgent location v {} }"
+        ),
+        "p.b && y <= 0",
+    ),
+    "a clock is set before code reads it": (
+        (
+            "clock x, y; int[0, 1] n;"
+            "process P() { init urgent location u { to v { assign x = 5; } } urgent location v {} }"
+            "process Q() { init urgent location a { to b { assign y = x + n; } }"
+            " urgent location b { to b { assign n = 1; } } }"
+        ),
+        "q.b && y >= 5",
+    ),
+    "a clock is set after code has read it": (
+        (
+            "clock x, y; int[0, 1] n;"
+            "process P() { init urgent location a { to b { assign y = x + n; } }"
+            " urgent location b { to b { assign n = 1; } } }"
+            "process Q() { init urgent location u { to v { assign x = 5; } } urgent location v {} }"
+        ),
+        "p.b && y <= 0",
+    ),
     "time has not run out in all of the zone": (
         (
             "clock x, y; int[0, 1] n;"

@@ -106,6 +106,18 @@ def test_what_each_run_meets_in_random_networks(seed: int) -> None:
             assert not is_provable(verdict) or "limit" in proof
 
 
+def test_updates_come_one_after_the_other_where_an_action_of_higher_priority_is_possible() -> None:
+    loaded = tachk.loads(
+        """clock x, y; broadcast chan low, high; chan priority low < high;
+        process P() { init location A { to C { sync high!; assign x = 0, y = x; } } location C { invariant y <= 2; } }
+        process Q() { init location A { to B { sync low!; } } location B {} }
+        p = P(); q = Q(); system p, q;
+        property first : A[] !(p.A && q.B);"""
+    )
+    (query,) = loaded.properties
+    assert judged(loaded.network, query, written(proved(loaded.network, query))) is None
+
+
 COUNTER = """
 clock x; int[0, 3] n;
 process Counter() {
