@@ -10,7 +10,7 @@ from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines import reference, zone
 from tachk.engines.local_times import obstacle
 from tachk.engines.program_image import encode
-from tachk.model.builder import NetworkBuilder, conditional
+from tachk.model.builder import NetworkBuilder, conditional, deadlock
 from tachk.model.fault import RuntimeErrorKind
 from tachk.semantics.discrete import initial_discrete, prepare
 from tachk.semantics.repetition import sight
@@ -35,6 +35,17 @@ def test_updates_see_the_copies_of_earlier_ones(reaches) -> None:
     a, b = process.location("A"), process.location("B", urgent=True)
     process.edge(a, b, guard=x == 2, updates=[y.assign(0), z.assign(x), x.assign(y + 5), y.assign(z + 1)])
     assert reaches(network, b.reached & (z == 2) & (x == 5) & (y == 3))
+
+
+def test_a_deadlock_where_the_sum_of_two_copies_is_too_large(reaches) -> None:
+    network = NetworkBuilder()
+    x, y, z = (network.clock(name) for name in "xyz")
+    process = network.process("P")
+    a, b = process.location("A", invariant=y <= 4), process.location("B", invariant=z <= 5)
+    process.edge(a, b, updates=[x.assign(y + 2), z.assign(x + 1)])
+    process.edge(b, b, updates=[z.assign(0)])
+    assert reaches(network, a.reached & deadlock() & (y > 2))
+    assert not reaches(network, a.reached & deadlock() & (y <= 2))
 
 
 def test_a_receiver_copies_what_the_sender_has_set(reaches) -> None:

@@ -161,3 +161,16 @@ def test_strict_bounds_are_strict(moment: int, accepted: bool) -> None:
     (found,) = zone.explore(program, [goal]).goals
     path = _core.PathOfRun(encode(program, [goal]), found.actions or ())
     assert (path.objection(1, np.array([moment, moment], dtype=np.int64)) is None) is accepted
+
+
+def test_a_copy_counts_from_when_its_source_was_set() -> None:
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    a, b, c = (process.location(name) for name in "ABC")
+    process.edge(a, b, guard=x >= 3, updates=[y.assign(x)])
+    process.edge(b, c, guard=(y >= 4) & (y <= 5))
+    program, (goal,) = lower(network.build(), [c.reached.expression])
+    moments, why = exact_run(program, goal, [[0], [1]])
+    assert moments is not None, why
+    assert [moments[0], moments[1]] == [3, 4]

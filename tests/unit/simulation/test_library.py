@@ -44,6 +44,23 @@ def test_runs_have_columns() -> None:
     assert len(drawn[1:]) == 2
 
 
+def test_a_clock_that_is_set_to_another_one_goes_on_from_there() -> None:
+    model = tachk.loads(
+        """process P() {
+            clock x, y;
+            init location A { invariant x <= 2; to B { guard x >= 2; assign x = 0, y = x + 3; } }
+            location B { invariant x <= 1; to C { guard y >= 4 && y <= 4; } }
+            location C { invariant x <= 3; to D { guard x >= 3; assign y = x; } }
+            location D { invariant y <= 4; to E { guard y >= 4; } }
+            location E {}
+        }
+        system P;"""
+    )
+    for run in tachk.simulate(model, runs=5, until="9"):
+        changes = [0, *(np.flatnonzero(run["P"][1:] != run["P"][:-1]) + 1)]
+        assert [(run["P"][at], run.times[at]) for at in changes] == [("A", 0), ("B", 2), ("C", 3), ("D", 5), ("E", 6)]
+
+
 @pytest.mark.parametrize("wrong", [{"policy": "fast"}, {"runs": 0}, {"until": "1 parsec"}, {"fault": "lost"}])
 def test_arguments_without_meaning_are_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(UsageError):
