@@ -361,8 +361,8 @@ def where(model: PreparedNetwork, here: Situation, predicate: Expression) -> Fed
         return if_dead
     doubtful = [*(f.domain for f in here.faults), *(m.domain for m in here.moves if m.fault is not None)]
     unknown = [zone for domain in doubtful for zone in domain]
-    if here.delays and not here.stopped:
-        unknown = [dbm.down(zone) for zone in unknown]
+    if unknown and not here.stopped:
+        unknown = reaching(here, unknown)
     dead = dbm.subtract_all(if_dead, [*here.alive, *unknown])
     alive = dbm.subtract_all(intersections(if_alive, here.perhaps_alive), unknown)
     return dead + alive + (intersections(if_dead, if_alive) if unknown else [])

@@ -9,12 +9,15 @@ import pytest
 import tachk
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.options import Engine, Options
+from tachk.engines.outcome import Status
 from tachk.engines.smt import actions
+from tachk.model.fault import RuntimeErrorKind
 from tachk.properties.verdict import Answer
 
 z3 = pytest.importorskip("z3")
 from tachk.engines.smt.actions import sometimes  # noqa: E402
 from tachk.engines.smt.relation import relation  # noqa: E402
+from tachk.engines.smt.search import explore  # noqa: E402
 
 BOTH = Options(engine=Engine.BOTH)
 
@@ -92,6 +95,45 @@ def test_invariants_behind_a_step_and_urgency_count_for_deadlocks() -> None:
     assert answers(text.format(flag="urgent ", label="guard x >= 2; assign x = 0;")) == ["holds"]
     assert answers(text.format(flag="", label="sync b!; assign x = 0;")) == ["holds"]
     assert answers(text.format(flag="committed ", label="assign n = 1, x = 0;")) == ["fails"]
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "to A { guard 1 / n == 1; }",
+        "to A { assign n = 1 / n; }",
+        "to B { guard x >= 3; assign n = 1 / n; }",
+        "to C { guard x >= 3; }",
+    ],
+)
+def test_whether_there_is_a_deadlock_cannot_be_said_where_an_action_goes_wrong_now_or_later(wrong: str) -> None:
+    model = tachk.loads(
+        f"""int n = 0; process P() {{ clock x;
+            init location A {{ invariant x <= 5; to B {{ guard x <= 4; }} {wrong} }}
+            location B {{ }} location C {{ invariant 1 / n == 1; }} }}
+        p = P(); system p;
+        property alive : E<> !deadlock && p.A; property dead : E<> deadlock && p.A && p.x == 0;"""
+    )
+    outcome = explore(model.network, [query.target for query in model.properties if query.target is not None])
+    assert [goal.status for goal in outcome.goals] == [Status.UNDECIDED] * 2
+    assert outcome.fault is not None and outcome.fault.kind is RuntimeErrorKind.DIVISION
+    for engine in Engine:
+        verdicts = model.verify(options=Options(engine=engine))
+        assert {verdict.answer for verdict in verdicts} == {Answer.UNKNOWN}, engine
+
+
+def test_an_error_that_urgency_keeps_from_happening_leaves_no_doubt_about_deadlocks() -> None:
+    model = tachk.loads(
+        """int n = 0; urgent broadcast chan now;
+        process P() { clock x;
+            init location A { to B { sync now!; } to B { guard x >= 3; assign n = 1 / n; } }
+            location B { to B { } } }
+        p = P(); system p;
+        property alive : E<> !deadlock && p.A;"""
+    )
+    for engine in Engine:
+        (verdict,) = model.verify(options=Options(engine=engine))
+        assert verdict.answer is Answer.HOLDS, engine
 
 
 PRIORITIES = """

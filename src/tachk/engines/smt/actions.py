@@ -9,7 +9,7 @@ from typing import Protocol
 
 import z3
 
-from tachk.engines.smt.evaluator import refused
+from tachk.engines.smt.evaluator import PossibleFault, refused
 from tachk.engines.smt.terms import Formula, all_of, any_of, conj, disj, neg
 from tachk.model.network import Edge, Network
 from tachk.model.types import ChannelType
@@ -59,8 +59,9 @@ class Moment(Protocol):
     @property
     def channels(self) -> Sequence[ChannelType]: ...
 
-    def behind(self, instances: Sequence[Instance], condition: Formula) -> Formula:
-        """Whether invariants allow some edges to fire together, or something goes wrong on the way."""
+    def behind(self, instances: Sequence[Instance], condition: Formula) -> tuple[Formula, list[PossibleFault]]:
+        """Whether invariants allow some edges to fire together where a condition holds; and what may go wrong there on
+        the way."""
         ...
 
 
@@ -69,11 +70,13 @@ class Action:
     """Attributes:
     taken: that the edges of the action fire, and no others.
     possible: that they can, the invariants behind them included, or that something goes wrong in the attempt.
+    wrong: what that may be.
     rank: its priority, that of the channel first.
     """
 
     taken: Formula
     possible: Formula
+    wrong: tuple[PossibleFault, ...]
     rank: tuple[int, int]
 
 
@@ -106,9 +109,10 @@ def actions(network: Network, moment: Moment, priorities: Sequence[int]) -> list
         taking = {id(instance) for instance in choice.instances}
         others = [i.fires for i in moment.instances if id(i) not in taking]
         taken = all_of([*(i.fires for i in choice.instances), neg(any_of(others))])
-        goes_well = moment.behind(choice.instances, choice.condition)
+        goes_well, wrong = moment.behind(choice.instances, choice.condition)
+        possible = conj(choice.condition, any_of([goes_well, *(fault.condition for fault in wrong)]))
         rank = choice.channel_priority, max(network.processes[i.process].priority for i in choice.instances)
-        found.append(Action(taken, conj(choice.condition, goes_well), rank))
+        found.append(Action(taken, possible, tuple(wrong), rank))
     return found
 
 

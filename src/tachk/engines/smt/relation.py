@@ -53,7 +53,7 @@ class Relation:
     entry_faults: what may go wrong in the invariants when the frame is entered.
     step: what the step out of the frame makes of it.
     step_faults: what may go wrong in the updates of the step, also of one that a higher priority blocks.
-    deadlock: whether no action is possible at the end of the delay nor later.
+    deadlock: whether no action is possible at the end of the delay nor later, and what may go wrong then.
     """
 
     network: Network
@@ -69,7 +69,7 @@ class Relation:
     step_possible: Formula
     step_faults: tuple[PossibleFault, ...]
     stopped: dict[int, Formula]
-    deadlock: Callable[[], Formula]
+    deadlock: Callable[[], tuple[Formula, Sequence[PossibleFault]]]
 
     def frame(self, name: str) -> Frame:
         """Fresh variables of the same shape."""
@@ -102,7 +102,14 @@ class Relation:
     def where(self, predicate: Expression) -> tuple[Formula, Formula, list[PossibleFault]]:
         """Where a predicate is true; where something in it decides it that cannot be evaluated; and what that is."""
         machine = machine_of(self.layout, self.template, ClocksOf(self.template, self.stopped, self.template.left))
-        machine.deadlock = self.deadlock
+
+        def deadlock() -> Formula:
+            stuck, faults = self.deadlock()
+            for fault in faults:
+                machine.goes_wrong(fault.condition, fault.kind, fault.span)
+            return stuck
+
+        machine.deadlock = deadlock
         wrong: list[PossibleFault] = []
         yes, no = certain(machine, predicate, wrong)
         return yes, neg(disj(yes, no)) if wrong else False, wrong
@@ -309,8 +316,9 @@ class _Encoder:
     def _actions(self) -> list[Action]:
         return actions(self.network, self, [priority for _, priority in prepare(self.network).channels])
 
-    def behind(self, instances: Sequence[Instance], condition: Formula) -> Formula:
-        """Whether invariants allow some edges to fire together, or something goes wrong on the way."""
+    def behind(self, instances: Sequence[Instance], condition: Formula) -> tuple[Formula, list[PossibleFault]]:
+        """Whether invariants allow some edges to fire together where a condition holds; and what may go wrong there on
+        the way."""
         machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
         machine.path = condition
         locations = list(self.frame.locations)
@@ -327,19 +335,27 @@ class _Encoder:
         there = _Encoder(self.network, self.layout, self.channels)
         there.frame = Frame(tuple(locations), tuple(cells), tuple(resets), self.frame.left, self.frame.left, ())
         invariant, wrong = there._invariant(ClocksOf(there.frame, {}, there.frame.entered))
-        return any_of([invariant, *(fault.condition for fault in (*machine.faults, *wrong))])
+        wrong = [replace(fault, condition=conj(condition, fault.condition)) for fault in wrong]
+        return invariant, [*machine.faults, *wrong]
 
-    def _deadlock(self) -> Formula:
-        """Whether no action is possible at the end of the delay nor later. One that goes wrong counts as possible."""
+    def _deadlock(self) -> tuple[Formula, Sequence[PossibleFault]]:
+        """Whether no action is possible at the end of the delay nor later; and what may go wrong then in guards,
+        updates, or invariants behind an action. Whether that is a deadlock cannot be said."""
         moment = z3.Real("later")
         later = _Encoder(self.network, self.layout, self.channels)
         later.frame, later.stopped = replace(self.frame, left=moment), self.stopped
         later._ask_all()
         invariant, _ = later._invariant(ClocksOf(later.frame, self.stopped, moment))
         waits = disj(moment == self.frame.left, self._time_may_pass())
-        acts = any_of([*(a.possible for a in later._actions()), *(fault.condition for fault in later.faults)])
+        found = later._actions()
+        wrong = [*later.faults, *(fault for action in found for fault in action.wrong)]
+
+        def from_now_on(formula: Formula) -> Formula:
+            return sometimes(all_of([invariant, waits, formula]), moment, self.frame.left)
+
         try:
-            return neg(sometimes(all_of([invariant, waits, acts]), moment, self.frame.left))
+            stuck = neg(from_now_on(any_of(action.possible for action in found)))
+            return stuck, [replace(fault, condition=from_now_on(fault.condition)) for fault in wrong]
         except TooManyComparisonsError:
             what = "deadlock where what is possible later depends on clocks in too many ways"
             raise refused(what, self.network.processes[0].span) from None
