@@ -190,6 +190,22 @@ def test_an_event_of_a_vector_does_not_happen_alone() -> None:
     assert [verdict.answer.value for verdict in model.verify("E<> i == 1", trace=False)] == ["fails"]
 
 
+def test_a_vector_for_which_a_process_has_no_edge_stands_for_nothing_beside_others() -> None:
+    text = system("edge:P:l:l:a{do: i=1}", "edge:Q:l:l:a{}", "sync:P@a:Q@a", "sync:P@a:R@a", "sync:R@b:Q@b")
+    loaded = load_model(Source("m.tck", text))
+    assert [len(process.edges) for process in loaded.network.processes] == [1, 1, 0]
+    assert not loaded.warnings
+
+
+def test_an_edge_all_of_whose_vectors_never_happen_is_told() -> None:
+    text = system("edge:P:l:l:a{do: i=1}", "edge:Q:l:l:b{}", "sync:P@a:R@a", "sync:R@b:Q@b")
+    loaded = load_model(Source("m.tck", text))
+    assert [(warning.code, warning.span.text) for warning in loaded.warnings] == [
+        ("W0402", "edge:P:l:l:a{do: i=1}"),
+        ("W0401", "edge:Q:l:l:b{}"),
+    ]
+
+
 Edges = dict[str, list[tuple[int, int, str, int, int]]]
 """Of each process: from where, to where, event, value that `i` must have, value that it gets; -1: any, none."""
 

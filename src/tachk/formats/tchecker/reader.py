@@ -274,6 +274,7 @@ class _Reader:
     def _channels(self) -> dict[Vector, tuple[str, ast.VariableDeclaration]]:
         """The channel of each vector."""
         result: dict[Vector, tuple[str, ast.VariableDeclaration]] = {}
+        idle = self._idle_vectors()
         order = list(self.processes)
         for vector in self.vectors:
             names = [process for process, _, _ in vector.parts]
@@ -303,9 +304,25 @@ class _Reader:
                         )
                     ]
                 )
-            if not vector.joins_many:
+            if not vector.joins_many and vector not in idle:
                 result[vector] = self._channel(vector, any(weak))
         return result
+
+    def _idle_vectors(self) -> set[Vector]:
+        """Vectors that never happen, as a process has no edge for its event, and without which no edge loses all of
+        its vectors. Networks that are generated have many."""
+        with_edge = {(name, event) for name, process in self.processes.items() for event, _ in process.edges}
+        possible = {
+            vector
+            for vector in self.vectors
+            if all((name, event) in with_edge for name, event, weak in vector.parts if not weak)
+        }
+        served = {part[:2] for vector in possible for part in vector.parts}
+        return {
+            vector
+            for vector in self.vectors
+            if vector not in possible and with_edge.intersection(part[:2] for part in vector.parts) <= served
+        }
 
     def _channel(self, vector: Vector, broadcast: bool) -> tuple[str, ast.VariableDeclaration]:
         prefixes = ("broadcast",) if broadcast else ()
