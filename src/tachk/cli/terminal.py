@@ -116,6 +116,7 @@ def console(stream: TextIO) -> Console:
         emoji=False,
         color_system="standard" if wants_colour(stream) else None,
         force_terminal=wants_colour(stream) or None,
+        force_jupyter=False,
         width=width_of(stream) if stream.isatty() else _WIDTH,
     )
 

@@ -12,8 +12,6 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from rich.console import Console
-
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.compiler import compile as compile_formula
@@ -24,6 +22,7 @@ from tachk.monitoring.reading import Reading, reading_of
 from tachk.monitoring.texts import Texts, text_columns
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
 from tachk.report.monitor.text import print_monitor
+from tachk.report.plain_console import plain_console
 from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.core_monitor import (
     RobustnessResult,
@@ -437,7 +436,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
     def to_text(self, all_violations: bool = False) -> str:
         """What `tachk monitor` prints, with ``--all-violations`` or without."""
         out = StringIO()
-        print_monitor(self.record, Console(file=out, width=1000, highlight=False), all_violations)
+        print_monitor(self.record, plain_console(out), all_violations)
         return out.getvalue()
 
     def __str__(self) -> str:

@@ -79,13 +79,12 @@ class Report(Sequence[Verdict]):
 
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
         """What `tachk verify` prints."""
-        from rich.console import Console
-
+        from tachk.report.plain_console import plain_console
         from tachk.report.run.telling import Telling
         from tachk.report.text_report import print_run
 
         out = StringIO()
-        print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, Telling(clocks))
+        print_run(self.record, plain_console(out), every_trace, Telling(clocks))
         return out.getvalue()
 
     def to_page(self, title: str | None = None) -> str:

@@ -35,7 +35,7 @@ def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
         loops = evidence.run.loop_start is not None
         told = f"shown by {run}, which goes on for ever" if loops else f"reached by {run}, at time {end}"
         print(f"\n{evidence.finding.code} at {evidence.finding.span} is {told}:", file=out)
-        console = Console(file=out, highlight=False, soft_wrap=True)
+        console = Console(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
         print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
 
 

@@ -7,12 +7,11 @@ from collections.abc import Iterable
 from io import StringIO
 from xml.etree import ElementTree
 
-from rich.console import Console
-
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import value_lines
+from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import view_trace
@@ -106,14 +105,14 @@ def _result(case: ElementTree.Element, kind: str, message: str, details: str) ->
 
 
 def _details(record: RunRecord, verdict: Verdict) -> str:
-    console = Console(file=StringIO(), width=120, no_color=True)
+    out = StringIO()
+    console = plain_console(out, width=120)
     console.print(verdict.query.text, markup=False, highlight=False, soft_wrap=True)
     if verdict.fault is not None:
         print_fault(record.network, verdict.fault, console, record.runs)
     if verdict.trace is not None and record.runs:
         print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit)
-    assert isinstance(console.file, StringIO)
-    return console.file.getvalue()
+    return out.getvalue()
 
 
 def clean(text: str) -> str:

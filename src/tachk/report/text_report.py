@@ -20,6 +20,7 @@ from tachk.model.query import Observer, Query
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import value_lines, value_shown
+from tachk.report.plain_console import plain_console
 from tachk.report.quantity import bytes_, duration, grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.reductions_text import reduction_lines
@@ -103,7 +104,7 @@ def evidence_text(network: Network, verdict: Verdict, telling: Telling = Telling
     """The run behind an answer, or the run-time error that there is instead of one, as text; empty where there is
     neither. Arguments as for `print_run`."""
     out = StringIO()
-    console = Console(file=out, width=1000, highlight=False, color_system=None)
+    console = plain_console(out)
     if verdict.trace is not None:
         _print_evidence(network, verdict, verdict.trace, console, telling)
     elif verdict.fault is not None:

@@ -16,6 +16,7 @@ from tachk.properties.times import Times
 from tachk.properties.verdict import Extreme
 from tachk.records import dataclass
 from tachk.report.json_report import trace_to_json
+from tachk.report.plain_console import plain_console
 from tachk.report.quantity import duration
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import view_trace
@@ -49,7 +50,7 @@ class TimedRow:
 def times_to_text(between: Between, rows: Sequence[TimedRow], traces: bool = False) -> str:
     """A table with a row for each combination of constants, or the times alone where there is one."""
     out = StringIO()
-    console = Console(file=out, width=120, highlight=False, color_system=None)
+    console = plain_console(out, width=120)
     which = "last " if between.last else ""
     start = "the start" if between.start is None else f"the {which}{between.start}" if which else between.start
     console.print(f"{between.model}: from {start} to {between.end}\n", markup=False, soft_wrap=True)

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from io import StringIO
 from itertools import groupby
 
-from rich.console import Console
 from rich.table import Table
 
 from tachk.campaign.job import ESTIMATED, Row
 from tachk.campaign.run import Campaign
 from tachk.properties.verdict import Answer
+from tachk.report.plain_console import plain_console
 from tachk.report.quantity import grouped
 from tachk.report.statistics.text import interval_text
 
@@ -22,7 +22,7 @@ _MOST_ROWS = 200
 def campaign_text(model: str, campaign: Campaign) -> str:
     """What `tachk sweep` prints."""
     out = StringIO()
-    console = Console(file=out, width=1000, highlight=False, color_system=None)
+    console = plain_console(out)
     console.print(f"{model}: {_heading(campaign)}\n", markup=False)
     shown = [axis.name for axis in campaign.grid.varied] or list(campaign.grid.names)
     cells = [list(rows) for _, rows in groupby(campaign.rows, lambda row: [row[name] for name in campaign.grid.names])]

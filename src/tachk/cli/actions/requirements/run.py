@@ -40,7 +40,7 @@ def run_requirements(
         if form is ReportForm.JSON:
             print(json.dumps(to_json(analysis, named, unit, scale), indent=2, ensure_ascii=False), file=out)
         else:
-            console = Console(file=out, highlight=False, soft_wrap=True)
+            console = Console(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
             tell(analysis, unit, scale, console)
     if analysis.findings:
         return ExitStatus.NOT_AS_EXPECTED
