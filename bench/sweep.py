@@ -16,10 +16,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from tachk.campaign.cluster import compute_on_cluster
-from tachk.campaign.grid import Values, grid_of
 from tachk.campaign.job import COLUMNS
 from tachk.campaign.local import compute_locally
 from tachk.campaign.run import Computing, Progress, run_campaign
+from tachk.model.grid import Values, grid_of
 
 PROCESSES = 2
 

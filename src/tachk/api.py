@@ -35,11 +35,11 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
-    from tachk.campaign.grid import Grid
     from tachk.campaign.run import Progress as CampaignProgress
     from tachk.conformance.conform import Conformance
     from tachk.drawing.svg import Picture
     from tachk.engines.outcome import Statistics
+    from tachk.model.grid import Grid
     from tachk.properties.deep.findings import DeepCheck
     from tachk.properties.scheduling.in_order import VerifyProgress
     from tachk.properties.times import Times
@@ -360,7 +360,7 @@ class Model(Estimable):
     def synthesize(
         self,
         *query: str,
-        over: str | Iterable[str | Parameter],
+        over: str | Iterable[str | Parameter] | Mapping[str, object] | Grid,
         property: str | None = None,
         answer: Answer = Answer.HOLDS,
         options: Options | None = None,
@@ -374,7 +374,7 @@ class Model(Estimable):
 
         Args:
             query: a formula, in place of ``property``.
-            over: such as ``"PERIOD=1..50,DEADLINE=10..100:10"``.
+            over: such as ``"PERIOD=1..50,DEADLINE=10..100:10"`` or ``{"PERIOD": range(1, 51)}``, or parameters.
             property: the name of a property of the model.
             limits: the one on seconds holds for all searches together, the others for each.
             infer: let one answer stand for others where a constant is proved to be an upper or a lower bound only.
@@ -389,15 +389,14 @@ class Model(Estimable):
             UnsupportedError: the query cannot be decided.
         """
         from tachk.report.region.synthesis import Synthesis
-        from tachk.synthesis.parameters import parameters_of
+        from tachk.synthesis.parameters import parameters_from
         from tachk.synthesis.synthesize import synthesize
 
-        given: list[str | Parameter] = [over] if isinstance(over, str) else list(over)
         names = () if property is None else (property,)
         region = synthesize(
             self._written,
             Questions(self.path, names, (), tuple(Source("<query>", text) for text in query)),
-            [p for each in given for p in (parameters_of([each]) if isinstance(each, str) else (each,))],
+            parameters_from(over),
             answer,
             options or Options(),
             limits or Limits(),
@@ -411,7 +410,7 @@ class Model(Estimable):
     def sweep(
         self,
         *queries: str,
-        over: str | Iterable[str] | Grid,
+        over: str | Iterable[str] | Mapping[str, object] | Grid,
         property: str | Iterable[str] = (),
         non_zeno: bool = False,
         store: str | os.PathLike[str] | None = None,
@@ -427,7 +426,7 @@ class Model(Estimable):
 
         Args:
             queries, property, non_zeno: as for `verify`.
-            over: such as ``"LOSSES=0..5"``, or several of them.
+            over: such as ``"LOSSES=0..5,SLICE=10,50"`` or ``{"LOSSES": range(6), "SLICE": [10, 50]}``.
             store: an SQLite file for finished cells: a sweep that was stopped, or killed, goes on where it was.
             processes: how many cells are computed at a time; None: as many as the machine has cores.
             dask: the address of the scheduler of a Dask cluster that computes in place of processes here.
@@ -442,14 +441,14 @@ class Model(Estimable):
             InputError: a query is wrong.
             UsageError: there is no such property or constant, or the file belongs to another sweep.
         """
-        from tachk.campaign.grid import Grid, grid_of
         from tachk.campaign.job import verification
         from tachk.campaign.run import computing, run_campaign
+        from tachk.model.grid import grid_of_values
         from tachk.report.campaign.table import Sweep
 
         named = (property,) if isinstance(property, str) else tuple(property)
         questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
-        grid = over if isinstance(over, Grid) else grid_of([over] if isinstance(over, str) else over)
+        grid = grid_of_values(over)
         job = verification(self._written, grid.names, questions, options or Options(), limits or Limits(), settings)
         return Sweep(self.path, run_campaign(grid, job, store, computing(processes, dask), seconds, progress))
 

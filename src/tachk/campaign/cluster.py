@@ -10,9 +10,9 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
-from tachk.campaign.grid import Values
 from tachk.campaign.job import Computed, Verification, computed, killed
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.grid import Values
 
 BATCH_SECONDS = 0.5
 """What a batch is meant to take."""

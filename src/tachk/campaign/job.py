@@ -8,7 +8,6 @@ from hashlib import sha256
 from time import monotonic
 from typing import assert_never
 
-from tachk.campaign.grid import Values
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import TIME_LIMIT
@@ -16,6 +15,7 @@ from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import LoadedModel, with_constants
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.model.grid import Values
 from tachk.model.query import Query
 from tachk.properties.answering import answers
 from tachk.properties.fault_explanation import diagnostic_of

@@ -17,9 +17,9 @@ from threading import Thread
 from time import monotonic
 from traceback import format_exc
 
-from tachk.campaign.grid import Values
 from tachk.campaign.job import Computed, Verification, computed, killed
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.grid import Values
 
 ATTEMPTS = 2
 """How often a cell is given to a process."""

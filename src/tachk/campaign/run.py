@@ -9,10 +9,10 @@ from functools import partial
 from time import monotonic
 
 from tachk.campaign.cluster import compute_on_cluster
-from tachk.campaign.grid import Grid, Values
 from tachk.campaign.job import Computed, Row, Verification
 from tachk.campaign.local import compute_locally
 from tachk.campaign.store import opened
+from tachk.model.grid import Grid, Values
 
 
 @dataclass(frozen=True, slots=True)

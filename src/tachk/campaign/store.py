@@ -16,9 +16,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from tachk.campaign.grid import Values
 from tachk.campaign.job import COLUMNS, Row
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.grid import Values
 
 _FORMAT = "tachk sweep 1"
 _PATIENCE = 10.0

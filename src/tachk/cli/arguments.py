@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import closest
+from tachk.model.grid import grid_of, set_by
 
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
 QUERY_SUFFIXES = (".q",)
@@ -75,21 +76,29 @@ def _similar_files(path: Path) -> str | None:
 
 
 def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
-    """``NAME=expression`` pairs as a dictionary. Raises UsageError for anything else and for a name given twice."""
+    """``NAME=expression`` pairs as a dictionary; one text may have several, with commas between.
+
+    Raises UsageError for anything else, for a name given twice and for several values of one name.
+    """
     result: dict[str, str] = {}
-    for definition in definitions:
-        name, equals, expression = (part.strip() for part in definition.partition("="))
-        if not (equals and expression and name.isidentifier()):
-            raise UsageError(f"-D {definition}: expected NAME=EXPRESSION", "for example -D N=4")
+    for name, expression in set_by(definitions):
         if name in result:
             raise UsageError(f"-D {name} is given twice")
         if _RANGE.fullmatch(expression):
             raise UsageError(
-                f"-D {definition}: one value at a time",
+                f"-D {name}={expression}: one value at a time",
                 f"for all of them: tachk sweep MODEL -D {name}={_as_range(expression)}",
             )
         result[name] = expression
     return result
+
+
+def split_definitions(definitions: Iterable[str]) -> tuple[dict[str, str], tuple[str, ...]]:
+    """The constants that are set to one value each, and the texts of those that take several values."""
+    settings = list(set_by(definitions))
+    several = tuple(f"{name}={listed}" for name, listed in settings if len(grid_of([f"{name}={listed}"])) > 1)
+    single = [f"{name}={listed}" for name, listed in settings if f"{name}={listed}" not in several]
+    return parse_definitions(single), several
 
 
 def _as_range(values: str) -> str:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.grid import MOST_CELLS, Axis, Grid, grid_of_values
 from tachk.records import dataclass
 
-_RANGE = re.compile(r"\s*(\w+)\s*=\s*(-?\d+)\s*(?:\.\.\s*(-?\d+)\s*(?::\s*(\d+)\s*)?)?")
 _EXAMPLE = "for example --over PERIOD=1..50,DEADLINE=10..100:10"
-
-MOST_CELLS = 1_000_000
-"""More than that is taken for a mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,17 +36,27 @@ class Parameter:
         return f"{self.name}={self.low}..{self.high}{step}"
 
 
-def parameters_of(texts: Iterable[str]) -> tuple[Parameter, ...]:
-    """``A=1..50,B=0..60:5`` as parameters. Raises UsageError for anything else and for a name given twice."""
+def parameters_from(
+    over: str | Iterable[str | Parameter] | Mapping[str, object] | Grid,
+) -> tuple[Parameter, ...]:
+    """What a program gives as parameters: a grid, what `grid_of_values` makes one of, or parameters.
+
+    Raises UsageError for anything else, and for values that are not numbers at equal distances.
+    """
+    if isinstance(over, str | Mapping | Grid):
+        return tuple(_parameter(axis) for axis in grid_of_values(over).axes)
     found: list[Parameter] = []
-    for text in texts:
-        for part in text.split(","):
-            match = _RANGE.fullmatch(part)
-            if match is None:
-                raise UsageError(f"--over {text}: expected NAME=LOW..HIGH or NAME=LOW..HIGH:STEP", _EXAMPLE)
-            name, low, high, step = match.groups()
-            found.append(Parameter(name, int(low), int(low if high is None else high), int(step or 1)))
-    return checked_parameters(found)
+    for each in over:
+        found += (each,) if isinstance(each, Parameter) else parameters_from(grid_of_values([each]))
+    return tuple(found)
+
+
+def _parameter(axis: Axis) -> Parameter:
+    numbers = sorted(value for value in axis.values if isinstance(value, int))
+    steps = {after - before for before, after in pairwise(numbers)}
+    if len(numbers) < len(axis.values) or len(steps) > 1:
+        raise UsageError(f"{axis.name} needs numbers at equal distances", _EXAMPLE)
+    return Parameter(axis.name, numbers[0], numbers[-1], *steps)
 
 
 def checked_parameters(parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:

@@ -14,7 +14,7 @@ from tachk.properties.certificates import Checker, check_proof
 from tachk.semantics.discrete import prepare
 from tachk.synthesis import cells
 from tachk.synthesis.bounds_of_parameters import Bound, NoBound
-from tachk.synthesis.parameters import Parameter, parameters_of
+from tachk.synthesis.parameters import Parameter, parameters_from
 from tachk.synthesis.proofs import proof_again, proof_of
 from tachk.synthesis.region import Evidence
 
@@ -37,7 +37,7 @@ property eventually : A<> P.t;
 
 
 def test_ranges_are_read() -> None:
-    assert parameters_of(["A=1..5, B=-3..9:4", "C=7"]) == (
+    assert parameters_from(["A=1..5, B=-3..9:4", "C=7"]) == (
         Parameter("A", 1, 5),
         Parameter("B", -3, 9, 4),
         Parameter("C", 7, 7),
@@ -50,7 +50,7 @@ def test_ranges_are_read() -> None:
 )
 def test_other_ranges_are_refused(text: str) -> None:
     with pytest.raises(UsageError):
-        parameters_of([text])
+        parameters_from([text])
 
 
 def test_unknown_names_are_refused() -> None:

@@ -5,22 +5,23 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Iterator
-from itertools import product
 from pathlib import Path
 from time import monotonic
 
 from tachk import api
-from tachk.cli.arguments import parse_definitions
+from tachk.cli.arguments import split_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
-from tachk.cli.tables.ranges import parse_ranges
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.engines.outcome import INTERRUPTED
+from tachk.model.grid import grid_of
 from tachk.records import dataclass
 from tachk.report.time_report import Between, TimedRow, times_to_csv, times_to_json, times_to_text
+
+_MOST_ROWS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +46,11 @@ def run_time(
     traces: bool = False,
 ) -> ExitStatus:
     """Measures for each combination of the values of constants, and reports in one table."""
-    ranges = parse_ranges(asked.over)
-    constants = parse_definitions(asked.definitions)
-    twice = [name for name in ranges if name in constants]
+    constants, several = split_definitions(asked.definitions)
+    grid = grid_of((*asked.over, *several), "--over")
+    if len(grid) > _MOST_ROWS:
+        raise UsageError(f"these are {len(grid)} rows, and {_MOST_ROWS} are the most")
+    twice = [name for name in grid.names if name in constants]
     if twice:
         raise UsageError(f"{twice[0]} is set by -D and by --over")
     began = monotonic()
@@ -55,9 +58,9 @@ def run_time(
     warned = False
     with destination(output) as out:
         assert out is not None
-        for values in product(*ranges.values()):
-            chosen = dict(zip(ranges, values, strict=True))
-            model = api.load(asked.model, **constants, **chosen)
+        for values in grid.cells():
+            model = api.load(asked.model, **constants, **dict(zip(grid.names, values, strict=True)))
+            chosen = {name: model.constants[name] for name in grid.names}
             if not warned:
                 print_diagnostics((*model.refusals, *model.warnings))
                 warned = True

@@ -18,10 +18,10 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from tachk.campaign.grid import Axis, Grid
 from tachk.campaign.job import COLUMNS, ESTIMATED, Row
 from tachk.campaign.run import Campaign
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.grid import Axis, Grid
 from tachk.properties.verdict import Answer
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure

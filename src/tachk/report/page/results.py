@@ -10,9 +10,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from tachk.campaign.grid import Axis, Grid
 from tachk.campaign.job import ESTIMATED
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.grid import Axis, Grid
 from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table

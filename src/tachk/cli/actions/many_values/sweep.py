@@ -10,7 +10,6 @@ from pathlib import Path
 from time import monotonic
 
 from tachk import api
-from tachk.campaign.grid import grid_of
 from tachk.campaign.job import ESTIMATED
 from tachk.campaign.run import Progress
 from tachk.cli.arguments import parse_size
@@ -20,6 +19,7 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.engines.options import Limits
+from tachk.model.grid import grid_of
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.campaign.table import Sweep

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from tachk import api
-from tachk.cli.arguments import parse_definitions, parse_size
+from tachk.cli.arguments import parse_size, split_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
@@ -17,6 +17,7 @@ from tachk.cli.reporting import ReportForm, Reporting, WantedAnswer
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
+from tachk.model.grid import Grid, grid_of
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.region.synthesis import Synthesis
@@ -52,8 +53,9 @@ class Varied:
 def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporting = Reporting()) -> ExitStatus:
     if (varied.query is None) is (varied.property is None):
         raise UsageError("a region is that of one property", "give --property NAME, or a query behind the model")
-    twice = {given.partition("=")[0].strip() for each in varied.over for given in each.split(",")}
-    twice &= parse_definitions(varied.definitions).keys()
+    constants, several = split_definitions(varied.definitions)
+    grid = grid_of((*varied.over, *several), "--over")
+    twice = constants.keys() & set(grid.names)
     if twice:
         raise UsageError(f"{min(twice)} is set by -D and by --over", "leave out one of them")
     if varied.max_memory is not None:
@@ -61,9 +63,9 @@ def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporti
     picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
     started = time.monotonic()
     with time_limit(limits.seconds):
-        model = api.load(varied.model, **parse_definitions(varied.definitions))
+        model = api.load(varied.model, **constants)
     print_diagnostics((*model.refusals, *model.warnings))
-    found = _found(model, varied, limits.after(time.monotonic() - started), reporting)
+    found = _found(model, varied, grid, limits.after(time.monotonic() - started), reporting)
     if picture is not None:
         found.plot(picture)
     if varied.certificates is not None:
@@ -75,12 +77,12 @@ def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporti
     return _status(found.region)
 
 
-def _found(model: api.Model, varied: Varied, limits: Limits, reporting: Reporting) -> Synthesis:
+def _found(model: api.Model, varied: Varied, grid: Grid, limits: Limits, reporting: Reporting) -> Synthesis:
     progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not reporting.quiet else None
     try:
         return model.synthesize(
             *([] if varied.query is None else [varied.query]),
-            over=varied.over,
+            over=grid,
             property=varied.property,
             answer=Answer(varied.wanted.value),
             limits=limits,

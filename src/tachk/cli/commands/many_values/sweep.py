@@ -18,7 +18,8 @@ from tachk.cli.reporting import ReportForm
     "over",
     "-D",
     "--define",
-    metavar="NAME=VALUES",
+    "--over",
+    metavar="NAME=VALUES,...",
     multiple=True,
     help="Set a global constant of the model to each of these values: 3, 1..5, 10,50,100 or 0..60:5.",
 )

@@ -18,9 +18,8 @@ from tachk.cli.reporting import ReportForm, WantedAnswer
     "over",
     "--over",
     metavar="NAME=LOW..HIGH[:STEP],...",
-    required=True,
     multiple=True,
-    help="The constants to vary and their values.",
+    help="The constants to vary and their values; -D with several values does the same.",
 )
 @options.definitions
 @click.option(
