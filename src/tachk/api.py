@@ -128,12 +128,17 @@ def conform(
     return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
 
 
-def diff(before: Model, after: Model) -> str:
-    """What is different in the behaviour of two models, as `tachk diff` tells it; empty if nothing is."""
+def diff(before: Model | str | os.PathLike[str], after: Model | str | os.PathLike[str]) -> str:
+    """What is different in the behaviour of two models, as `tachk diff` prints it; empty if nothing is. The values that
+    constants were given when the models were loaded count.
+
+    Raises UsageError for a model that cannot be written down, and what `load` raises for paths.
+    """
     from tachk.formats.difference import least_difference, print_difference
     from tachk.formats.plain.expansion import expand
 
-    first, second = (expand(model._written, repair_names=False) for model in (before, after))
+    models = (model if isinstance(model, Model) else load(model) for model in (before, after))
+    first, second = (expand(model._written, model.definitions, repair_names=False) for model in models)
     return print_difference(least_difference(first, second))
 
 
@@ -415,7 +420,7 @@ class Model(Estimable):
         non_zeno: bool = False,
         store: str | os.PathLike[str] | None = None,
         processes: int | None = None,
-        dask: str | None = None,
+        dask: Any = None,
         options: Options | None = None,
         limits: Limits | None = None,
         seconds: float | None = None,
@@ -429,7 +434,8 @@ class Model(Estimable):
             over: such as ``"LOSSES=0..5,SLICE=10,50"`` or ``{"LOSSES": range(6), "SLICE": [10, 50]}``.
             store: an SQLite file for finished cells: a sweep that was stopped, or killed, goes on where it was.
             processes: how many cells are computed at a time; None: as many as the machine has cores.
-            dask: the address of the scheduler of a Dask cluster that computes in place of processes here.
+            dask: a Dask cluster that computes in place of processes here: the address of its scheduler, or a
+                `distributed.Client`.
             limits: of each cell.
             seconds: the limit on everything together; what is not finished then is missing in the table.
             progress: called after each cell.

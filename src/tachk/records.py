@@ -30,10 +30,25 @@ else:
     _FACTORY = _Factory()
 
     class _Parameters:
-        """What standard classes ask of those they inherit from."""
+        """How a class was decorated: what standard classes ask of those they inherit from, and Dask of arguments."""
 
-        init = repr = match_args = True
-        eq = order = unsafe_hash = frozen = kw_only = slots = weakref_slot = False
+        __slots__ = (
+            "eq",
+            "frozen",
+            "init",
+            "kw_only",
+            "match_args",
+            "order",
+            "repr",
+            "slots",
+            "unsafe_hash",
+            "weakref_slot",
+        )
+
+        def __init__(self, frozen: bool, slots: bool, eq: bool) -> None:
+            self.init = self.repr = self.match_args = True
+            self.order = self.unsafe_hash = self.kw_only = self.weakref_slot = False
+            self.frozen, self.slots, self.eq = frozen, slots, eq
 
     def dataclass(*, frozen: bool = False, slots: bool = False, eq: bool = True) -> Callable[[type], type]:
         """`dataclasses.dataclass` with these options; the fields, and what the methods do, are the same.
@@ -46,7 +61,7 @@ else:
             made: list[type] = []
             members = {
                 _FIELDS: fields,
-                "__dataclass_params__": _Parameters,
+                "__dataclass_params__": _Parameters(frozen, slots, eq),
                 "__match_args__": tuple(each.name for each in fields.values() if each.init and not each.kw_only),
                 "__doc__": plain.__doc__ or plain.__name__,
                 "__signature__": _Signature(),

@@ -6,7 +6,7 @@ The cluster's workers need tachk in the same version. What a worker had begun wh
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from importlib import import_module
 from typing import Any
 
@@ -26,14 +26,14 @@ _AHEAD = 3
 
 
 def compute_on_cluster(
-    job: Verification, cells: Sequence[Values], seconds: float | None, address: str
+    job: Verification, cells: Sequence[Values], seconds: float | None, cluster: Any
 ) -> Iterator[Computed]:
     """Each cell as soon as its batch is computed, in any order, until so many seconds have passed.
 
     Ending the iteration early cancels what is left.
 
     Args:
-        address: of the cluster's scheduler, such as ``tcp://10.0.0.1:8786``.
+        cluster: the address of its scheduler, such as ``tcp://10.0.0.1:8786``, or a `distributed.Client` or a cluster.
 
     Raises UsageError where Dask is not installed, or there is no cluster at the address.
     """
@@ -41,11 +41,7 @@ def compute_on_cluster(
         distributed: Any = import_module("distributed")
     except ImportError:
         raise UsageError("--dask needs Dask", "install it: pip install 'tachk[distributed]'") from None
-    try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise UsageError(f"--dask {address}: {error}", "give the address of a scheduler: tcp://HOST:PORT") from None
-    with client:
+    with _client(distributed, cluster) as client:
         shared = client.submit(_given, job, pure=False)  # unlike scattered data Dask can make it again
         batches = _Batches(list(cells))
         running: dict[str, tuple[Values, ...]] = {}
@@ -74,6 +70,17 @@ def compute_on_cluster(
 
 def _given(job: Verification) -> Verification:
     return job
+
+
+def _client(distributed: Any, cluster: Any) -> AbstractContextManager[Any]:
+    """A client of the cluster: the one that is given, which stays open, or a new one."""
+    if isinstance(cluster, distributed.Client):
+        return nullcontext(cluster)
+    try:
+        client: AbstractContextManager[Any] = distributed.Client(cluster, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise UsageError(f"--dask {cluster}: {error}", "give the address of a scheduler: tcp://HOST:PORT") from None
+    return client
 
 
 class _Batches:

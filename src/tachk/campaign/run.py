@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from time import monotonic
+from typing import Any
 
 from tachk.campaign.cluster import compute_on_cluster
 from tachk.campaign.job import Computed, Row, Verification
@@ -63,14 +64,15 @@ Computing = Callable[[Verification, tuple[Values, ...], float | None], Iterator[
 """Computes cells, in any order, until so many seconds have passed."""
 
 
-def computing(processes: int | None, dask: str | None) -> Computing:
-    """How cells are computed: by a Dask cluster where there is an address of one, else by processes here.
+def computing(processes: int | None, dask: Any) -> Computing:
+    """How cells are computed: by a Dask cluster where there is one, else by processes here.
 
     Args:
+        dask: the address of its scheduler, a `distributed.Client` or a cluster; or None.
         processes: how many; None: as many as the machine has cores.
     """
     if dask is not None:
-        return partial(compute_on_cluster, address=dask)
+        return partial(compute_on_cluster, cluster=dask)
     return partial(compute_locally, processes=processes or os.cpu_count() or 1)
 
 

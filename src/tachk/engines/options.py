@@ -214,7 +214,7 @@ class Limits:
         return replace(self, states=states if self.states is None else min(states, self.states))
 
     def __post_init__(self) -> None:
-        for name in ("states", "seconds", "memory_bytes", "depth"):
+        for name in ("states", "seconds", "memory_bytes", "depth", "seconds_each"):
             value = getattr(self, name)
             if value is not None and not value >= 0:  # nan included
                 raise UsageError(f"the limit `{name}` is {value}, but it must be at least 0")

@@ -14,7 +14,7 @@ from tachk.records import dataclass
 
 _RANGE = re.compile(r"(-?\d+)\s*\.\.\s*(-?\d+)(?:\s*:\s*(\d+))?")
 _SETTING = re.compile(r"\s*[^\W\d]\w*\s*=(?!=)")
-_EXAMPLE = "for example LOSSES=0..5,SLICE=10,50,100..400:100"
+_EXAMPLE = "for example N=4; for several values LOSSES=0..5 or SLICE=10,50,100..400:100"
 _IN_PYTHON = 'for example over="LOSSES=0..5,SLICE=10,50" or over={"LOSSES": range(6), "SLICE": [10, 50]}'
 
 MOST_CELLS = 1_000_000
@@ -114,7 +114,7 @@ def _settings(text: str, option: str) -> Iterator[tuple[str, str]]:
     for part in parts:
         name, equals, listed = (piece.strip() for piece in part.partition("="))
         if not (equals and name.isidentifier() and all(each.strip() for each in _split(listed))):
-            raise UsageError(f"{option} {text}: expected NAME=VALUE, NAME=VALUE,VALUE,... or NAME=LOW..HIGH", _EXAMPLE)
+            raise UsageError(f"{option} {text}: expected NAME=VALUE", _EXAMPLE)
         yield name, listed
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import tachk
 
+MODELS = Path(__file__).parents[3] / "models"
 SCHEMA = json.loads((Path(__file__).parents[3] / "docs/schema/verify.schema.json").read_text(encoding="utf-8"))
 
 LAMP = """
@@ -158,3 +159,17 @@ def test_rows_make_a_data_frame(lamp: Path) -> None:
 def test_unknown_attribute_of_the_package() -> None:
     with pytest.raises(AttributeError, match="nothing"):
         _ = tachk.nothing
+
+
+def test_models_with_other_constants_are_different() -> None:
+    path = MODELS / "classics/fischer.ta"
+    three, four = tachk.load(path, N=3), tachk.load(path, N=4)
+    assert "const int N = 3" in tachk.diff(four, three)
+    assert tachk.diff(path, four) == ""
+    assert tachk.diff(str(path), three) == tachk.diff(four, three)
+
+
+@pytest.mark.parametrize("limit", ["states", "seconds", "memory_bytes", "depth", "seconds_each"])
+def test_a_limit_is_not_negative(limit: str) -> None:
+    with pytest.raises(tachk.UsageError, match=limit):
+        tachk.Limits(**{limit: -1})

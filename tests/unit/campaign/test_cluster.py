@@ -20,7 +20,12 @@ def test_killed_worker_loses_nothing() -> None:
     over = ["N=2..4", "WRITE=1..5", "WAIT=1..4"]
     model = tachk.load(FISCHER)
     killed = []
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
+        sent = client.submit(lambda model: model.constants, model).result()
+        by_client = model.sweep(over="N=2..3,WAIT=9,11", property="mutual_exclusion", dask=client)
 
         def kill_one(_: Progress) -> None:
             if not killed:
@@ -28,6 +33,8 @@ def test_killed_worker_loses_nothing() -> None:
                 os.kill(killed[0], signal.SIGKILL)
 
         found = model.sweep(over=over, property="mutual_exclusion", dask=cluster.scheduler_address, progress=kill_one)
+    assert sent == model.constants
+    assert [row["answer"] for row in by_client.rows] == ["fails", "holds"] * 2
     assert killed
     assert found.campaign.unfinished == 0
     here = model.sweep(over=over, property="mutual_exclusion", processes=1)
