@@ -56,7 +56,7 @@ LIBRARIES = {
     "pyarrow": {"report.campaign", "runtime", "simulation"},
     "rosbags": {"runtime.logs"},
     "resvg_py": {"drawing"},
-    "rich": {"cli", "monitoring", "report"},
+    "rich": {"cli", "report"},
     "traitlets": {"report.page"},
     "vcd": {"runtime", "simulation"},
     "xml": {"fmi", "formats.uppaal", "report"},
