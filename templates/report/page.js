@@ -2,15 +2,32 @@
 const KINDS = ["locations", "variables", "clocks"];
 
 // Steps through runs. Without this script the page shows charts and the runs in words.
-function enliven(root) {
+async function enliven(root) {
   for (const data of root.querySelectorAll("script.run")) {
-    const run = JSON.parse(data.textContent);
-    if (run.states.length > 1) play(root, data.previousElementSibling, run);
+    const run = await unpacked(data.textContent);
+    if (run.times.length > 1) play(root, data.previousElementSibling, run);
   }
 }
 
+// A run is JSON, compressed, in base64.
+async function unpacked(text) {
+  const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).json();
+}
+
+// What a column holds in a state: its values stand with the state from which on they count.
+function valueIn(column, at) {
+  let [low, high] = [0, column.length - 1];
+  while (low < high) {
+    const middle = Math.ceil((low + high) / 2);
+    if (column[middle][0] <= at) low = middle;
+    else high = middle - 1;
+  }
+  return column[low][1];
+}
+
 function play(root, player, run) {
-  const last = run.states.length - 1;
+  const last = run.times.length - 1;
   const slider = make("input", { type: "range", min: 0, max: last, value: 0, "aria-label": "step of the run" });
   const buttons = [["⇤", "to the start", () => 0], ["←", "back", (at) => at - 1], ["→", "on", (at) => at + 1], ["⇥", "to the end", () => last]]
     .map(([sign, name, target]) => {
@@ -25,8 +42,7 @@ function play(root, player, run) {
   const stage = make("div", { class: "stage" });
   const shown = new Set(Object.values(run.templates));
   const changing = {};
-  for (const kind of KINDS)
-    changing[kind] = Object.keys(run.states[0][kind]).filter((name) => run.states.some((state) => state[kind][name] !== run.states[0][kind][name]));
+  for (const kind of KINDS) changing[kind] = Object.keys(run[kind]).filter((name) => run[kind][name].length > 1);
   for (const picture of root.querySelectorAll("main > section > .automaton"))
     if (shown.has(picture.dataset.template)) stage.append(picture.cloneNode(true));
   player.append(controls, now, stage, state);
@@ -43,27 +59,26 @@ function play(root, player, run) {
   function show(at) {
     at = Math.max(0, Math.min(last, at));
     slider.value = at;
-    const [before, after] = [run.states[Math.max(0, at - 1)], run.states[at]];
     const loop = run.loop === null ? "" : at === run.loop ? " — the loop begins here" : at === last ? " — and again from step " + run.loop : "";
     slider.setAttribute("aria-valuetext", `step ${at} of ${last}`);
-    now.textContent = `${at} of ${last}${after.time === "" ? "" : ", time " + after.time}: ${after.told}${loop}`;
+    now.textContent = `${at} of ${last}${run.times[at] === "" ? "" : ", time " + run.times[at]}: ${run.told[at]}${loop}`;
     buttons.forEach((button, number) => (button.disabled = number < 2 ? at === 0 : at === last));
     state.replaceChildren(
-      ...KINDS.filter((kind) => Object.keys(after[kind]).length > 0).map((kind) => table(kind, changing[kind], before[kind], after[kind])));
-    light(after, at);
+      ...KINDS.filter((kind) => Object.keys(run[kind]).length > 0).map((kind) => table(kind, changing[kind], run[kind], at)));
+    light(at);
   }
 
   // While nothing moves, the automata that moved last stay; at the start those that move first.
-  function light(after, at) {
+  function light(at) {
     for (const old of stage.querySelectorAll(".here, .taken")) old.classList.remove("here", "taken");
-    const moving = (state) => state.moved.length > 0;
-    const state = run.states.slice(0, at + 1).findLast(moving) ?? run.states.find(moving);
-    const moved = state === undefined ? [] : state.moved.map(([name]) => run.templates[name]);
+    const moving = (edges) => edges.length > 0;
+    const edges = run.moved.slice(0, at + 1).findLast(moving) ?? run.moved.find(moving) ?? [];
+    const moved = edges.map(([name]) => run.templates[name]);
     for (const figure of stage.children) {
       figure.hidden = !moved.includes(figure.dataset.template);
       const own = Object.entries(run.templates).filter(([, template]) => template === figure.dataset.template).map(([name]) => name);
-      for (const name of own) mark(figure, "data-location", after.locations[name], "here");
-      for (const [name, edge] of after.moved) if (own.includes(name)) mark(figure, "data-edge", edge, "taken");
+      for (const name of own) mark(figure, "data-location", valueIn(run.locations[name], at), "here");
+      for (const [name, edge] of run.moved[at]) if (own.includes(name)) mark(figure, "data-edge", edge, "taken");
     }
   }
 }
@@ -74,13 +89,14 @@ function mark(figure, attribute, value, as) {
 }
 
 // What never changes in the run is only counted.
-function table(kind, names, before, after) {
+function table(kind, names, columns, at) {
   const made = make("table", {});
-  const others = Object.keys(after).length - names.length;
+  const others = Object.keys(columns).length - names.length;
   made.append(make("caption", {}, others === 0 ? kind : `${kind} (${others} more stay as they are)`));
   for (const name of names) {
-    const row = make("tr", kind !== "clocks" && before[name] !== after[name] ? { class: "new" } : {});
-    row.append(make("td", {}, name), make("td", {}, after[name]));
+    const [before, now] = [valueIn(columns[name], Math.max(0, at - 1)), valueIn(columns[name], at)];
+    const row = make("tr", kind !== "clocks" && before !== now ? { class: "new" } : {});
+    row.append(make("td", {}, name), make("td", {}, now));
     made.append(row);
   }
   return made;

@@ -91,7 +91,7 @@ def _section(
     chart = chart_of_run(steps_of_result(run, result)).used()
     drawn = draw_chart(lay_out(chart)).svg if chart.messages and len(chart.events) <= MOST_EVENTS else ""
     played = playback(result["trace"], run["time_unit"], result["loop_start"], templates, edges)
-    return Section(place, result, values, told.get(name, told_lines(played["states"])), drawn, played)
+    return Section(place, result, values, told.get(name, told_lines(played)), drawn, played)
 
 
 def _fault(result: Mapping[str, Any]) -> str:

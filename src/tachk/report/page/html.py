@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from base64 import b64encode
 from typing import Any
 
@@ -24,10 +25,10 @@ _CLASSES = {**{answer: answer for answer in _MARKS}, "true": "holds", "false": "
 
 _RENDER = """
 export default {
-  render({ model, el }) {
+  async render({ model, el }) {
     const root = el.attachShadow({ mode: "open" });
     root.innerHTML = model.get("content");
-    enliven(root);
+    await enliven(root);
   },
 };
 """
@@ -55,7 +56,7 @@ def _rendered(template: str, page: Page) -> str:
     environment = Environment(
         loader=FunctionLoader(template_text), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
-    environment.filters |= {"count": grouped, "seconds": seconds, "bytes": bytes_, "image": _image, "data": _data}
+    environment.filters |= {"count": grouped, "seconds": seconds, "bytes": bytes_, "image": _image, "packed": packed}
     environment.filters["markdown"] = _markdown
     environment.tests |= {
         "a_text": lambda part: isinstance(part, Text),
@@ -82,6 +83,7 @@ def _image(svg: str) -> str:
     return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode()}"
 
 
-def _data(value: Json) -> Markup:
-    """A value inside a script element, which only `</` could end."""
-    return Markup(json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
+def packed(value: Json) -> str:
+    """A value for the script of the page: JSON, compressed as in RFC 1950, in base64."""
+    text = json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+    return b64encode(zlib.compress(text.encode(), level=9)).decode()

@@ -1,4 +1,4 @@
-"""A run as the script of the page takes it: every state by names, and what to light up in the pictures of templates."""
+"""A run as the script of the page takes it: what changes, and what to light up in the pictures of templates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,11 @@ def edge_names(templates: Iterable[ast.Template]) -> dict[str, str]:
 def playback(
     trace: list[Mapping[str, Any]], unit: str, loop: int | None, templates: Mapping[str, str], edges: Mapping[str, str]
 ) -> dict[str, Any]:
-    """The run: ``templates`` by process, and ``states``, each with the step that leads to it.
+    """The run by columns, since most values stay as they are in most steps: ``locations``, ``variables`` and ``clocks``
+    hold for each name its values, each with the number of the state from which on it has it.
+
+    ``times``, ``told`` (the step in words) and ``moved`` (the edges that are taken) have an entry for each state,
+    ``templates`` one for each process.
 
     Args:
         trace: as docs/schema/verify.schema.json has it.
@@ -30,47 +34,49 @@ def playback(
         edges: the names of edges in pictures, see `edge_names`.
     """
     shown = {process: templates[process] for process in trace[0]["locations"] if process in templates}
-    return {"templates": shown, "loop": loop, "states": [*_states(trace, unit, edges)]}
-
-
-def told_lines(states: Iterable[Mapping[str, Any]]) -> str:
-    """The steps of a `playback` in words, a line for each."""
-    return "\n".join(f"{state['time']:>12}  {state['told']}" for state in states)
-
-
-def _states(trace: list[Mapping[str, Any]], unit: str, edges: Mapping[str, str]) -> Iterator[dict[str, Json]]:
-    now: dict[str, dict[str, Any]] = {kind: dict(trace[0][kind] or {}) for kind in ("locations", "variables")}
-    clocks = _clocks(trace[0])
+    columns: dict[str, dict[str, list[list[Json]]]] = {"locations": {}, "variables": {}, "clocks": {}}
+    clocks: dict[str, Fraction] = {}
     places: dict[tuple[str, str, str], list[str]] = {}
-    yield {"told": "the start", "moved": [], **_state(trace[0]["time"], unit, now, clocks)}
-    for state in trace[1:]:
-        for kind, values in now.items():
-            values.update(state.get(kind, {}))
-        delay = Fraction(state["delay"] or 0)
+    times: list[str] = []
+    told: list[str] = []
+    moved: list[list[list[str]]] = []
+    for number, state in enumerate(trace):
+        delay = Fraction(state.get("delay") or 0)
         clocks = {name: value + delay for name, value in clocks.items()} | _clocks(state)
-        transition = state["transition"]
-        moved: list[Json] = []
-        for part in () if transition is None else transition["participants"]:
-            edge = part["process"], part["source"], part["target"]
-            places[edge] = part.get("positions", places.get(edge, []))
-            moved += [[part["process"], edges[place]] for place in places[edge] if place in edges]
-        told = _told(delay, transition, unit)
-        yield {"told": told, "moved": moved, **_state(state["time"], unit, now, clocks)}
+        transition = state["transition"] if number else None
+        times.append("" if state["time"] is None else duration(Fraction(state["time"]), unit))
+        told.append(_told(delay, transition, unit) if number else "the start")
+        moved.append([*_moved(transition, places, edges)])
+        _add(columns["locations"], number, state.get("locations") or {})
+        _add(columns["variables"], number, {n: str(v).lower() for n, v in (state.get("variables") or {}).items()})
+        _add(columns["clocks"], number, {name: decimal(value) for name, value in clocks.items()})
+    return {"templates": shown, "loop": loop, "times": times, "told": told, "moved": moved, **columns}
+
+
+def told_lines(run: Mapping[str, Any]) -> str:
+    """The steps of a `playback` in words, a line for each."""
+    return "\n".join(f"{time:>12}  {told}" for time, told in zip(run["times"], run["told"], strict=True))
+
+
+def _add(columns: dict[str, list[list[Json]]], number: int, values: Mapping[str, str]) -> None:
+    for name, value in values.items():
+        column = columns.setdefault(name, [])
+        if not column or column[-1][1] != value:
+            column.append([number, value])
+
+
+def _moved(
+    transition: Mapping[str, Any] | None, places: dict[tuple[str, str, str], list[str]], edges: Mapping[str, str]
+) -> Iterator[list[str]]:
+    """The edges of a step, each with its process. ``places``: of edges, to which those of this step are added."""
+    for part in () if transition is None else transition["participants"]:
+        edge = part["process"], part["source"], part["target"]
+        places[edge] = part.get("positions", places.get(edge, []))
+        yield from ([part["process"], edges[place]] for place in places[edge] if place in edges)
 
 
 def _clocks(state: Mapping[str, Any]) -> dict[str, Fraction]:
     return {name: Fraction(value) for name, value in (state.get("clocks") or {}).items()}
-
-
-def _state(
-    time: str | None, unit: str, now: Mapping[str, Mapping[str, Any]], clocks: Mapping[str, Fraction]
-) -> dict[str, Json]:
-    return {
-        "time": "" if time is None else duration(Fraction(time), unit),
-        "locations": dict(now["locations"]),
-        "variables": {name: str(value).lower() for name, value in now["variables"].items()},
-        "clocks": {name: decimal(value) for name, value in clocks.items()},
-    }
 
 
 def _told(delay: Fraction, transition: Mapping[str, Any] | None, unit: str) -> str:
