@@ -56,4 +56,16 @@ def test_a_script_has_a_summary_of_its_own(tmp_path: Path) -> None:
     asked = ["simulate", str(path), "--policy", "script", str(tmp_path / "one-0.run"), "--monitor", "G got < 8"]
     found = json.loads(CliRunner().invoke(app, [*asked, "--format", "json"]).stdout)
     jsonschema.validate(found, SCHEMA)
-    assert (found["transitions"], found["formulas"]) == (3, [{"name": "p1", "verdict": "true"}])
+    assert (found["transitions"], found["formulas"]) == (
+        3,
+        [{"name": "p1", "formula": "G (got < 8)", "verdict": "true"}],
+    )
+
+
+def test_the_summary_goes_into_a_file(tmp_path: Path) -> None:
+    (tmp_path / "m.ta").write_text(MODEL, encoding="utf-8")
+    file = tmp_path / "summary.json"
+    asked = ["simulate", str(tmp_path / "m.ta"), "--until", "3", "--format", "json", "-o", str(file)]
+    result = CliRunner().invoke(app, asked)
+    assert (result.exit_code, result.stdout) == (0, "")
+    jsonschema.validate(json.loads(file.read_text(encoding="utf-8")), SCHEMA)

@@ -111,9 +111,19 @@ def _simulation(document: Mapping[str, Any]) -> Chapter:
         low, high = formula["probability_of_violation"]
         counts = [f"{formula[word]:,}" for word in ("true", "false", "undetermined")]
         first = str(formula["violating"][0]) if formula["violating"] else ""
-        rows.append((formula["name"], *counts, interval_text(low, high), f"{formula['confidence']:.6g}", first))
-    columns = ("formula", "true", "false", "undetermined", "probability of a violation", "confidence", "first in run")
-    formulas = [Table(columns, rows, frozenset(range(1, 7)))] if rows else []
+        named = (formula["name"], formula.get("formula", ""))
+        rows.append((*named, *counts, interval_text(low, high), f"{formula['confidence']:.6g}", first))
+    columns = (
+        "name",
+        "formula",
+        "true",
+        "false",
+        "undetermined",
+        "probability of a violation",
+        "confidence",
+        "first in run",
+    )
+    formulas = [Table(columns, rows, frozenset(range(2, 8)))] if rows else []
     return Chapter(f"{document['model']}: simulation", lines, [endings, *formulas])
 
 

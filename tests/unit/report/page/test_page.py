@@ -195,7 +195,14 @@ def test_other_results_are_chapters(tmp_path: Path, bridge: str) -> None:
         text.index(words) for words in ("many values</h2>", "What we did</h2>", "<h2>Answers</h2>", "simulation</h2>")
     ]
     assert places == sorted(places), "everything stands where it is named"
-    for words in ("fischer.ta: many values", "2 combinations", "5 runs until 9", "seed 1", "why it is false"):
+    for words in (
+        "fischer.ta: many values",
+        "2 combinations",
+        "5 runs until 9",
+        "<td>G (n &lt; 9)</td>",
+        "seed 1",
+        "why it is false",
+    ):
         assert words in text
     assert "data:image/svg+xml" in text[text.index("many values") :]
 

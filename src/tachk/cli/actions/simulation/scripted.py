@@ -46,6 +46,7 @@ def run_script(asked: Script) -> ExitStatus:
     if asked.output is not None:
         write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, about.constants)
     truths = judged_run(names, replayed.trace, formulas, str(asked.file))
+    texts = {formula.name: formula.text for formula in formulas}
     end = replayed.trace.states[-1].time
     if asked.form is TableForm.JSON:
         told = {
@@ -53,7 +54,9 @@ def run_script(asked: Script) -> ExitStatus:
             "script": str(asked.file),
             "until": str(end),
             "transitions": len(replayed.trace.path),
-            "formulas": [{"name": name, "verdict": str(truth)} for name, truth in truths.items()],
+            "formulas": [
+                {"name": name, "formula": texts[name], "verdict": str(truth)} for name, truth in truths.items()
+            ],
         }
         json.dump(told, sys.stdout, indent=2)
         print()

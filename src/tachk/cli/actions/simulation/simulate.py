@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +15,7 @@ from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_files import holds_steps, run_files
 from tachk.cli.actions.simulation.scripted import Script, run_script
 from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
@@ -53,6 +54,17 @@ class Simulating:
     script: Path | None = None
     all_runs: bool = False
     confidence: float = 0.95
+
+    @property
+    def summary(self) -> Path | None:
+        """The file of the summary, where the output is that and not runs; else None, for standard output."""
+        is_summary = self.form is TableForm.JSON and self.output is not None and self.output.suffix.lower() == ".json"
+        return self.output if is_summary else None
+
+    @property
+    def runs_file(self) -> Path | None:
+        """Where the runs go; None for nowhere."""
+        return None if self.summary else self.output
 
 
 @dataclass(slots=True)
@@ -111,11 +123,12 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     wanted = ordered(network, orders_of(asked.faults))
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
     drawing = Drawing(asked.seed, until, Policy(asked.policy), asked.steps, asked.threads)
-    observed = asked.output is not None or bool(formulas or wanted.done or wanted.missed)
+    observed = asked.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
     tally = _Tally()
-    with nullcontext() if asked.output is None else run_files(asked.output, model, definitions, asked.runs) as write:
+    file = asked.runs_file
+    with nullcontext() if file is None else run_files(file, model, definitions, asked.runs) as write:
         numbers = range(asked.first, asked.first + asked.runs)
-        for run in runs.draw(drawing, numbers, Recorded(holds_steps(asked.output), observed)):
+        for run in runs.draw(drawing, numbers, Recorded(holds_steps(file), observed)):
             tally.add(run)
             counted = iter(runs.counts(run))
             tally.done.update(dict(zip(wanted.done, counted, strict=False)))
@@ -125,7 +138,7 @@ def run_simulate(asked: Simulating) -> ExitStatus:
             violating = _is_kept(runs, run, formulas, tally)
             if write is not None and (violating or asked.all_runs):
                 write(run, runs)
-    _print(asked, tally, network)
+    _print(asked, tally, network, formulas)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[Ending.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
     return worst([faults, exit_status(truths)])
@@ -144,10 +157,10 @@ def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tal
 # ---- the summary ----------------------------------------------------------------------------------------------------
 
 
-def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
+def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterable[NamedFormula]) -> None:
     if asked.form is TableForm.JSON:
-        json.dump(_json(asked, tally), sys.stdout, indent=2)
-        print()
+        with destination(asked.summary) as out:
+            print(json.dumps(_json(asked, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
         return
     runs = "1 run" if asked.runs == 1 else f"{asked.runs} runs"
     print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
@@ -176,7 +189,8 @@ def _violations(counts: Counter[Truth], confidence: float) -> tuple[float, float
     return clopper_pearson(counts[Truth.FALSE], counts.total(), confidence, maybe=counts[Truth.UNDETERMINED])
 
 
-def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
+def _json(asked: Simulating, tally: _Tally, formulas: Mapping[str, str]) -> dict[str, object]:
+    """``formulas``: their texts by their names."""
     return {
         "model": asked.model,
         "runs": asked.runs,
@@ -190,6 +204,7 @@ def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
         "formulas": [
             {
                 "name": name,
+                "formula": formulas[name],
                 "true": counts[Truth.TRUE],
                 "false": counts[Truth.FALSE],
                 "undetermined": counts[Truth.UNDETERMINED],

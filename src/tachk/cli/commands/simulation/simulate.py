@@ -69,7 +69,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
     type=options.Choice((TableForm.TEXT, TableForm.JSON)),
     default=TableForm.TEXT.value,
     show_default=True,
-    help="Form of the summary.",
+    help="Form of the summary; json with -o FILE.json writes it there.",
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
