@@ -61,8 +61,9 @@ class Decoder {
   Number number() {
     const std::int64_t kind = next();
     const std::int64_t given = next();
-    if (kind < 0 || kind > 3) throw std::invalid_argument("bad kind of number in image");
-    if (kind == 0) return {Number::Kind::constant, std::bit_cast<double>(given), no_code};
+    if (kind < 0 || kind > 4) throw std::invalid_argument("bad kind of number in image");
+    const Number constant{static_cast<Number::Kind>(kind), std::bit_cast<double>(given), no_code};
+    if (constant.is_constant()) return constant;
     const std::size_t limit = kind == 3 ? program_.slots.size() : program_.code.size();
     if (given < 0 || static_cast<std::size_t>(given) >= limit)
       throw std::invalid_argument("bad code position or slot in image");
@@ -77,7 +78,7 @@ class Decoder {
 }  // namespace
 
 double Number::value(Machine& machine, std::int32_t* slots) const {
-  if (kind == Kind::constant) return constant;
+  if (is_constant()) return constant;
   if (kind == Kind::slot) return static_cast<double>(slots[code]);
   const std::int64_t result = machine.value(code, slots);
   return kind == Kind::integer_code ? static_cast<double>(result) : double_at(slots + result);

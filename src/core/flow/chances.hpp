@@ -12,13 +12,14 @@ namespace tachk {
 
 // A number that is known, computed by code from the discrete state, or in a slot of it.
 struct Number {
-  enum class Kind : std::int32_t { constant, integer_code, floating_code, slot };
+  enum class Kind : std::int32_t { floating_constant, integer_code, floating_code, slot, integer_constant };
 
-  Kind kind = Kind::constant;
+  Kind kind = Kind::integer_constant;
   double constant = 1.0;
   std::int32_t code = no_code;  // or the number of the slot
 
-  bool integer() const { return kind == Kind::integer_code || kind == Kind::slot; }
+  bool is_constant() const { return kind == Kind::floating_constant || kind == Kind::integer_constant; }
+  bool integer() const { return kind != Kind::floating_constant && kind != Kind::floating_code; }
   // Throws ModelFault.
   double value(Machine& machine, std::int32_t* slots) const;
 };

@@ -348,16 +348,17 @@ class _Lowering:
         """A rate or weight; what is not given is 1. Raises UnsupportedError for what is wrong with it."""
         if isinstance(value, Diagnostic):
             raise UnsupportedError(replace(value, code="E0722"))
-        return Computed(constant=1.0) if value is None else self.computed(value, known)
+        return Computed(constant=1) if value is None else self.computed(value, known)
 
     def computed(self, value: Expression, known: Known) -> Computed:
         """An integer or floating point expression."""
         folded = fold(value, known)
+        floating = value.type == DOUBLE
         number = folded.value if isinstance(folded, Constant) else constant_number(folded)
         if number is not None:
-            return Computed(constant=float(number))
-        piece = self.generator.cells_code if value.type == DOUBLE else self.generator.value_code
-        return Computed(code=piece(value, known), floating=value.type == DOUBLE)
+            return Computed(constant=number, floating=floating)
+        piece = self.generator.cells_code if floating else self.generator.value_code
+        return Computed(code=piece(value, known), floating=floating)
 
     def branches(self, known: Known) -> tuple[tuple[int, ...], tuple[Computed, ...]]:
         """For each edge the first one that is a branch of the same way into a branchpoint, and its weight."""
@@ -368,7 +369,7 @@ class _Lowering:
             edge = self.network.processes[instance.process].edges[instance.edge]
             if edge.branch is None:
                 choices.append(number)
-                weights.append(Computed(constant=1.0))
+                weights.append(Computed(constant=1))
                 continue
             way = instance.process, edge.branch.way, instance.selects[: edge.branch.selects]
             choices.append(first.setdefault(way, number))

@@ -286,7 +286,8 @@ class Computed:
     """A number: a constant, what code computes, or what a slot holds.
 
     Attributes:
-        floating: the code's value is the number of a slot that holds a floating point number.
+        floating: it is a floating point number; of code the value is the number of a slot that holds it. Others are
+            integers.
         slot: its number; -1 for none.
     """
 

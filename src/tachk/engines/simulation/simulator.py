@@ -189,6 +189,7 @@ def _numbers(numbers: Sequence[Computed]) -> Iterator[int]:
 def _number(number: Computed) -> tuple[int, int]:
     if number.slot >= 0:
         return 3, number.slot
-    if number.code < 0:
-        return 0, struct.unpack("<q", struct.pack("<d", number.constant))[0]
-    return 2 if number.floating else 1, number.code
+    if number.code >= 0:
+        return 2 if number.floating else 1, number.code
+    bits = struct.unpack("<q", struct.pack("<d", number.constant))[0]
+    return 0 if number.floating else 4, bits
