@@ -1,20 +1,29 @@
 """Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
 
-Clocks that are declared so are, and plain ones that are used like them: with rates other than 0 and 1, with floating
-point numbers, or in arithmetic other than `x = y + e`. Only names are looked at; a plain clock that is taken for a
-hybrid one needlessly has the same runs, but for the rounding of floating point numbers.
+Clocks that are declared so are, and plain ones that are used like them: with rates that are not certainly 0 or 1, with
+floating point numbers, or in arithmetic other than `x = y + e`. Only names are looked at; a plain clock that is taken
+for a hybrid one needlessly has the same runs, but for the rounding of floating point numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from tachk.operators import COMPARISONS, BinaryOperator
+from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
 _ARITHMETIC = (BinaryOperator.MULTIPLY, BinaryOperator.DIVIDE)
 _TRUTHS = (*COMPARISONS, BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR)
+_TRUTHS_OF_TRUTHS = (
+    BinaryOperator.MULTIPLY,
+    BinaryOperator.BIT_AND,
+    BinaryOperator.BIT_OR,
+    BinaryOperator.BIT_XOR,
+    BinaryOperator.MINIMUM,
+    BinaryOperator.MAXIMUM,
+)
+"""They give 0 or 1 if both operands are."""
 
 
 def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
@@ -23,26 +32,27 @@ def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
     declared = tuple(node for item in tree for node in nodes_of_kind(item, ast.VariableDeclaration))
     clocks = {d.name.name for node in declared if _is(node, "clock") for d in node.declarators}
     floating = {d.name.name for node in declared if _is_floating(node) for d in node.declarators}
-    numbers = floating | {d.name.name for node in declared if _is(node, "int") for d in node.declarators}
+    initial = [d for node in declared if _is(node, "clock") for d in node.declarators if d.initialiser is not None]
+    truths = _truths(tree)
     nodes = [
         node
         for item in tree
         for node in nodes_of_kind(item, ast.BinaryExpression, ast.AssignmentExpression, ast.FunctionDeclaration)
     ]
-    found: set[str] = set()
+    found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating)}
     while True:
-        more = {name for node in nodes for name in _used(node, clocks, floating | found, numbers | found)}
+        more = found | {name for node in nodes for name in _used(node, clocks, floating | found, truths)}
         if more <= found:
             return frozenset(found)
         found |= more
 
 
-def _used(node: ast.Node, clocks: set[str], floating: set[str], numbers: set[str]) -> Iterator[str]:
+def _used(node: ast.Node, clocks: set[str], floating: set[str], truths: set[str]) -> Iterator[str]:
     match node:
         case ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=ast.RateExpression() as rate, right=value) | (
             ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=value, right=ast.RateExpression() as rate)
         ):
-            if not _stops_or_runs(value, clocks, numbers):
+            if not _stops_or_runs(value, truths):
                 yield from _names(rate.clock, clocks)
                 yield from _names(value, clocks)
         case ast.BinaryExpression(operator=operator, left=left, right=right):
@@ -93,31 +103,69 @@ def _is_floating(node: ast.VariableDeclaration) -> bool:
     return _is(node, "double") or (node.type is not None and "hybrid" in node.type.prefixes)
 
 
-def _is_exact(node: ast.Node, floating: set[str]) -> bool:
+def _is_exact(node: ast.Node | None, floating: set[str]) -> bool:
     """Whether nothing in an expression is a floating point number."""
     return not any(nodes_of_kind(node, ast.FloatLiteral)) and not any(_names(node, floating))
 
 
-def _stops_or_runs(value: ast.Expression, clocks: set[str], numbers: set[str]) -> bool:
-    """Whether a rate looks like 0 or 1."""
+def _stops_or_runs(value: ast.Expression, truths: set[str]) -> bool:
+    """Whether a rate is certainly 0 or 1."""
     match value:
         case ast.IntegerLiteral(value=number):
             return number in (0, 1)
-        case ast.BooleanLiteral():
+        case ast.BooleanLiteral() | ast.QuantifierExpression(kind="forall" | "exists"):
             return True
-        case ast.NameExpression(name=name):
-            return name not in numbers and name not in clocks
-        case ast.UnaryExpression(operand=operand):
-            return not isinstance(operand, ast.IntegerLiteral | ast.FloatLiteral)
-        case ast.BinaryExpression(operator=operator):
-            return operator in _TRUTHS
+        case ast.NameExpression(name=name) | ast.MemberExpression(name=ast.Identifier(name=name)):
+            return name in truths
+        case ast.UnaryExpression(operator=operator, operand=operand):
+            return operator is PrefixOperator.NOT or (
+                operator is PrefixOperator.PLUS and _stops_or_runs(operand, truths)
+            )
+        case ast.BinaryExpression(operator=operator, left=left, right=right):
+            both = operator in _TRUTHS_OF_TRUTHS and _stops_or_runs(left, truths) and _stops_or_runs(right, truths)
+            return both or operator in _TRUTHS
         case ast.ConditionalExpression(then=then, otherwise=otherwise):
-            return _stops_or_runs(then, clocks, numbers) and _stops_or_runs(otherwise, clocks, numbers)
-        case ast.IndexExpression(base=base):
-            return _stops_or_runs(base, clocks, numbers)
+            return _stops_or_runs(then, truths) and _stops_or_runs(otherwise, truths)
+        case ast.IndexExpression(base=place) | ast.CallExpression(function=place):
+            return _stops_or_runs(place, truths)
         case _:
-            return not isinstance(value, ast.FloatLiteral)
+            return False
 
 
-def _names(node: ast.Node, among: set[str]) -> Iterator[str]:
+def _truths(tree: tuple[ast.Item, ...]) -> set[str]:
+    """The names that only stand for what is 0 or 1, or is made of that: variables, fields, functions."""
+    kinds = (ast.VariableDeclaration, ast.Parameter, ast.QuantifierExpression, ast.FunctionDeclaration)
+    named = {d.name.name: node.type for node in nodes_of_kind(tree, ast.TypedefDeclaration) for d in node.declarators}
+    truths: set[str] = set()
+    others: set[str] = set()
+    for node in nodes_of_kind(tree, *kinds):
+        type_ = node.result if isinstance(node, ast.FunctionDeclaration) else node.type
+        match node:
+            case ast.VariableDeclaration(declarators=declarators):
+                names = [declarator.name.name for declarator in declarators]
+            case ast.QuantifierExpression(variable=name):
+                names = [name.name]
+            case _:
+                names = [node.name.name]
+        (truths if _is_truth(type_, named) else others).update(names)
+    return truths - others
+
+
+def _is_truth(type_: ast.TypeExpression | None, named: dict[str, ast.TypeExpression]) -> bool:
+    for _ in range(len(named) + 1):
+        match type_:
+            case ast.TypeExpression(base=ast.NamedType(name=name)):
+                type_ = named.get(name)
+            case _:
+                break
+    match type_:
+        case ast.TypeExpression(base=ast.BuiltinType(name="bool")):
+            return True
+        case ast.TypeExpression(base=ast.RangeType(low=ast.IntegerLiteral(value=0), high=ast.IntegerLiteral(value=1))):
+            return True
+        case _:
+            return False
+
+
+def _names(node: ast.Node | None, among: set[str]) -> Iterator[str]:
     yield from (name.name for name in nodes_of_kind(node, ast.NameExpression) if name.name in among)

@@ -123,9 +123,11 @@ def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
 def _with_doubles(loaded: LoadedModel, path: str) -> LoadedModel:
     """The model with the floating point variables and hybrid clocks that a search leaves out, if it was read."""
     from tachk.diagnostics.span import Source
+    from tachk.frontend.hybrid_clocks import hybrid_clocks
     from tachk.loading.load import load_model
 
-    if not any(warning.code == "W0406" for warning in loaded.warnings) and not loaded.refusals:
+    leaves_out = any(warning.code == "W0406" for warning in loaded.warnings) or bool(loaded.refusals)
+    if not leaves_out and not hybrid_clocks(loaded.items):
         return loaded
     constants = {name: value.span.text for name, value in loaded.overrides.items()}
     written: str | Source = path if Path(path).is_file() else loaded.document.span.source

@@ -11,6 +11,8 @@ import tachk
 from tachk.compiler.hybrid import refuse_hybrid
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source as Text
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT
+from tachk.frontend.hybrid_clocks import hybrid_clocks
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.loading.load import load_model
@@ -237,3 +239,40 @@ def test_what_does_not_know_hybrid_clocks_says_so() -> None:
     with pytest.raises(UnsupportedError, match="E0729"):
         refuse_hybrid(network, "something")
     assert {refusal.code for refusal in tachk.loads(TANK).refusals} == {"E0750"}
+
+
+RATED = """
+typedef int[0, 1] bit_t;
+typedef struct { int k; bool t; bit_t b; } r_t;
+int p[2] = {2, 3}, n = -3, three = 3;
+bit_t bits[2] = {1, 1};
+r_t r = {3, true, 1};
+int f() { return 3; }
+double h() { return 3.0; }
+bool g() { return true; }
+bit_t one() { return 1; }
+clock e;
+process P() { init location A { invariant e' == RATE; } }
+system P;
+"""
+
+
+def reached_at_5(rate: str) -> list[float]:
+    (found,) = tachk.loads(RATED.replace("RATE", rate)).estimate("Pr[<=20](<> e >= 5)", runs=3)
+    assert isinstance(found, Estimated)
+    return [time / TICKS_PER_UNIT for time in found.sample.times[0].tolist()]
+
+
+@pytest.mark.parametrize(
+    "rate",
+    ["f()", "h()", "r.k", "abs(n)", "-n", "p[1]", "(three > 0 ? 3 : 0)", "sum(i : int[0, 2]) bits[0]", "fint(3.4)"],
+)
+def test_a_rate_that_is_not_certainly_0_or_1(rate: str) -> None:
+    assert reached_at_5(rate) == pytest.approx([5 / 3] * 3)
+
+
+@pytest.mark.parametrize("rate", ["g()", "one()", "r.t", "r.b", "bits[1]", "one() * bits[0]", "+r.t", "!(n > 0)"])
+def test_a_rate_that_is_0_or_1_leaves_a_clock_plain(rate: str) -> None:
+    model = tachk.loads(RATED.replace("RATE", rate))
+    assert hybrid_clocks(model.loaded.items) == frozenset()
+    assert reached_at_5(rate) == [5] * 3
