@@ -16,6 +16,34 @@ constexpr std::int64_t magic = 0x0A31'2E6B'6863'6174;  // "tachk.1\n"
 constexpr double largest_time = 0x1p52;
 __extension__ using Wide = __int128;
 
+constexpr int precision = std::numeric_limits<double>::digits;
+
+// The double that is nearest to a fraction; of two that are, the even one. The denominator is positive.
+double nearest_ratio(Wide numerator, std::int64_t denominator) {
+  const bool negative = numerator < 0;
+  __extension__ using Natural = unsigned __int128;
+  Natural rest = negative ? -static_cast<Natural>(numerator) : static_cast<Natural>(numerator);
+  const auto divisor = static_cast<Natural>(denominator);
+  Natural quotient = rest / divisor;
+  rest %= divisor;
+  // One bit more than a double has, and a last one that says whether something is left.
+  int exponent = 0;
+  while (quotient >> (precision + 1) != 0) {
+    rest |= quotient & 1;
+    quotient >>= 1;
+    ++exponent;
+  }
+  while (rest != 0 && exponent <= 0 && quotient >> precision == 0) {
+    rest <<= 1;
+    quotient = quotient << 1 | (rest >= divisor ? 1 : 0);
+    if (rest >= divisor) rest -= divisor;
+    --exponent;
+  }
+  const std::uint64_t digits = static_cast<std::uint64_t>(quotient) << 1 | (rest != 0 ? 1 : 0);
+  const double result = std::ldexp(static_cast<double>(digits), exponent - 1);
+  return negative ? -result : result;
+}
+
 std::uint64_t little_endian(std::span<const char, 8> bytes) {
   std::uint64_t word = 0;
   for (std::size_t n = 8; n-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[n]);
@@ -101,11 +129,7 @@ std::string Blueprint::token() const {
   return text;
 }
 
-double TimeScale::seconds(Ticks ticks) const {
-  const Wide product = Wide{ticks} * numerator_;
-  return static_cast<double>(product / denominator_) +
-         static_cast<double>(product % denominator_) / static_cast<double>(denominator_);
-}
+double TimeScale::seconds(Ticks ticks) const { return nearest_ratio(Wide{ticks} * numerator_, denominator_); }
 
 Ticks TimeScale::ticks(double seconds) const {
   if (!(std::abs(seconds) < largest_time)) throw std::invalid_argument("a time is too large");

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from random import Random
 
+import fmpy
 import pytest
 
 import tachk
@@ -12,8 +13,9 @@ from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.engines.simulation.policy import Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing
 from tachk.fmi.description import Version
+from tachk.fmi.unit import closed_unit
 from tachk.testing import Shape, random_case
-from tachk.testing.simulated.cosimulated import Driving, disagreements
+from tachk.testing.simulated.cosimulated import Driving, disagreements, extract, native_rows
 
 SHAPES = (
     Shape(clocks=2),
@@ -72,3 +74,23 @@ def test_who_wins_a_tie_does_not_depend_on_the_steps(policy: Policy, tmp_path: P
     drawing = Drawing(3, 40 * TICKS_PER_UNIT, policy)
     wanted = drivings(TICKS_PER_UNIT // 4)
     assert list(disagreements(network, drawing, 5, wanted, tmp_path)) == []
+
+
+@pytest.mark.parametrize("time_unit", ["", "time_unit = 7 ms;", "time_unit = 3 h;"])
+def test_the_time_of_an_event_is_the_nearest_double(time_unit: str, tmp_path: Path) -> None:
+    text = f"{time_unit} bool b; process P() {{ init location A {{ to A {{ assign b = !b; }} }} }} system P;"
+    network = tachk.loads(text).network
+    unit = closed_unit(network, "events")
+    rows, end, stop = native_rows(network, Drawing(2, 200 * TICKS_PER_UNIT), 0)
+    extracted = extract(unit, Version.THREE, tmp_path)
+    told = fmpy.simulate_fmu(
+        extracted,
+        stop_time=float(stop / unit.second),
+        output_interval=float(stop / unit.second),
+        start_values={"seed": 2},
+        use_event_mode=True,
+        early_return_allowed=True,
+    )
+    known = [float(moment / unit.second) for moment, _ in rows[1:] if moment < end]
+    assert len(known) > 150
+    assert set(known) <= set(told["time"].tolist())
