@@ -1,8 +1,8 @@
-"""Intervals for probabilities that runs estimate."""
+"""Intervals for what runs estimate."""
 
 from __future__ import annotations
 
-from math import exp, lgamma, log, log1p
+from math import exp, lgamma, log, log1p, sqrt
 
 _STEPS = 100
 _TINY = 1e-300
@@ -29,7 +29,16 @@ def clopper_pearson(hits: int, runs: int, confidence: float = 0.95, maybe: int =
     return low, high
 
 
-def _quantile(share: float, a: int, b: int) -> tuple[float, float]:
+def student_quantile(confidence: float, freedom: int) -> float:
+    """What the absolute value of a variable with Student's distribution does not exceed with this probability.
+
+    Its square, divided by itself and the degrees of freedom, has the distribution Beta(1/2, freedom / 2).
+    """
+    share = _quantile(confidence, 0.5, freedom / 2)[1]
+    return sqrt(freedom * share / (1 - share))
+
+
+def _quantile(share: float, a: float, b: float) -> tuple[float, float]:
     """Two neighbouring numbers between which the Beta(a, b) distribution function reaches the share."""
     low, high = 0.0, 1.0
     for _ in range(_STEPS):
@@ -43,7 +52,7 @@ def _quantile(share: float, a: int, b: int) -> tuple[float, float]:
     return low, high
 
 
-def _beta_distribution(x: float, a: int, b: int) -> float:
+def _beta_distribution(x: float, a: float, b: float) -> float:
     """The regularised incomplete beta function, by its continued fraction (DLMF 8.17.22)."""
     if x <= 0 or x >= 1:
         return float(x >= 1)

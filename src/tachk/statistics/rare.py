@@ -1,13 +1,13 @@
 """Probabilities of what runs hardly ever reach, by importance splitting.
 
 The levels are distances of discrete states from the goal in the zone graph, in transitions. Each replication is an
-estimate that is right on average; the interval is that of their mean for many replications, and so no guarantee.
+estimate that is right on average; the interval is Student's for the mean of replications that are normally distributed,
+and so no guarantee.
 """
 
 from __future__ import annotations
 
 from math import sqrt
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from tachk.engines.simulation.splitting import Splitter
 from tachk.model.network import Network
 from tachk.model.statistical import Path
 from tachk.records import dataclass
+from tachk.simulation.intervals import student_quantile
 from tachk.statistics.sampling import Source, asked_of, lowered_path
 from tachk.time_limit import check_time
 
@@ -67,9 +68,10 @@ class Rare:
         return float(self.probabilities.mean())
 
     def half_width(self, confidence: float) -> float:
-        """Of the interval of the mean, if there were very many replications."""
-        deviation = float(self.probabilities.std(ddof=1)) / sqrt(len(self.probabilities))
-        return NormalDist().inv_cdf((1 + confidence) / 2) * deviation
+        """Of the interval of the mean, if the replications were normally distributed (Student 1908)."""
+        count = len(self.probabilities)
+        deviation = float(self.probabilities.std(ddof=1)) / sqrt(count)
+        return student_quantile(confidence, count - 1) * deviation
 
 
 def split(network: Network, path: Path, source: Source, confidence: float, splitting: Splitting) -> Rare:

@@ -6,7 +6,7 @@ from math import comb
 
 import pytest
 
-from tachk.simulation.intervals import clopper_pearson
+from tachk.simulation.intervals import clopper_pearson, student_quantile
 
 
 def _coverage(runs: int, confidence: float, probability: float, intervals: list[tuple[float, float]]) -> float:
@@ -48,3 +48,11 @@ def test_nonsense_is_refused() -> None:
     for hits, runs, maybe in ((-1, 10, 0), (11, 10, 0), (5, 10, 6), (0, 0, 0)):
         with pytest.raises(ValueError):
             clopper_pearson(hits, runs, maybe=maybe)
+
+
+def test_quantiles_of_student() -> None:
+    # Abramowitz, Stegun, "Handbook of mathematical functions", 1964, table 26.10.
+    known = ((0.95, 1, 12.706), (0.95, 15, 2.131), (0.99, 15, 2.947), (0.9, 30, 1.697), (0.95, 120, 1.980))
+    for confidence, freedom, quantile in known:
+        assert student_quantile(confidence, freedom) == pytest.approx(quantile, abs=5e-4)
+    assert student_quantile(0.95, 10**6) == pytest.approx(1.95996, abs=1e-4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import exp, factorial
 
+import numpy as np
 import pytest
 
 import tachk
@@ -166,3 +167,8 @@ def test_levels_are_distances() -> None:
 def test_what_has_no_levels_is_refused(query: str) -> None:
     with pytest.raises(UsageError):
         rare(ARRIVALS, query)
+
+
+def test_the_interval_of_few_replications_is_that_of_student() -> None:
+    found = Rare(np.array([1.0, 3.0] * 8), 3, 10, True, 0, 0)
+    assert found.half_width(0.95) == pytest.approx(2.1314 * (16 / 15) ** 0.5 / 4, rel=1e-4)
