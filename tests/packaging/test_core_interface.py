@@ -71,7 +71,7 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
         ("program/program.hpp", "Comparison", Comparison),
         ("program/program.hpp", "DeadlockLiteral", DeadlockLiteral),
         ("csv/csv_reader.hpp", "CsvFaultKind", _core.CsvFaultKind),
-        ("monitoring/linear/linear_monitor.hpp", "Measure", _core.Measure),
+        ("monitoring/linear/linear_monitor.hpp", "RobustnessKind", _core.Measure),
         ("monitoring/monitor_program.hpp", "ValueOperator", ValueOperator),
         ("monitoring/monitor_program.hpp", "Relation", Relation),
         ("monitoring/monitor_program.hpp", "NodeKind", NodeKind),

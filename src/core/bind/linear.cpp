@@ -21,12 +21,12 @@ namespace nb = nanobind;
 
 void bind_linear(nb::module_& m) {
   using Monitor = tachk::LinearMonitor;
-  nb::enum_<tachk::Measure>(m, "Measure")
-      .value("SPACE", tachk::Measure::space)
-      .value("AHEAD", tachk::Measure::ahead)
-      .value("BEHIND", tachk::Measure::behind);
+  nb::enum_<tachk::RobustnessKind>(m, "Measure")
+      .value("SPACE", tachk::RobustnessKind::space)
+      .value("AHEAD", tachk::RobustnessKind::ahead)
+      .value("BEHIND", tachk::RobustnessKind::behind);
   nb::class_<Monitor>(m, "LinearMonitor", "Columns that are linear between samples; robustness in time.")
-      .def(nb::new_([](nb::handle program, tachk::Measure measure) {
+      .def(nb::new_([](nb::handle program, tachk::RobustnessKind measure) {
              return std::make_unique<Monitor>(monitor_program_from(program), measure);
            }),
            nb::arg("program"), nb::kw_only(), nb::arg("measure"))

@@ -56,7 +56,7 @@ struct Monitor {
 
 // First cell, cell after the last, settled.
 std::optional<std::tuple<std::int64_t, std::int64_t, bool>> violation_of(const Monitor& self) {
-  const std::optional<tachk::Violation>& violation = self.monitor.violation();
+  const std::optional<tachk::ViolatedSpan>& violation = self.monitor.violation();
   if (!violation) return std::nullopt;
   return std::make_tuple(violation->cells.first, violation->cells.end, violation->settled);
 }

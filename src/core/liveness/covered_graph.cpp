@@ -14,7 +14,7 @@ struct CoveredGraph::Stepping {
   bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
     ++search.transitions_;
     if (!search.reachable_.is_restricted())
-      return search.restriction_.avoided().in(entry.slots, entry.zone) != Truth::always;
+      return search.restriction_.avoided().in(entry.slots, entry.zone) != TruthInZone::always;
     return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
   }
   // What a zone is widened to is covered where the zone is, unless it is widened in several parts.
@@ -58,8 +58,8 @@ bool CoveredGraph::begin(SymbolicState& source) {
   for (; next_ < states.size(); ++next_) {
     if (states.covered(next_) || colours_[next_] != Colour::white) continue;
     states.unpack(next_, source.slots.data());
-    if (begins_->in(source.slots.data(), source.zone.get()) == Truth::never) continue;
-    if (restriction_.avoided().in(source.slots.data(), source.zone.get()) == Truth::always) continue;
+    if (begins_->in(source.slots.data(), source.zone.get()) == TruthInZone::never) continue;
+    if (restriction_.avoided().in(source.slots.data(), source.zone.get()) == TruthInZone::always) continue;
     steps_.push_back(next_++);
     return true;
   }

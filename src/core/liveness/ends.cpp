@@ -36,10 +36,10 @@ void Ends::pass(ConstZoneRef guarded, const Effect& effect) {
   if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
 }
 
-std::optional<Ending> Ends::end() {
-  if (idle_) return Ending::idle;
+std::optional<EndKind> Ends::end() {
+  if (idle_) return EndKind::idle;
   for (std::size_t part = 0; part < never_->size(); ++part)
-    if (may_be_stuck((*never_)[part], finder_.dead()) && is_stuck((*never_)[part])) return Ending::stuck;
+    if (may_be_stuck((*never_)[part], finder_.dead()) && is_stuck((*never_)[part])) return EndKind::stuck;
   return std::nullopt;
 }
 

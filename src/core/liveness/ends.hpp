@@ -14,7 +14,7 @@
 
 namespace tachk {
 
-enum class Ending {
+enum class EndKind {
   idle,   // time passes for ever
   stuck,  // no action is possible, now or after any delay, and time does not pass for ever
 };
@@ -30,7 +30,7 @@ class Ends final {
   void pass(ConstZoneRef guarded, const Effect& effect);
   // An end in the state, if there is one. With bounds that widen zones in one direction only (LU) a valuation may seem
   // stuck that stands for true ones that are not; an idle one stands for idle ones. Throws ModelFault.
-  std::optional<Ending> end();
+  std::optional<EndKind> end();
 
  private:
   bool may_idle(Delay delay, const std::uint8_t* stopped) const;

@@ -132,7 +132,7 @@ void LivenessSearch::note_beginning() {
   if (overview_.met) return;
   try {
     Predicate& predicate = *overview_.begins;
-    overview_.met = predicate.in(source_.slots.data(), source_.zone.get()) == Truth::always;
+    overview_.met = predicate.in(source_.slots.data(), source_.zone.get()) == TruthInZone::always;
     for (std::size_t number = 0; number < predicate.size() && !overview_.met; ++number) {
       ZoneBuffer part(source_.zone);
       const std::vector<Atom>& atoms = predicate[number];
@@ -187,12 +187,12 @@ void LivenessSearch::expand() {
   ++done_.explored;
   ends_.begin(source_, restriction_.avoided());
   graph_.expand(source_, Descending{*this});
-  const std::optional<Ending> ending = ends_.end();
-  if (ending == Ending::idle)
+  const std::optional<EndKind> ending = ends_.end();
+  if (ending == EndKind::idle)
     found(ViolationKind::idle);
   else if (closing_)
     found(ViolationKind::loop);
-  else if (ending == Ending::stuck)
+  else if (ending == EndKind::stuck)
     found(ViolationKind::stuck);
 }
 

@@ -17,7 +17,7 @@ std::vector<Atom>& Predicate::add_zone() {
   return zones_[count_++];
 }
 
-Truth Predicate::in(std::int32_t* slots, ConstZoneRef zone) {
+TruthInZone Predicate::in(std::int32_t* slots, ConstZoneRef zone) {
   count_ = 0;
   for (const Disjunct& disjunct : goal_.disjuncts) {
     if (!semantics_.holds(disjunct.condition, slots)) continue;
@@ -29,10 +29,10 @@ Truth Predicate::in(std::int32_t* slots, ConstZoneRef zone) {
     semantics_.resolve(disjunct.condition, slots, atoms);
     if (atoms.empty()) {
       count_ = 0;
-      return Truth::always;
+      return TruthInZone::always;
     }
   }
-  return count_ == 0 ? Truth::never : Truth::by_clocks;
+  return count_ == 0 ? TruthInZone::never : TruthInZone::by_clocks;
 }
 
 // Each part of what is dead or live, with all its constraints.

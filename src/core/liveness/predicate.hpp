@@ -14,7 +14,7 @@
 
 namespace tachk {
 
-enum class Truth { never, always, by_clocks };
+enum class TruthInZone { never, always, by_clocks };
 
 class Predicate final {
  public:
@@ -22,7 +22,7 @@ class Predicate final {
 
   // Whether the predicate holds in a discrete state. Where it asks for deadlock it is a matter of clocks, and only what
   // it says of a zone and of all that delays lead to from there is right. Throws ModelFault.
-  Truth in(std::int32_t* slots, ConstZoneRef zone);
+  TruthInZone in(std::int32_t* slots, ConstZoneRef zone);
 
   // By clocks: the zones of the state looked at last in whose union it holds.
   std::size_t size() const { return count_; }

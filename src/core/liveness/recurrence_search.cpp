@@ -103,12 +103,12 @@ void RecurrenceSearch::expand(State state) {
   unpack(state, source_);
   ++done_.explored;
   way_.expanded = state;
-  const bool may_end = question_.ending.in(source_.slots.data(), source_.zone.get()) == Truth::always;
+  const bool may_end = question_.ending.in(source_.slots.data(), source_.zone.get()) == TruthInZone::always;
   if (may_end) ends_.begin(source_, restriction_.avoided());
   graph_.expand(source_, Exploring{*this, may_end});
   way_.expanded = no_node;
   if (!may_end) return;
-  if (const std::optional<Ending> ending = ends_.end()) found_end(*ending);
+  if (const std::optional<EndKind> ending = ends_.end()) found_end(*ending);
 }
 
 void RecurrenceSearch::close() {
@@ -155,7 +155,7 @@ void RecurrenceSearch::push(const Successor& successor) {
 RecurrenceSearch::Marks RecurrenceSearch::marks_of(const Successor& successor) {
   Marks marks = 0;
   for (std::size_t number = 0; number < question_.again.size(); ++number)
-    if (question_.again[number].in(successor.slots, successor.zone) == Truth::always) marks |= Marks{1} << number;
+    if (question_.again[number].in(successor.slots, successor.zone) == TruthInZone::always) marks |= Marks{1} << number;
   return marks;
 }
 
@@ -265,11 +265,11 @@ Path RecurrenceSearch::path_to_state(State state, std::size_t& begins) {
   return path;
 }
 
-void RecurrenceSearch::found_end(Ending ending) {
+void RecurrenceSearch::found_end(EndKind ending) {
   std::size_t begins = 0;
   Path stem = path_to_state(way_.path.back().state, begins);
   violation_ =
-      Violation{ending == Ending::idle ? ViolationKind::idle : ViolationKind::stuck, std::move(stem), begins, {}};
+      Violation{ending == EndKind::idle ? ViolationKind::idle : ViolationKind::stuck, std::move(stem), begins, {}};
 }
 
 void RecurrenceSearch::found_loop(State entrance) {

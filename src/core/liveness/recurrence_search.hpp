@@ -99,7 +99,7 @@ class RecurrenceSearch final {
   Marks marks_of(const Successor& successor);
   void unpack(State state, SymbolicState& into);
 
-  void found_end(Ending ending);
+  void found_end(EndKind ending);
   void found_loop(State entrance);
   // The steps from a state to states that have been seen.
   std::vector<Step> steps_from(State state);

@@ -26,11 +26,11 @@ class Restriction final {
   template <class Take>
   bool lets_through(const Successor& entry, const std::vector<Atom>& invariant, Take&& take) {
     switch (avoided_.in(entry.slots, entry.zone)) {
-      case Truth::never:
+      case TruthInZone::never:
         return true;
-      case Truth::always:
+      case TruthInZone::always:
         return false;
-      case Truth::by_clocks:
+      case TruthInZone::by_clocks:
         break;
     }
     parts(entry, invariant, take);
@@ -54,19 +54,20 @@ class Restriction final {
   template <class Take>
   void beginnings(Predicate& begins, SymbolicState& state, Take&& take) {
     std::int32_t* slots = state.slots.data();
-    const Truth begun = begins.in(slots, state.zone.get());
-    if (begun == Truth::never) return;
-    const Truth avoided = avoided_.in(slots, state.zone.get());
-    if (avoided == Truth::always) return;
-    if (begun == Truth::always && avoided == Truth::never) return take(Successor{{}, slots, state.zone.get()});
+    const TruthInZone begun = begins.in(slots, state.zone.get());
+    if (begun == TruthInZone::never) return;
+    const TruthInZone avoided = avoided_.in(slots, state.zone.get());
+    if (avoided == TruthInZone::always) return;
+    if (begun == TruthInZone::always && avoided == TruthInZone::never)
+      return take(Successor{{}, slots, state.zone.get()});
     const int dimension = graph_.program().dimension();
     std::vector<Atom> invariant;
     graph_.semantics().invariant(slots, invariant);
-    const std::size_t count = begun == Truth::always ? 1 : begins.size();
+    const std::size_t count = begun == TruthInZone::always ? 1 : begins.size();
     for (std::size_t number = 0; number < count; ++number) {
       ZoneBuffer entry(state.zone);
       std::vector<Atom> atoms(invariant);
-      if (begun == Truth::by_clocks) atoms.insert(atoms.end(), begins[number].begin(), begins[number].end());
+      if (begun == TruthInZone::by_clocks) atoms.insert(atoms.end(), begins[number].begin(), begins[number].end());
       if (!graph_.operations().intersect(entry.get(), dimension, atoms.data(), atoms.size())) continue;
       parts(Successor{{}, slots, entry.get()}, invariant, take);
     }

@@ -61,8 +61,8 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       merging_(options_.merging, graph_.operations()),
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
-            .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
-                                looks_at_actions_only(graph_.program())),
+            .simulation = AdaptiveCheck(options_.alu && options_.subsumption && graph_.knows_simulation() &&
+                                        looks_at_actions_only(graph_.program())),
             .ahead = {},
             .pace = {}} {}
 

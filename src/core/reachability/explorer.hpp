@@ -22,8 +22,8 @@
 #include "reachability/merging/merging.hpp"
 #include "reachability/options.hpp"
 #include "reachability/passing.hpp"
+#include "states/adaptive_check.hpp"
 #include "states/store.hpp"
-#include "states/trial.hpp"
 #include "stubborn/partial_order.hpp"
 #include "symbolic/zone_graph.hpp"
 
@@ -99,7 +99,7 @@ class Explorer final {
     std::uint64_t explored = 0;
     std::uint64_t transitions = 0;
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
-    Trial simulation;                 // of states by others
+    AdaptiveCheck simulation;         // of states by others
     std::optional<Ahead> ahead;       // where several threads look for successors
     Pace pace;
   };

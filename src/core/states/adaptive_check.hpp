@@ -8,13 +8,14 @@
 
 namespace tachk {
 
-class Trial final {
+class AdaptiveCheck final {
  public:
   static constexpr std::int64_t long_first = std::int64_t{1} << 18;
   static constexpr std::int64_t short_first = std::int64_t{1} << 15;
 
   // Not `allowed`: the question is never asked. `first`: what it may cost before its answers are weighed.
-  explicit Trial(bool allowed, std::int64_t first = long_first) : left_(allowed ? first : 0), allowed_(allowed) {}
+  explicit AdaptiveCheck(bool allowed, std::int64_t first = long_first)
+      : left_(allowed ? first : 0), allowed_(allowed) {}
 
   // Whether the question is to be asked this time.
   bool asks() {

@@ -132,7 +132,7 @@ void test_delays_that_avoid_two_zones() {
   }
   Predicate predicate(goal, semantics, operations);
   std::int32_t slots[] = {0};
-  CHECK(predicate.in(slots, ConstZoneRef{}) == Truth::by_clocks && predicate.size() == 2);
+  CHECK(predicate.in(slots, ConstZoneRef{}) == TruthInZone::by_clocks && predicate.size() == 2);
   Avoidance avoidance(semantics, operations);
   ZoneBuffer entry(operations);
   operations.make_zero(entry.get(), 2);

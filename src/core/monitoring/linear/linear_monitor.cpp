@@ -75,13 +75,13 @@ bool holds(Relation relation, double left_minus_right) {
 
 }  // namespace
 
-LinearMonitor::LinearMonitor(MonitorProgram program, Measure measure)
+LinearMonitor::LinearMonitor(MonitorProgram program, RobustnessKind measure)
     : program_((validate(program), std::move(program))),
       measure_(measure),
       columns_(program_.columns),
       is_flag_(program_.columns, false),
       known_(program_.nodes.size()) {
-  if (measure_ == Measure::space) {
+  if (measure_ == RobustnessKind::space) {
     // Tried on a trace of one sample, in which every column may move.
     ticks_ = {0, 1};
     for (std::vector<double>& column : columns_) column = {1, 2};
@@ -115,7 +115,8 @@ void LinearMonitor::finish(std::int64_t end, std::int64_t most_parts) {
   std::int64_t reach = length() + 1;
   for (const MonitorNode& node : program_.nodes) reach += std::max(node.lower, node.upper);
   while (refinement_ < most_parts && reach < largest_tick / (20 * refinement_)) refinement_ *= 10;
-  if (refinement_ < 2 && measure_ == Measure::space) throw std::invalid_argument("the trace is too long for its ticks");
+  if (refinement_ < 2 && measure_ == RobustnessKind::space)
+    throw std::invalid_argument("the trace is too long for its ticks");
 }
 
 // In ticks since the first sample; it holds its last value for ever.
@@ -263,7 +264,7 @@ LinearSignal LinearMonitor::changes(std::size_t number, double yes, double no) c
   const MonitorAtom& what = program_.atoms[number];
   LinearSignal result{{0, no, no, no}};
   const auto change = [&](double start) { result.push_back({start, yes, no, no}); };
-  if (measure_ == Measure::space) {
+  if (measure_ == RobustnessKind::space) {
     const LinearSignal left = value(what.left);
     for (std::size_t n = 1; n < left.size(); ++n)
       if (left[n].at != left[n - 1].before) change(left[n].start);
@@ -314,7 +315,7 @@ auto LinearMonitor::runs(std::size_t number) const -> std::vector<Run> {
   }
   // Columns may be shifted apart: then it lasts as long as it is certain for all values that each column has meanwhile.
   const std::size_t count = holding.size();
-  const bool behind = measure_ == Measure::behind;
+  const bool behind = measure_ == RobustnessKind::behind;
   std::vector<std::vector<double>> columns = columns_;
   std::vector<Truth> truths = holding;
   if (behind) {
@@ -346,7 +347,7 @@ LinearSignal LinearMonitor::lasting(std::size_t number, bool high) const {
     const Run& run = runs[n];
     const double end = n + 1 == runs.size() ? length : runs[n + 1].start;
     const double sign = run.truth ? 1 : -1;
-    if (measure_ == Measure::behind) {
+    if (measure_ == RobustnessKind::behind) {
       const double at = sign * (run.start - run.since);
       result.push_back({run.start, at, at, sign * (end - run.since)});
     } else if (!run.until && high == run.truth) {
@@ -374,7 +375,7 @@ LinearSignal LinearMonitor::far_from_changes(std::size_t number, bool high) cons
     const bool last = n + 1 == found.size();
     const double start = found[n].start;
     const double gap = (last ? length : found[n + 1].start) - start;
-    if (measure_ == Measure::behind) {
+    if (measure_ == RobustnessKind::behind) {
       result.push_back({start, 0, 0, -gap});
     } else {
       const double after = last && !high ? -infinity : -gap;
@@ -407,12 +408,12 @@ LinearSignal LinearMonitor::computed(const MonitorNode& node, bool high) {
     case NodeKind::always_true:
       return constant_signal(node.kind == NodeKind::always_true ? infinity : -infinity);
     case NodeKind::atom: {
-      const bool space = measure_ == Measure::space;
+      const bool space = measure_ == RobustnessKind::space;
       return until_the_end(space ? atom(program_.atoms[node.atom]) : lasting(node.atom, high));
     }
     case NodeKind::change:
-      return until_the_end(measure_ == Measure::space ? changes(node.atom, infinity, -infinity)
-                                                      : far_from_changes(node.atom, high));
+      return until_the_end(measure_ == RobustnessKind::space ? changes(node.atom, infinity, -infinity)
+                                                             : far_from_changes(node.atom, high));
     case NodeKind::logical_not:
       return opposite(0);
     case NodeKind::logical_and:

@@ -20,13 +20,13 @@ namespace tachk {
 // ahead, behind: for how long, from now on or until now, an atom has had the truth that it has, negative if it is
 //   false, where columns keep their values between samples (Donze, Maler 2010). In ticks. An atom over several columns
 //   counts for as long as it would keep its truth if they were shifted apart.
-enum class Measure { space, ahead, behind };
+enum class RobustnessKind { space, ahead, behind };
 
 // A trace as a whole: pushed samples are copied.
 class LinearMonitor {
  public:
   // Throws std::invalid_argument for what has no meaning on lines: % , and products and quotients of columns.
-  LinearMonitor(MonitorProgram program, Measure measure);
+  LinearMonitor(MonitorProgram program, RobustnessKind measure);
 
   std::size_t columns() const { return program_.columns; }
   std::size_t nodes() const { return program_.nodes.size(); }
@@ -77,7 +77,7 @@ class LinearMonitor {
   void fill(const StreamNode& leaf, Stream<Truth>& out) const;
 
   MonitorProgram program_;
-  Measure measure_;
+  RobustnessKind measure_;
   std::vector<std::int64_t> ticks_;
   std::vector<std::vector<double>> columns_;
   std::vector<bool> is_flag_;

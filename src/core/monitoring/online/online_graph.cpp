@@ -3,7 +3,7 @@
 namespace tachk {
 namespace {
 
-Operand until(OnlineGraph& graph, const MonitorNode& node, Operand left, Operand right, bool ahead) {
+Literal until(OnlineGraph& graph, const MonitorNode& node, Literal left, Literal right, bool ahead) {
   const CellWindow window = ahead ? future_window(node) : past_window(node);
   if (window.empty) return graph.falsity();
   OnlineNode strict;
@@ -11,7 +11,7 @@ Operand until(OnlineGraph& graph, const MonitorNode& node, Operand left, Operand
   strict.left = left;
   strict.right = right;
   strict.to_the_end = ahead && node.upper == unbounded;
-  Operand base = graph.add(strict);
+  Literal base = graph.add(strict);
   if (node.lower_closed) base = graph.either(right, base);
   if (node.lower > 0) {
     CellWindow shift = future_window(node.lower, node.lower, true, true);
@@ -28,14 +28,14 @@ Operand until(OnlineGraph& graph, const MonitorNode& node, Operand left, Operand
 
 }  // namespace
 
-Operand OnlineGraph::add(const OnlineNode& node) {
+Literal OnlineGraph::add(const OnlineNode& node) {
   nodes.push_back(node);
   return {static_cast<std::uint32_t>(nodes.size() - 1), false};
 }
 
-Operand OnlineGraph::falsity() { return add({}); }
+Literal OnlineGraph::falsity() { return add({}); }
 
-Operand OnlineGraph::either(Operand left, Operand right) {
+Literal OnlineGraph::either(Literal left, Literal right) {
   OnlineNode node;
   node.kind = OnlineKind::either;
   node.left = left;
@@ -43,7 +43,7 @@ Operand OnlineGraph::either(Operand left, Operand right) {
   return add(node);
 }
 
-Operand OnlineGraph::somewhere(const CellWindow& window, Operand operand) {
+Literal OnlineGraph::somewhere(const CellWindow& window, Literal operand) {
   if (window.empty) return falsity();
   if (window.uniform() && window.odd == CellOffsets{}) return operand;
   OnlineNode node;
@@ -54,7 +54,7 @@ Operand OnlineGraph::somewhere(const CellWindow& window, Operand operand) {
   return add(node);
 }
 
-bool OnlineGraph::is_everywhere_ahead(Operand operand) const {
+bool OnlineGraph::is_everywhere_ahead(Literal operand) const {
   const OnlineNode& node = nodes[operand.node];
   return operand.negated && node.kind == OnlineKind::window && node.window.uniform() &&
          node.window.odd == CellOffsets{0, endless};
@@ -63,10 +63,10 @@ bool OnlineGraph::is_everywhere_ahead(Operand operand) const {
 namespace {
 
 // What a node becomes; `made`: what those before it have become.
-Operand made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<Operand>& made) {
+Literal made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<Literal>& made) {
   const auto operand = [&](std::size_t which) { return made[node.operands[which]]; };
   const auto joined = [&](auto join) {
-    Operand result = operand(0);
+    Literal result = operand(0);
     for (std::size_t n = 1; n < node.operands.size(); ++n) result = join(result, operand(n));
     return result;
   };
@@ -94,9 +94,9 @@ Operand made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<O
     case NodeKind::logical_not:
       return !operand(0);
     case NodeKind::logical_and:
-      return joined([&](Operand left, Operand right) { return graph.both(left, right); });
+      return joined([&](Literal left, Literal right) { return graph.both(left, right); });
     case NodeKind::logical_or:
-      return joined([&](Operand left, Operand right) { return graph.either(left, right); });
+      return joined([&](Literal left, Literal right) { return graph.either(left, right); });
     case NodeKind::rise:
       return graph.both(operand(0), !just_before());
     case NodeKind::fall:
@@ -121,7 +121,7 @@ Operand made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<O
 
 OnlineGraph make_online_graph(const MonitorProgram& program) {
   OnlineGraph graph;
-  std::vector<Operand> made;
+  std::vector<Literal> made;
   for (const MonitorNode& node : program.nodes) made.push_back(made_of(graph, node, made));
   graph.root = made.back();
   return graph;

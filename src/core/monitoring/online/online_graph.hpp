@@ -26,16 +26,16 @@ enum class OnlineKind : std::uint8_t {
 };
 
 // A node, or its negation.
-struct Operand {
+struct Literal {
   std::uint32_t node = 0;
   bool negated = false;
-  Operand operator!() const { return {node, !negated}; }
+  Literal operator!() const { return {node, !negated}; }
 };
 
 struct OnlineNode {
   OnlineKind kind = OnlineKind::constant_false;
-  Operand left;
-  Operand right;
+  Literal left;
+  Literal right;
   std::size_t atom = 0;
   CellWindow window;        // of `window`
   bool to_the_end = false;  // looks ahead as far as the trace goes: its end, not more time, decides what is left open
@@ -43,16 +43,16 @@ struct OnlineNode {
 
 struct OnlineGraph {
   std::vector<OnlineNode> nodes;  // operands before operators
-  Operand root;
+  Literal root;
 
-  Operand falsity();
-  Operand either(Operand left, Operand right);
-  Operand both(Operand left, Operand right) { return !either(!left, !right); }
-  Operand somewhere(const CellWindow& window, Operand operand);
-  Operand everywhere(const CellWindow& window, Operand operand) { return !somewhere(window, !operand); }
-  Operand add(const OnlineNode& node);
+  Literal falsity();
+  Literal either(Literal left, Literal right);
+  Literal both(Literal left, Literal right) { return !either(!left, !right); }
+  Literal somewhere(const CellWindow& window, Literal operand);
+  Literal everywhere(const CellWindow& window, Literal operand) { return !somewhere(window, !operand); }
+  Literal add(const OnlineNode& node);
 
-  bool is_everywhere_ahead(Operand operand) const;  // G without bounds
+  bool is_everywhere_ahead(Literal operand) const;  // G without bounds
 };
 
 // The program must be valid.

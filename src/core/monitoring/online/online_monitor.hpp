@@ -38,7 +38,7 @@ class OnlineMonitor {
   // The tick that was reached when the verdict was decided.
   std::optional<std::int64_t> decided_at() const { return decided_at_; }
   // Of a formula G f: where f does not hold. Cells count from `origin`.
-  const std::optional<Violation>& violation() const { return truth_.violation(); }
+  const std::optional<ViolatedSpan>& violation() const { return truth_.violation(); }
   // With `all_violations`: those that have ended since the last call, and where one has begun that has not ended.
   std::vector<Span> take_violations() { return truth_.take_violations(); }
   std::optional<Cell> violated_since() const { return truth_.violated_since(); }

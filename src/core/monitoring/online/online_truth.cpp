@@ -315,7 +315,7 @@ void TruthEngine::conclude(Cell limit, bool finished) {
   guarded_open_ = holds.end_of_run(guarded_open_);
   if (verdict_ == Decision::no && !(violation_ && violation_->settled) && !fails.empty() &&
       (!finished || fails[0].first <= limit)) {
-    Violation found{fails[0], finished};
+    ViolatedSpan found{fails[0], finished};
     if (finished) found.cells.end = std::min(found.cells.end, limit + 1);
     if (found.cells.first == guarded_open_)
       found.settled = finished || found.cells.end >= endless || holds.holds(found.cells.end);

@@ -18,7 +18,7 @@ enum class Decision : std::int8_t { no = 0, yes = 1, undetermined = 2 };
 
 // A run of cells at which what has to hold always does not hold. Not settled: an earlier one may still turn up, or the
 // run may grow.
-struct Violation {
+struct ViolatedSpan {
   Span cells;
   bool settled = false;
 };
@@ -34,7 +34,7 @@ class TruthEngine {
   void step(Cell limit, bool finished);
 
   Decision verdict() const { return verdict_; }
-  const std::optional<Violation>& violation() const { return violation_; }
+  const std::optional<ViolatedSpan>& violation() const { return violation_; }
   // The violations that have ended since the last call, and where one has begun that has not ended, in the order of
   // time: one is told when all before it is decided. How the trace is cut into steps changes nothing.
   std::vector<Span> take_violations();
@@ -55,10 +55,10 @@ class TruthEngine {
     Cell matured = -1;                      // witnesses up to here count for operators that look to the end
   };
 
-  const SpanSet& cells(Operand operand, bool value) const {
+  const SpanSet& cells(Literal operand, bool value) const {
     return states_[operand.node].cells[value != operand.negated ? 1 : 0];
   }
-  const std::vector<Span>& news(Operand operand, bool value) const {
+  const std::vector<Span>& news(Literal operand, bool value) const {
     return states_[operand.node].news[value != operand.negated ? 1 : 0];
   }
   void decide(State& state, bool value, Cell first, Cell end) {
@@ -77,8 +77,8 @@ class TruthEngine {
   void collect(Cell limit, bool finished);
   void forget();
   bool forgets_now();
-  void ask(Operand operand, bool value) { states_[operand.node].asked[value != operand.negated ? 1 : 0] = true; }
-  void want(Operand operand, Cell cell) {
+  void ask(Literal operand, bool value) { states_[operand.node].asked[value != operand.negated ? 1 : 0] = true; }
+  void want(Literal operand, Cell cell) {
     State& state = states_[operand.node];
     state.wanted = std::min(state.wanted, std::max<Cell>(cell, 0));
   }
@@ -88,10 +88,10 @@ class TruthEngine {
   bool begun_ = false;
   int steps_ = 0;  // since something was forgotten
   std::vector<Span> scratch_[2];
-  std::optional<Operand> guarded_;  // of a formula G f: f
+  std::optional<Literal> guarded_;  // of a formula G f: f
   Cell guarded_open_ = 0;           // f is decided true before, or all its violations before are told
   Decision verdict_ = Decision::undetermined;
-  std::optional<Violation> violation_;
+  std::optional<ViolatedSpan> violation_;
   bool all_violations_;
   std::vector<Span> ended_;
   std::optional<Cell> violated_since_;

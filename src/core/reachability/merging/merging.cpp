@@ -8,9 +8,9 @@ ZoneView Merging::united(PassedList& passed, std::uint32_t discrete, ZoneView zo
   fresh_.clear();
   if (!allowed_) return zone;
   passed.wait_from(first);
-  if (first == no_node || !trial_.asks()) return zone;
+  if (first == no_node || !check_.asks()) return zone;
   const std::size_t looked = passed.unite(discrete, zone, first, united_.get(), fresh_);
-  trial_.tell(!fresh_.empty(), looked);
+  check_.tell(!fresh_.empty(), looked);
   return fresh_.empty() ? zone : ZoneView{united_.get(), zone.dimension};
 }
 

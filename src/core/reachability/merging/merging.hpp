@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "states/adaptive_check.hpp"
 #include "states/store.hpp"
-#include "states/trial.hpp"
 #include "zones/zone_buffer.hpp"
 
 namespace tachk {
@@ -20,7 +20,7 @@ class Merging final {
  public:
   // Not `allowed`: nothing is united.
   Merging(bool allowed, const ZoneOperations& operations)
-      : allowed_(allowed), trial_(allowed, Trial::short_first), united_(operations) {}
+      : allowed_(allowed), check_(allowed, AdaptiveCheck::short_first), united_(operations) {}
 
   // The union of the zone with as many as possible of those that wait in this discrete state, in nodes from `first` on.
   ZoneView united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first);
@@ -41,7 +41,7 @@ class Merging final {
   };
 
   bool allowed_;
-  Trial trial_;
+  AdaptiveCheck check_;
   ZoneBuffer united_;
   std::vector<std::uint32_t> fresh_;  // what the zone returned last has been made of, besides what was new
   std::vector<Part> parts_;

@@ -59,7 +59,7 @@ void test_steps() {
     const Samples samples{trace.ticks.data(), view.data(), trace.ticks.size()};
     const std::size_t root = program.nodes.size() - 1;
 
-    LinearMonitor lines(program, Measure::space);
+    LinearMonitor lines(program, RobustnessKind::space);
     lines.push(samples);
     lines.finish(trace.end);
     OfflineMonitor<Robustness> steps(program, {true, {root}});
@@ -109,7 +109,7 @@ void test_lines() {
     if (!smooth) continue;
     const Trace trace = random_trace(random, 1 + below(random, 8));
     const std::size_t root = program.nodes.size() - 1;
-    LinearMonitor lines(program, Measure::space);
+    LinearMonitor lines(program, RobustnessKind::space);
     feed(lines, trace, &random);
     const LinearSignal found[] = {lines.robustness(root, false), lines.robustness(root, true)};
 
@@ -170,7 +170,7 @@ void push(Monitor& monitor, const std::vector<std::int64_t>& ticks, const std::v
 }
 
 void test_violation_begins_at_the_crossing() {
-  LinearMonitor monitor(below_half(), Measure::space);
+  LinearMonitor monitor(below_half(), RobustnessKind::space);
   push(monitor, {0, 4, 8}, {0, 2, 0});
   monitor.finish(10);
   const auto judgement = monitor.truth();
@@ -182,17 +182,17 @@ void test_violation_begins_at_the_crossing() {
 }
 
 void test_robustness_in_time() {
-  const auto measure = [](Measure what, double time, bool high) {
+  const auto measure = [](RobustnessKind what, double time, bool high) {
     LinearMonitor monitor(below_half(), what);
     push(monitor, {0, 4, 8}, {0, 2, 0});
     monitor.finish(10);
     return value_at(monitor.robustness(0, high), time);
   };
-  CHECK(measure(Measure::ahead, 0, false) == 4 && measure(Measure::ahead, 3, true) == 1);
-  CHECK(measure(Measure::ahead, 4, false) == -4 && measure(Measure::ahead, 7.5, false) == -0.5);
-  CHECK(measure(Measure::ahead, 8, false) == 2 && measure(Measure::ahead, 8, true) == infinity);
-  CHECK(measure(Measure::behind, 3, false) == 3 && measure(Measure::behind, 6, true) == -2);
-  CHECK(measure(Measure::behind, 4, false) == 0 && measure(Measure::behind, 10, false) == 2);
+  CHECK(measure(RobustnessKind::ahead, 0, false) == 4 && measure(RobustnessKind::ahead, 3, true) == 1);
+  CHECK(measure(RobustnessKind::ahead, 4, false) == -4 && measure(RobustnessKind::ahead, 7.5, false) == -0.5);
+  CHECK(measure(RobustnessKind::ahead, 8, false) == 2 && measure(RobustnessKind::ahead, 8, true) == infinity);
+  CHECK(measure(RobustnessKind::behind, 3, false) == 3 && measure(RobustnessKind::behind, 6, true) == -2);
+  CHECK(measure(RobustnessKind::behind, 4, false) == 0 && measure(RobustnessKind::behind, 10, false) == 2);
 }
 
 void test_products_are_refused() {
@@ -201,7 +201,7 @@ void test_products_are_refused() {
       {ValueOperator::column, 0, 0}, {ValueOperator::column, 0, 0}, {ValueOperator::multiply, 0, 0}};
   bool refused = false;
   try {
-    const LinearMonitor monitor(program, Measure::space);
+    const LinearMonitor monitor(program, RobustnessKind::space);
   } catch (const std::invalid_argument&) {
     refused = true;
   }

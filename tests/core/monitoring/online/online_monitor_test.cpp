@@ -97,7 +97,7 @@ MonitorProgram random_program(Random& random, std::int64_t bound) {
 struct Outcome {
   std::vector<Decision> verdicts;  // after each sample and at the end; of portions only the last two
   std::optional<std::int64_t> decided_at;
-  std::optional<Violation> violation;
+  std::optional<ViolatedSpan> violation;
   Range<Robustness> robustness{};
 };
 

@@ -1,0 +1,62 @@
+"""No type of the core has the name of another one in its namespace: two definitions of one name in a library make it
+undefined what a program does (one-definition rule, C++20 [basic.def.odr])."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+CORE = Path(__file__).resolve().parents[2] / "src" / "core"
+if not CORE.is_dir():
+    pytest.skip("needs a checkout", allow_module_level=True)
+
+_SCOPE = re.compile(r"^namespace\s*([\w:]*)\s*\{")
+_SCOPE_END = re.compile(r"^\}\s*//\s*namespace")
+_TYPE = re.compile(r"^(?:class|struct|union|enum(?: class)?) (\w+)\b(?!::|(?: : [\w:]+)?;)")
+_ALIAS = re.compile(r"^using\s+(\w+)\s*=")
+
+
+def types_of(text: str) -> list[str]:
+    """The types that a file defines at namespace scope, with their namespaces; what only the file knows is left out."""
+    scopes: list[str] = []
+    found = []
+    for line in text.splitlines():
+        if scope := _SCOPE.match(line):
+            scopes.append(scope[1])
+        elif _SCOPE_END.match(line):
+            scopes.pop()
+        elif (name := _TYPE.match(line) or _ALIAS.match(line)) and "" not in scopes:
+            found.append("::".join([*scopes, name[1]]))
+    assert not scopes
+    return found
+
+
+def test_each_type_is_defined_once() -> None:
+    places = defaultdict(set)
+    for path in sorted([*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]):
+        for name in types_of(path.read_text(encoding="utf-8")):
+            places[name].add(path.relative_to(CORE).as_posix())
+    assert len(places) > 250
+    assert {name: sorted(found) for name, found in places.items() if len(found) > 1} == {}
+
+
+def test_what_is_found() -> None:
+    text = """
+namespace tachk {
+namespace {
+struct Own {};
+}  // namespace
+class Declared;
+class Defined final {
+  struct Inner {};
+};
+enum class Kind { one };
+using Number = int;
+template <class T>
+struct Made {};
+}  // namespace tachk
+"""
+    assert types_of(text) == [f"tachk::{name}" for name in ("Defined", "Kind", "Number", "Made")]
