@@ -77,7 +77,7 @@ __all__ = [
 ]
 
 
-_MONITORING = {
+_HOMES = {
     **dict.fromkeys(("Clock", "SteppedClock", "WallClock"), "tachk.bridge.clock"),
     "Monitor": "tachk.monitoring.online",
     "MonitorReport": "tachk.monitoring.offline",
@@ -93,7 +93,7 @@ _MONITORING = {
 def __getattr__(name: str) -> object:
     """Loads what is asked for when it is first needed, so that ``tachk --version`` need not wait for it."""
     if name in __all__:
-        return getattr(import_module(_MONITORING.get(name, "tachk.api")), name)
+        return getattr(import_module(_HOMES.get(name, "tachk.api")), name)
     raise AttributeError(f"module 'tachk' has no attribute {name!r}")
 
 

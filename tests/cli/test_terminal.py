@@ -174,3 +174,21 @@ def test_models_come_through_pipes(command: str, tmp_path: Path) -> None:
     done = subprocess.run([*process, f"/dev/fd/{reading}"], pass_fds=[reading], capture_output=True, check=False)
     os.close(reading)
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("command", ["verify", "verify --quiet", "check", "verifyta"])
+def test_closed_streams_leave_the_status(model: Path, command: str, closed: str) -> None:
+    shell = f'"$0" -m tachk {command} "$1" {closed}'
+    done = subprocess.run(["sh", "-c", shell, sys.executable, str(model)], capture_output=True, text=True, check=False)
+    assert done.returncode == (10 if command.startswith("verify ") or command == "verify" else 0)
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device that is always full")
+@pytest.mark.parametrize("arguments", [["--help"], ["verify", "--help"]])
+def test_a_full_disk_is_told(arguments: list[str]) -> None:
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        command = [sys.executable, "-m", "tachk", *arguments]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, "error: standard output: No space left on device\n")

@@ -1,4 +1,4 @@
-// tachk._core: the exploration engine as one class. The border is crossed once to build, once for each slice of the
+// tachk._core: what Python may call. The border is crossed once to build, once for each slice of the
 // search (without the interpreter lock), and once to read results.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>

@@ -30,13 +30,21 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
         status = error.exit_code
     except BrokenPipeError:
         status = ExitStatus.PIPE_CLOSED
+    except OSError as error:  # the report cannot be written: the disk is full
+        status = ExitStatus.BAD_INPUT
+        _leave_unwritten()
+        print(f"error: standard output: {error.strerror or error}", file=sys.stderr)
     except (click.Abort, KeyboardInterrupt):
         status = ExitStatus.INTERRUPTED
     if status == ExitStatus.PIPE_CLOSED:
-        # Whatever is still to be written would fail when the interpreter ends, with a message.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _leave_unwritten()
         end_by(getattr(signal, "SIGPIPE", signal.SIGTERM))
     if status == ExitStatus.INTERRUPTED:
         end_by(signal.SIGINT)
     gc.freeze()  # or Python looks through everything once more for what it could free
     sys.exit(status)
+
+
+def _leave_unwritten() -> None:
+    """What is still to be written would fail when the interpreter ends, with a message."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,7 +1,7 @@
 """The program: its commands, each loaded when it is asked for.
 
 Imports nothing heavy: `tachk --version` must not wait for z3. The options of a command are in `tachk.cli.commands`,
-what it does is in the module of its name in `tachk.cli`.
+what it does is in the module of its name in `tachk.cli.actions`.
 """
 
 from __future__ import annotations

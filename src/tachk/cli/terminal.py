@@ -42,8 +42,15 @@ _SPELLINGS = {
 
 
 def prepare_streams() -> None:
-    """Lets the standard streams replace characters that their encoding does not have, instead of raising errors."""
+    """Lets the standard streams replace characters that their encoding does not have, instead of raising errors.
+
+    A stream that is closed, as by ``>&-``, becomes one that takes everything: nobody wants what it would get, and its
+    number must not become that of the next file that is opened.
+    """
     codecs.register_error("tachk", _spelled)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

@@ -1,1 +1,1 @@
-"""Judging recorded traces: what `tachk.monitor`, `tachk.Monitor` and `tachk.plot` do."""
+"""Judging recorded traces: what `tachk.monitor` and `tachk.Monitor` do."""

@@ -38,7 +38,7 @@ class Runs:
         self._simulator = Simulator(program, chances)
 
     def draw(self, drawing: Drawing, numbers: range, recorded: Recorded = _NOTHING) -> Iterator[Simulated]:
-        """The runs of these numbers, in order. Raises TimeLimitError between them."""
+        """The runs of these numbers, in order. Raises OutOfTimeError between them."""
         batch = _LONG_BATCH if recorded == _NOTHING else _BATCH
         for first in range(numbers.start, numbers.stop, batch):
             check_time()

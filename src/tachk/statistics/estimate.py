@@ -150,7 +150,7 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
     Raises:
         UnsupportedError: the network is not simulated.
         UsageError: the bound is too long, or the query measures what is not one clock.
-        TimeLimitError: the limit on time is over.
+        OutOfTimeError: the limit on time is over.
     """
     match query.question:
         case Probability(path):

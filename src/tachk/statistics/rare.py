@@ -79,7 +79,7 @@ def split(network: Network, path: Path, source: Source, confidence: float, split
 
     Raises:
         UsageError: the goal is no rare one: it is there at the start, or cannot be reached.
-        TimeLimitError: the limit on time is over.
+        OutOfTimeError: the limit on time is over.
     """
     if path.always:
         raise UsageError("splitting needs <> or U", "ask for the violation: Pr[...](<> not p)")

@@ -102,7 +102,7 @@ class Sampler:
         return self._trier.program.largest_reset
 
     def draw(self, runs: int) -> Trials:
-        """So many more runs, at most 4096. Raises TimeLimitError."""
+        """So many more runs, at most 4096. Raises OutOfTimeError."""
         check_time()
         first = self._source.first + self.sample.runs
         numbers = range(first, first + runs)

@@ -65,7 +65,7 @@ def replay_claims(names: Names, run: ClaimedRun) -> Replayed:
 
     Where a step may mean several transitions, one is looked for with which all that follows can be taken.
 
-    Raises EvaluationFault where the initial state cannot be computed, and TimeLimitError.
+    Raises EvaluationFault where the initial state cannot be computed, and OutOfTimeError.
     """
     try:
         start = initial_state(names.model)

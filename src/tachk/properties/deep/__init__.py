@@ -2,5 +2,5 @@
 
 `deep_check` puts the parts together. One exploration serves most of them: `reached` reads from it the locations and
 edges that nothing reaches, `guards` the guards that are the same everywhere, `stuck` the states from which nothing can
-follow. `zeno` and `unused` only look at the model.
+follow. `zeno` only looks at the model.
 """
