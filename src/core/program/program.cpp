@@ -248,17 +248,24 @@ void renumber_members(std::vector<Interchangeable>& groups, const std::vector<st
     }
 }
 
-}  // namespace
-
-Program decode_program(std::span<const std::int64_t> image) { return Decoder(image).decode(); }
-
-Program without_idle_clocks(Program program) {
-  // An idle clock has no bound anywhere, so no constraint mentions it.
+// A clock that is not compared has no bound anywhere, so no constraint mentions it. One that is measured is needed also
+// where no state counts, so that it has no bound.
+std::vector<bool> compared_clocks(const Program& program) {
   std::vector<bool> compared(static_cast<std::size_t>(program.dimension()), false);
   for (const Process& process : program.processes)
     for (const Location& location : process.locations)
       for (const std::vector<ClockBound>* bounds : {&location.lower, &location.upper})
         for (const ClockBound& bound : *bounds) compared[bound.clock] = true;
+  for (const Measure& measure : program.measures) compared[measure.clock] = true;
+  return compared;
+}
+
+}  // namespace
+
+Program decode_program(std::span<const std::int64_t> image) { return Decoder(image).decode(); }
+
+Program without_idle_clocks(Program program) {
+  const std::vector<bool> compared = compared_clocks(program);
   if (std::find(compared.begin() + 1, compared.end(), false) == compared.end()) return program;
 
   std::vector<std::uint16_t> numbers(compared.size(), 0);

@@ -211,7 +211,7 @@ class ExtremeSearch:
         for threshold in thresholds:
             if not reaches(threshold):
                 return threshold
-            clocks = _difference(expression, largest)
+            clocks = _growing(expression, largest)
             if self.exact and clocks is not None and all(map(self._is_plain, clocks)):
                 if grows_without_limit(self._network, paths[threshold], self.where, *clocks):
                     return None
@@ -248,12 +248,15 @@ def _beyond(expression: Expression, threshold: int, largest: bool) -> Expression
     return Binary(operator, expression, Constant(-value), BOOL)
 
 
-def _difference(expression: Expression, largest: bool) -> tuple[Expression, Expression] | None:
-    """What grows and what is subtracted where the value of a difference of two clocks goes to the asked end."""
+def _growing(expression: Expression, largest: bool) -> tuple[Expression, ...] | None:
+    """What grows, and what is subtracted if anything is, where the value of a clock or of a difference of two goes to
+    the asked end; no clock goes below 0."""
     match expression:
         case Binary(BinaryOperator.SUBTRACT, left, right) if isinstance(left.type, ClockType) and isinstance(
             right.type, ClockType
         ):
             return (left, right) if largest else (right, left)
+        case _ if isinstance(expression.type, ClockType) and largest:
+            return (expression,)
         case _:
             return None

@@ -166,6 +166,40 @@ def test_deadlock_may_stand_in_the_restriction(verdicts: Verdicts) -> None:
     assert values(found["timed"]) == [(0, False), (6, False)]
 
 
+def test_a_clock_may_grow_without_limit_where_there_is_a_deadlock(verdicts: Verdicts) -> None:
+    text = """
+    clock since;
+    process P() {
+        clock x;
+        init location A { invariant x <= 3; to A { guard x >= 3; assign x = 0; } to B { guard x >= 2; } }
+        location B { invariant x <= 5; to C { guard x >= 4; assign x = 0; } }
+        location C { invariant x <= 1; }
+    }
+    process Q() { clock y; init location A; }
+    system P, Q;
+    property stuck : sup{deadlock}: P.x; property looped : bounds{deadlock}: since;
+    property alive : bounds{not deadlock}: P.x; property other : bounds{deadlock && P.x < 1}: Q.y;
+    """
+    found = verdicts(text)
+    assert values(found["stuck"]) == [None, (1, False)]
+    assert values(found["looped"]) == [(4, False), (None, False)]
+    assert values(found["alive"]) == [(0, False), (5, False)]
+    assert values(found["other"]) == [(4, False), (None, False)]
+
+
+@pytest.mark.parametrize("restriction", ["n == 1", "P.B && n == 1", "false", "n == 1 && P.x > 3", "n == 1 && deadlock"])
+@pytest.mark.parametrize("kind", ["sup", "inf", "bounds"])
+def test_a_restriction_may_be_false_before_the_search(verdicts: Verdicts, kind: str, restriction: str) -> None:
+    text = """
+    int[0,1] n = 0;
+    process P() { clock x; init location A { to B { assign x = 0; } } location B; }
+    system P;
+    """
+    found = verdicts(text + f"property q : {kind}{{{restriction}}}: P.x; property r : {kind}{{n == 0}}: P.x;")
+    assert (found["q"].answer, found["q"].extremes) == (Answer.FAILS, ())
+    assert found["r"].answer is Answer.HOLDS
+
+
 def test_a_limit_leaves_the_value_unknown(verdicts: Verdicts) -> None:
     for query in ("sup: L.presses", "sup{L.On}: L.x", "sup{L.On}: L.x - L.total"):
         verdict = verdicts(LAMP + f"property q : {query};", limits=Limits(states=1))["q"]
