@@ -34,6 +34,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.types import ClockType, ScalarLike, bounds
 from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value, complement, raw_bound
+from tachk.time_limit import check_time
 
 Conjunction = tuple[Constraint, ...]
 Disjunction = list[Conjunction]
@@ -154,11 +155,12 @@ def certain(
             left_negated = negated if operator is not BinaryOperator.IMPLY else not negated
             one = certain(left, environment, left_negated, unknown)
             other = certain(right, environment, negated, unknown)
-            return conjunction(one, other) if (operator is BinaryOperator.AND) is not negated else one + other
+            return conjunction(one, other) if (operator is BinaryOperator.AND) is not negated else union(one, other)
         case Conditional(test, then, otherwise):
             is_true, is_false = (certain(test, environment, no, unknown) for no in (False, True))
-            return conjunction(is_true, certain(then, environment, negated, unknown)) + conjunction(
-                is_false, certain(otherwise, environment, negated, unknown)
+            return union(
+                conjunction(is_true, certain(then, environment, negated, unknown)),
+                conjunction(is_false, certain(otherwise, environment, negated, unknown)),
             )
         case _:
             raise TypeError(f"{type(predicate).__name__} connects no predicates")
@@ -223,12 +225,14 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
             return _comparison(operator.negated if negated else operator, left, right, environment)
         case Binary(BinaryOperator.XOR | BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL as operator, left, right):
             same = (operator is BinaryOperator.EQUAL) is not negated
-            return _connect(left, False, right, not same, environment, False) + _connect(
-                left, True, right, same, environment, False
+            return union(
+                _connect(left, False, right, not same, environment, False),
+                _connect(left, True, right, same, environment, False),
             )
         case Conditional(test, then, otherwise):
-            return _connect(test, False, then, negated, environment, False) + _connect(
-                test, True, otherwise, negated, environment, False
+            return union(
+                _connect(test, False, then, negated, environment, False),
+                _connect(test, True, otherwise, negated, environment, False),
             )
         case Quantifier(kind, variable, body):
             assert isinstance(variable.type, ScalarLike)
@@ -238,7 +242,7 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
             for value in range(low, high + 1):
                 environment.bind(variable, value)
                 instance = disjunctive(body, environment, negated)
-                result = conjunction(result, instance) if conjunctive else result + instance
+                result = conjunction(result, instance) if conjunctive else union(result, instance)
             return result
         case Comma(items):
             return disjunctive(items[-1], environment, negated)
@@ -247,7 +251,13 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
 
 
 def conjunction(left: Disjunction, right: Disjunction) -> Disjunction:
-    return [a + b for a in left for b in right]
+    check_time()
+    return list(dict.fromkeys(a + b for a in left for b in right))
+
+
+def union(left: Disjunction, right: Disjunction) -> Disjunction:
+    """Either of two conditions; what both have is there once."""
+    return list(dict.fromkeys(left + right))
 
 
 def complemented(condition: Disjunction) -> Disjunction:
@@ -274,7 +284,7 @@ def _connect(
         first = disjunctive(left, environment, left_negated)
         return FALSE if first == FALSE else conjunction(first, disjunctive(right, environment, right_negated))
     first = disjunctive(left, environment, not left_negated)
-    return TRUE if () in first else first + disjunctive(right, environment, not right_negated)
+    return TRUE if () in first else union(first, disjunctive(right, environment, not right_negated))
 
 
 def _comparison(operator: BinaryOperator, left: Expression, right: Expression, environment: Environment) -> Disjunction:

@@ -19,7 +19,8 @@ from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
 from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.records import dataclass
-from tachk.semantics.constraints import Disjunction, certain, compares_clocks, conditional_constraints, satisfied
+from tachk.semantics.comparisons import comparisons
+from tachk.semantics.constraints import Disjunction, compares_clocks, conditional_constraints, satisfied
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value
 from tachk.semantics.discrete import (
     PreparedNetwork,
@@ -360,7 +361,7 @@ def constraints_in_sight(
         for answer in (False, True):
             scratch = environment(model, discrete)
             scratch.deadlock = partial(bool, answer)
-            found.update(c for both in (False, True) for part in certain(predicate, scratch, both) for c in part)
+            found |= comparisons(predicate, scratch)
     closed: Disjunction = []
     guards: dict[Participant, Disjunction] = {}
 

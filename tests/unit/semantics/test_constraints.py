@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import reduce
+from itertools import product
+from operator import and_, or_
 
 import pytest
 from hypothesis import given
@@ -16,7 +19,8 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.types import IntType
 from tachk.operators import BinaryOperator
 from tachk.semantics import dbm
-from tachk.semantics.constraints import FALSE, TRUE, disjunctive
+from tachk.semantics.comparisons import comparisons
+from tachk.semantics.constraints import FALSE, TRUE, certain, disjunctive
 
 NETWORK = NetworkBuilder()
 X, Y = NETWORK.clock("x"), NETWORK.clock("y")
@@ -97,3 +101,29 @@ def test_a_comparison_of_three_clocks_is_refused() -> None:
     layout = cell_layout(network.build())
     with pytest.raises(ValueError, match="two clocks"):
         disjunctive((x - y < z).expression, Environment(layout, [1, 2, 3]))
+
+
+@given(conditions, st.integers(0, 3))
+def test_the_truth_changes_only_with_that_of_a_comparison(condition: Term, n: int) -> None:
+    values = [1, 2, n]
+    found = sorted(comparisons(condition.expression, Environment(LAYOUT, values)))
+    told: dict[tuple[bool, ...], bool] = {}
+    for x, y in product([Fraction(n, 2) for n in range(9)], repeat=2):
+        agreed = tuple(dbm.holds(constraint, (Fraction(0), x, y)) for constraint in found)
+        truth = holds(condition.expression, Environment(LAYOUT, values, clocks=(x, y)))
+        assert told.setdefault(agreed, truth) is truth
+
+
+def test_comparisons_of_a_condition_are_found_without_its_normal_form() -> None:
+    """That of the negation would have 2^60 parts."""
+    parts = [(n % 4 == N) & (n < X) & (n > Y) for n in range(60)]
+    condition = ~reduce(or_, parts)
+    found = comparisons(condition.expression, Environment(LAYOUT, [1, 2, 3]))
+    assert found == {c for n in range(3, 60, 4) for c in ((0, 1, 2 * -n), (2, 0, 2 * n))}
+
+
+def test_what_is_true_without_clocks_is_no_longer_than_that() -> None:
+    parts = [(N == 3) | (n != N) for n in range(60)]
+    condition = reduce(and_, parts)
+    assert certain(condition.expression, Environment(LAYOUT, [1, 2, 3])) == TRUE
+    assert certain((~condition).expression, Environment(LAYOUT, [1, 2, 3])) == FALSE
