@@ -30,15 +30,17 @@ class Atom:
     bound: tuple[tuple[Variable, int], ...]
 
     def truth(self, scratch: Environment) -> tuple[tuple[Sets, Sets], ...]:
-        """Where it is true for certain and perhaps, if there is a deadlock and if there is none."""
+        """Where it is true for certain and perhaps, if there is no deadlock and if there is one: two pairs, which are
+        equal where the expression does not ask for it."""
         for variable, value in self.bound:
             scratch.bind(variable, value)
         found: list[Any] = []
-        for dead in (False, True) if asks_deadlock(self.expression) else (False,):
+        asks = asks_deadlock(self.expression)
+        for dead in (False, True) if asks else (False,):
             scratch.deadlock = partial(bool, dead)
             ways = (certain(self.expression, scratch, not self.positive, unknown) for unknown in (FALSE, TRUE))
             found.append(tuple(map(sets, ways)))
-        return tuple(found)
+        return tuple(found if asks else found * 2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -647,3 +647,24 @@ def test_a_certificate_is_about_the_model_and_the_query_in_its_header(tmp_path: 
     for definitions, expected in [(("N=2",), 0), (("N=2", "WAIT=11"), 10), (("N=3",), 10)]:
         submitted = Submitted(model, Path(path), definitions, "native")
         assert run_certify(submitted, Reporting(quiet=True)) == expected
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "E<> deadlock && n == 1",
+        "E<> n == 1 && deadlock",
+        "A[] not deadlock || owner == 0 || n == 0",
+        "E<> deadlock && false",
+    ],
+)
+def test_deadlock_may_stand_beside_what_is_known_before(query: str) -> None:
+    loaded = tachk.loads(
+        f"""typedef int[1,3] id_t; int[0,3] owner = 0; int[0,1] n = 0;
+        process P(const id_t me) {{ init location A {{ to B {{ assign owner = me; }} }} location B; }}
+        system P;
+        property q : {query};"""
+    )
+    (asked,) = loaded.properties
+    proof = proved(loaded.network, asked)
+    assert judged(loaded.network, asked, written(proof)) is None
