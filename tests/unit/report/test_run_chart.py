@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.cli.actions.packets.chart import write_chart
 from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.drawing.sequence.chart import Chart, Note
@@ -124,3 +125,46 @@ def test_reports_without_a_run(tmp_path: Path, sleeper: Path):
     result = CliRunner().invoke(app, ["verify", str(sleeper), "A[] true", "--chart", str(tmp_path / "x.svg")])
     assert (result.exit_code, "no answer has a run" in result.stderr) == (0, True)
     assert not (tmp_path / "x.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("query", "lifelines", "notes"),
+    [
+        ("A[] not Q.C", ("P", "Q"), ["→ B", "→ B", "→ C", "q1 fails"]),
+        ("E<> P.A", (), ["q1 holds"]),
+        ("E<> P.B", ("P",), ["→ B", "q1 holds"]),
+    ],
+)
+def test_a_run_without_messages_shows_the_locations_that_processes_enter(
+    query: str, lifelines: tuple[str, ...], notes: list[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "quiet.ta"
+    path.write_text(
+        """int[0,1] n;
+        process P() { init location A { to B { assign n = 1; } } location B; }
+        process Q() { init location A { to B { guard n == 1; } } location B { to C; } location C; }
+        system P, Q;""",
+        encoding="utf-8",
+    )
+    chart = chart_of(path, query)
+    assert chart.lifelines == lifelines
+    assert [event.text for event in chart.events if isinstance(event, Note)] == notes
+    for picture in ("quiet.svg", "quiet.png"):
+        write_chart(chart.used(), tmp_path / picture)
+
+
+def test_repeated_moves_are_drawn_once(tmp_path: Path) -> None:
+    path = tmp_path / "round.ta"
+    path.write_text(
+        """clock x; int[0,40] n;
+        process P() {
+            init location A { invariant x <= 5; to B { guard x == 5; } }
+            location B { to A { assign x = 0, n = n < 40 ? n + 1 : n; } }
+        }
+        system P;""",
+        encoding="utf-8",
+    )
+    texts = [event.text for event in chart_of(path, "E<> n == 40").events if isinstance(event, Note)]
+    assert texts[:2] == ["→ B", "→ A"]
+    assert any(text.startswith("↻ 40 times") for text in texts)
+    assert len(texts) < 8

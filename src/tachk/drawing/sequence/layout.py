@@ -349,7 +349,7 @@ def _labels(chart: Chart, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
         y = rows.at(begun(event))
         text = _shown(event)
         if isinstance(event, Note):
-            middle = max((xs[0] + xs[-1]) / 2, left + text_width(text) / 2)
+            middle = max((xs[0] + xs[-1]) / 2 if xs else 0.0, left + text_width(text) / 2)
             x = xs[event.lifeline] + 12 if event.lifeline is not None else middle
             anchor = "middle" if event.lifeline is None else "start"
             yield Label(text, x, y + 4, anchor, "note", None, "" if text == event.text else event.text)

@@ -2,7 +2,8 @@
 
 Who synchronises sends a message that takes no time. What goes through a link of models/lib, into it on
 ``send[link][kind]`` and out of it on ``deliver[link][kind]``, is one message that takes the time in between; it may be
-lost. Blocks of steps that repeat themselves are drawn once.
+lost. Where nobody sends anything, the locations that processes enter are drawn. Blocks of steps that repeat themselves
+are drawn once.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ _SAVED = 6
 def chart_of_run(run: RunSteps) -> Chart:
     """Processes from left to right as in the system line, without those that only listen; times of the model."""
     unit, factor = _unit(run.unit)
-    kept, repeats = _folded(run.steps)
+    kept, repeats = _folded(run)
     lifelines = _lifelines(run)
     making = _Making(run, lifelines, factor)
     making.read()
@@ -59,7 +60,10 @@ def _unit(unit: str) -> tuple[str, Fraction]:
 
 
 def _lifelines(run: RunSteps) -> tuple[str, ...]:
-    """Processes that send something, or hear what nobody hears who sends."""
+    """Processes that send something, or hear what nobody hears who sends; where nobody sends, those that move."""
+    if not run.has_messages:
+        moved = {process for step in run.steps for process in step.locations}
+        return tuple(process for process in run.processes if process in moved)
     carriers = {step.sender for step in run.steps if step.channel.startswith("deliver[")}
     active = {step.sender for step in run.steps if step.channel} - carriers
     chosen = set(active)
@@ -91,6 +95,7 @@ class _Making:
         self._run = run
         self._lifeline = {process: number for number, process in enumerate(lifelines)}
         self._factor = factor
+        self._draws_moves = not run.has_messages
         self._links: dict[str, list[_UnderWay]] = {}
         self._ends = self._far_ends()
         self._sent: set[tuple[str, int]] = set()
@@ -116,6 +121,8 @@ class _Making:
                 self._out_of(number, step, link[2], self._kind(link[3]))
             elif step.channel:
                 self._handshake(number, step)
+            elif self._draws_moves:
+                self._move(number, step)
             for process, words in step.news:
                 if process in self._lifeline:
                     note = Note(self._lifeline[process], self._moment(number), words)
@@ -168,6 +175,12 @@ class _Making:
             made = Message(self._lifeline[step.sender], receivers, moment, (moment,), step.channel, detail)
             self.events.setdefault(number, []).append(made)
 
+    def _move(self, number: int, step: RunStep) -> None:
+        for process, place in step.locations.items():
+            if process in self._lifeline:
+                note = Note(self._lifeline[process], self._moment(number), f"→ {place}")
+                self.events.setdefault(number, []).append(note)
+
     def phases(self, end: Moment) -> Iterator[Phase]:
         """When processes are in locations that say that they sleep."""
         since: dict[str, Moment] = {
@@ -208,9 +221,11 @@ def _label(kind: str, carried: Mapping[str, int]) -> str:
             return f"{kind} {number}"
 
 
-def _folded(steps: Sequence[RunStep]) -> tuple[list[int], list[tuple[int, int, int]]]:
+def _folded(run: RunSteps) -> tuple[list[int], list[tuple[int, int, int]]]:
     """The steps that are drawn, and repetitions: from which step on, of how many steps, how many times in all."""
-    keys = [_key(steps, number) for number in range(len(steps))]
+    keys = [_key(run.steps, number) for number in range(len(run.steps))]
+    if not run.has_messages:
+        keys = [(key, *sorted(step.locations.items())) for key, step in zip(keys, run.steps, strict=True)]
     kept: list[int] = []
     repeats: list[tuple[int, int, int]] = []
     at = 0
@@ -235,7 +250,7 @@ def _block(keys: Sequence[object], at: int) -> tuple[int, int]:
     return best
 
 
-def _key(steps: Sequence[RunStep], number: int) -> object:
+def _key(steps: Sequence[RunStep], number: int) -> tuple[object, ...]:
     step = steps[number]
     delay = step.time - (steps[number - 1].time if number else 0)
     carried = tuple(sorted(step.carried.items()))

@@ -62,6 +62,10 @@ class RunSteps:
     end: Fraction
     remark: str
 
+    @property
+    def has_messages(self) -> bool:
+        return any(step.channel for step in self.steps)
+
 
 def steps_of_report(document: object, file: str, name: str | None) -> RunSteps:
     """The steps of a run in a report of `tachk verify --format json`.
