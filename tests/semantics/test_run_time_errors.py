@@ -6,8 +6,10 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
+from tachk.engines.options import Engine, Extrapolation, LocalTimes, Options, SearchOrder
 from tachk.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
+from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Verdict
 from tachk.properties.verify import verify
 
@@ -257,3 +259,105 @@ def test_nobody_asks_a_receiver_whose_computed_channel_is_another_one() -> None:
     found = verdict(text, "E<> S.B")
     assert found.answer.value == "holds"
     assert found.trace is not None
+
+
+NEIGHBOURS = """
+    int d; clock x;
+    process A() { init location s { to t { assign d = 1; } } location t; }
+    system A;
+    property reached : E<> A.t;
+    property wrong : A[] 1 / d == 1;
+    property kept : A[] d <= 1;
+    property stuck : E<> deadlock && d == 1;
+    property stuck_wrong : E<> deadlock && 1 / (d - 1) == 1;
+    property alive : A[] not deadlock;
+    property met : A<> A.t;
+    property met_wrong : A<> 1 / d == 1;
+    property least : inf{A.t}: d;
+    property least_wrong : inf: 1 / d;
+"""
+
+
+@pytest.mark.parametrize("engine", Engine)
+def test_an_error_in_a_query_leaves_the_others_their_answers(engine: Engine) -> None:
+    loaded = load_model(Source("model.ta", NEIGHBOURS))
+    queries = [query for query in loaded.queries if engine is Engine.ZONE or query.target is not None]
+    together = {v.query.name: v for v in verify(loaded.network, queries, Options(engine=engine))}
+    for query in queries:
+        (alone,) = verify(loaded.network, [query], Options(engine=engine))
+        assert together[query.name].answer is alone.answer, query.name
+        assert (alone.fault is not None) is query.name.endswith("wrong")
+    for name, found in together.items():
+        assert (found.answer.value == "unknown") is name.endswith("wrong")
+        if found.fault is not None:
+            assert found.reason == "run-time error"
+            assert found.fault.kind is RuntimeErrorKind.DIVISION
+            assert found.fault.of_query
+            assert "in the query" in (diagnostic_of(found.fault).help or "")
+    path = together["stuck_wrong"].fault
+    assert path is not None
+    assert len(path.path) == 1
+    assert path.run is not None
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        Options(threads=3, threads_after=1, attempts=False),
+        Options(passing=2),
+        Options(order=SearchOrder.DFS),
+        Options(shortest=True),
+        Options(local_times=LocalTimes.ALWAYS),
+        Options(symmetry=False, drop_bystanders=False, hold_spectators=False),
+        Options(extrapolation=Extrapolation.MAX, merging=False),
+    ],
+)
+def test_however_states_are_searched_only_the_query_with_an_error_is_open(options: Options) -> None:
+    text = """
+        int[0,3] d = 3; clock x;
+        process A() { clock y; init location s { invariant y <= 2; to s { guard y >= 1; assign y = 0; } } }
+        process B() { init location s { to s { guard x > 1 && d > 0; assign d = d - 1, x = 0; } to t; } location t; }
+        a = A(); b = A(); system a, b, B;
+        property found : E<> B.t && d == 0;
+        property none : E<> B.t && d == 0 && x < 0;
+        property wrong : E<> B.t && 6 / d == 7;
+        property stuck : E<> deadlock; property stuck_wrong : E<> deadlock && 6 / d == 7;
+    """
+    loaded = load_model(Source("model.ta", text))
+    answers = {v.query.name: v.answer.value for v in verify(loaded.network, loaded.queries, options)}
+    assert answers == {
+        "found": "holds",
+        "none": "fails",
+        "wrong": "unknown",
+        "stuck": "fails",
+        "stuck_wrong": "unknown",
+    }
+
+
+def test_an_error_in_the_model_counts_for_every_query() -> None:
+    text = """
+        int d; int[0,1] n;
+        process A() {
+            init location s { to s { guard n == 0; assign n = 1; } to t { guard n == 1 && 1 / d == 1; } }
+            location t;
+        }
+        system A;
+        property one : E<> A.t; property other : A[] n <= 1; property wrong : E<> 1 / d == 1;
+    """
+    loaded = load_model(Source("model.ta", text))
+    for found in verify(loaded.network, loaded.queries):
+        assert (found.answer.value, found.reason) == ("unknown", "run-time error")
+        assert found.fault is not None
+        assert found.fault.of_query is (found.query.name == "wrong")
+
+
+def test_a_run_time_error_leaves_no_wrong_note_about_a_left_side() -> None:
+    text = """
+        int d;
+        process A() { init location s { to t { assign d = 1; } } location t; }
+        system A;
+        property q : A[] (1 / d == 1 imply A.s);
+    """
+    loaded = load_model(Source("model.ta", text))
+    (found,) = verify(loaded.network, loaded.queries)
+    assert (found.answer.value, found.notes) == ("unknown", ())

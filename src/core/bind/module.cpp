@@ -30,6 +30,8 @@ namespace {
 using FaultTuple =
     std::tuple<tachk::FaultKind, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
 
+using FailureTuple = std::tuple<tachk::FaultKind, int, tachk::Path>;
+
 // The members have the names of those in tachk.engines.options and tachk.model.fault; the numbers are nobody's
 // business.
 void bind_enumerations(nb::module_& m) {
@@ -117,6 +119,12 @@ std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
   return FaultTuple{told.kind, told.position, std::move(path), told.edges};
 }
 
+std::optional<FailureTuple> failure_of(tachk::Explorer& explorer, std::size_t goal) {
+  const std::optional<tachk::GoalFailure>& failure = explorer.failure(goal);
+  if (!failure) return std::nullopt;
+  return FailureTuple{failure->fault.kind, failure->fault.position, explorer.path_to_goal(goal)};
+}
+
 }  // namespace
 
 NB_MODULE(_core, m) {
@@ -154,7 +162,10 @@ NB_MODULE(_core, m) {
           nb::arg("measure"), "(value or None for no limit, strict, node) of the extreme value; None if there is none.")
       .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
       .def("path_to_goal", &tachk::Explorer::path_to_goal, nb::arg("goal"),
-           "The edge numbers of each action on the way to a goal that is reached.")
+           "The edge numbers of each action on the way to where a goal was reached, or failed.")
+      .def("any_failure", &tachk::Explorer::any_failure, "Whether a predicate of some goal was a run-time error.")
+      .def("failure", &failure_of, nb::arg("goal"),
+           "(kind, code position, path) of a run-time error in a predicate of a goal, or None.")
       .def("leads_to", &tachk::Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
            "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")
       .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.")

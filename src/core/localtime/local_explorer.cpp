@@ -108,6 +108,7 @@ void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent)
     zones_.add(node, successor.zone);
     actions_.add(successor.edges);
     goals_.check(node, slots, exact_.get());
+    goals_.throw_failure();
     if (stuck_) stuck_->check(node, slots, exact_.get());
   });
 }

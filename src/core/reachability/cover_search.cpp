@@ -95,7 +95,8 @@ void CoverSearch::expand(std::uint32_t number) {
   attempt_->passed.copy_zone(number, source_.zone);
   node_ = number;
   ++explored_;
-  attempt_->deadlocks.begin(source_);
+  attempt_->deadlocks.begin(number, source_);
+  attempt_->goals.throw_failure();
   graph_.expand(source_, Keeping{*this});
   attempt_->deadlocks.end(number, source_);
 }
@@ -123,6 +124,7 @@ void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
   attempt.widened[number] = widened;
   const std::uint32_t expanded = std::exchange(node_, number);  // a fault of the predicate is one of the new state
   attempt.goals.check(number, successor.slots, zone);
+  attempt.goals.throw_failure();
   node_ = expanded;
 }
 

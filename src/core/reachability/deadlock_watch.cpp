@@ -9,26 +9,37 @@ DeadlockWatch::DeadlockWatch(ZoneGraph& graph, GoalWatch& goals)
       semantics_(graph.semantics()),
       goals_(goals),
       finder_(graph.operations(), program_.dimension()),
-      open_(std::any_of(program_.goals.begin(), program_.goals.end(), [](const Goal& goal) {
-        return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
-                           [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
-      })) {}
+      asks_(std::any_of(program_.goals.begin(), program_.goals.end(),
+                        [](const Goal& goal) {
+                          return std::any_of(
+                              goal.disjuncts.begin(), goal.disjuncts.end(),
+                              [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
+                        })),
+      open_(asks_) {}
 
-void DeadlockWatch::find_candidates(SymbolicState& source) {
+void DeadlockWatch::find_candidates(std::uint32_t node, SymbolicState& source) {
   candidates_.clear();
   open_ = false;
-  for (const std::size_t goal : goals_.open())
-    for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
-      if (disjunct.deadlock == DeadlockLiteral::absent) continue;
-      open_ = true;
-      if (goals_.meets(disjunct.condition, source.slots.data(), source.zone.get()))
-        candidates_.push_back({goal, &disjunct});
+  const std::vector<std::size_t> goals = goals_.open();  // those that fail leave them
+  for (const std::size_t goal : goals) {
+    const std::size_t before = candidates_.size();
+    try {
+      for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
+        if (disjunct.deadlock == DeadlockLiteral::absent) continue;
+        open_ = true;
+        if (goals_.meets(disjunct.condition, source.slots.data(), source.zone.get()))
+          candidates_.push_back({goal, &disjunct});
+      }
+    } catch (const ModelFault& fault) {
+      candidates_.resize(before);
+      goals_.fail(goal, node, fault);
     }
+  }
 }
 
-void DeadlockWatch::begin(SymbolicState& source) {
+void DeadlockWatch::begin(std::uint32_t node, SymbolicState& source) {
   if (!open_) return;
-  find_candidates(source);
+  find_candidates(node, source);
   if (candidates_.empty()) return;
   const bool wants_live = std::any_of(candidates_.begin(), candidates_.end(), [](const Candidate& candidate) {
     return candidate.disjunct->deadlock == DeadlockLiteral::forbidden;

@@ -20,13 +20,16 @@ class DeadlockWatch final {
   // Whether some goal may still ask for deadlock; if not, the rest does nothing.
   bool open() const { return open_; }
 
+  // Other goals may be open than a moment ago.
+  void look_again() { open_ = asks_; }
+
   // Whether the actions of the state being expanded matter.
   bool counts() const { return !candidates_.empty(); }
 
-  // Throws ModelFault.
-  void begin(SymbolicState& source);
+  // Goals whose predicates are a run-time error fail. Throws ModelFault. `node` is the number of the state.
+  void begin(std::uint32_t node, SymbolicState& source);
   void pass(ConstZoneRef guarded, const Effect& effect);
-  // Throws ModelFault. `node` is the number of the state.
+  // Throws ModelFault.
   void end(std::uint32_t node, SymbolicState& source);
   // Instead of `end`: appends the goals that are to be settled. Throws ModelFault.
   void end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals);
@@ -40,7 +43,7 @@ class DeadlockWatch final {
   // Whether the state, where it is stuck or not as asked, satisfies the rest.
   bool meets(const Candidate& candidate, std::uint32_t node, SymbolicState& source);
   // The open disjuncts whose predicates the state satisfies.
-  void find_candidates(SymbolicState& source);
+  void find_candidates(std::uint32_t node, SymbolicState& source);
 
   const Program& program_;
   Semantics& semantics_;
@@ -48,6 +51,7 @@ class DeadlockWatch final {
   DeadlockFinder finder_;
   std::vector<Candidate> candidates_;
   std::vector<Atom> atoms_;
+  bool asks_;  // some goal asks for deadlock
   bool open_;
 };
 

@@ -136,7 +136,8 @@ void Explorer::expand(std::uint32_t number) {
   node_ = number;
   ++work_.explored;
   if (work_.ahead)
-    if (const auto result = work_.ahead->result(number, goals_)) return take(number, *result);
+    if (const auto result = work_.ahead->result(number, goals_); result && !result->expansion->alone)
+      return take(number, *result);
   expand_alone(number);
 }
 
@@ -144,7 +145,7 @@ void Explorer::expand_alone(std::uint32_t number) {
   passed_.unpack(number, source_.slots.data());
   waiting_.begin(source_.slots.data());
   graph_.unpack(passed_, number, source_);
-  deadlocks_.begin(source_);
+  deadlocks_.begin(number, source_);
   passing_.begin(!deadlocks_.open());
   for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
   deadlocks_.end(number, source_);
@@ -193,8 +194,8 @@ void Explorer::store(const Successor& successor, std::uint32_t discrete, bool ma
 void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet) {
   const auto [edges, slots, zone] = successor;
   waiting_.add(number, parent, slots, passed_.covered_last());
+  if (may_meet) goals_.check(number, slots, zone);
   try {
-    if (may_meet) goals_.check(number, slots, zone);
     measures_.check(number, slots, zone);
   } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
     throw FaultReport{fault.kind, fault.position, number, {}, {}};
@@ -295,12 +296,12 @@ bool Explorer::keeps_layers(std::uint32_t node) {
   return !goals_.settled();
 }
 
-// A state to be passed through is stored nevertheless if a goal is reached in it.
+// A state to be passed through is stored nevertheless if a goal is reached in it, or fails.
 bool Explorer::meets_a_goal(const Successor& successor) {
   try {
     return goals_.meets_any(successor.slots, successor.zone);
-  } catch (const ModelFault& fault) {  // of that state, not of the action that leads there
-    throw FaultReport{fault.kind, fault.position, node_, passing_.actions_to(successor), {}};
+  } catch (const ModelFault&) {
+    return true;
   }
 }
 
@@ -358,11 +359,16 @@ std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program pr
   return search;
 }
 
+std::uint32_t Explorer::settled_in(std::size_t goal) const {
+  const std::uint32_t reached = goals_.node(goal);
+  return reached == no_node && goals_.failure(goal) ? goals_.failure(goal)->node : reached;
+}
+
 Path Explorer::path_to_goal(std::size_t goal) {
-  if (!merging_.any()) return path(goals_.node(goal));
-  const std::unique_ptr<Explorer> narrow = among_origins(goals_.node(goal), graph_.program());
-  while (narrow->goals_.node(goal) == no_node)
-    if (narrow->run(1) != Status::running && narrow->goals_.node(goal) == no_node)
+  if (!merging_.any()) return path(settled_in(goal));
+  const std::unique_ptr<Explorer> narrow = among_origins(settled_in(goal), graph_.program());
+  while (narrow->settled_in(goal) == no_node)
+    if (narrow->run(1) != Status::running && narrow->settled_in(goal) == no_node)
       throw std::logic_error("united states are not reached one by one");
   return narrow->path_to_goal(goal);
 }

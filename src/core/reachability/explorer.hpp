@@ -31,7 +31,7 @@ namespace tachk {
 
 enum class Status {
   running,
-  finished,  // every goal is reached, or there is nothing left to explore
+  finished,  // every goal is reached or has failed, or there is nothing left to explore
   state_limit,
   memory_limit,
   depth_limit,     // finished, but some states were too deep to be explored
@@ -51,7 +51,7 @@ struct FaultReport {
   std::int32_t position;  // of the code word
   std::uint32_t node;     // the last stored state before it; no_node for the initial state
   Path passed;            // actions that lead on from there, through states not stored
-  Edges edges;            // of the action; empty for an invariant of the initial state or a predicate
+  Edges edges;            // of the action; empty for a guard, an invariant of the initial state or what is measured
 };
 
 class Explorer final {
@@ -85,7 +85,10 @@ class Explorer final {
   std::vector<std::uint32_t> taken() const;
   // The actions that lead from the initial state to a node. Not where states have been united.
   Path path(std::uint32_t node);
-  // Actions that lead from the initial state to a goal that has been reached.
+  // The run-time error in a predicate of a goal, which is not looked for since.
+  const std::optional<GoalFailure>& failure(std::size_t goal) const { return goals_.failure(goal); }
+  bool any_failure() const { return goals_.any_failure(); }
+  // Actions that lead from the initial state to where a goal has been reached or has failed.
   Path path_to_goal(std::size_t goal);
   // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
   // without extrapolation that has not run; false also if clock values become too large on the way.
@@ -123,6 +126,8 @@ class Explorer final {
   void note_coverer(std::uint32_t discrete, const Successor& successor);
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const Successor& successor);
+  // The node in which a goal was reached or failed; no_node for an open one.
+  std::uint32_t settled_in(std::size_t goal) const;
   // A search through the discrete states that lead to a node, which unites none.
   std::unique_ptr<Explorer> among_origins(std::uint32_t node, Program program);
 

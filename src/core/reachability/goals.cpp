@@ -16,6 +16,7 @@ GoalWatch::GoalWatch(const Program& program, Semantics& semantics, const ZoneOpe
       operations_(operations),
       shortest_(shortest),
       reached_(program.goals.size(), no_node),
+      failures_(program.goals.size()),
       watches_at_(semantics.location_count()),
       scratch_(operations) {
   for (std::size_t goal = 0; goal < program.goals.size(); ++goal) {
@@ -49,7 +50,11 @@ bool GoalWatch::any_watch(const std::int32_t* slots, Visit&& visit) const {
 void GoalWatch::check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone) {
   if (open_.empty()) return;
   any_watch(slots, [&](const Watch& watch) {
-    if (meets(watch, slots, zone)) settle(watch.goal, node);
+    try {
+      if (meets(watch, slots, zone)) settle(watch.goal, node);
+    } catch (const ModelFault& fault) {
+      fail(watch.goal, node, fault);
+    }
     return false;
   });
 }
@@ -73,6 +78,21 @@ void GoalWatch::settle(std::size_t goal, std::uint32_t node) {
   reached_[goal] = node;
   ++changes_;
   if (!shortest_ || !asks_deadlock_[goal]) std::erase(open_, goal);
+}
+
+void GoalWatch::fail(std::size_t goal, std::uint32_t node, const ModelFault& fault) {
+  failures_[goal] = GoalFailure{fault, node};
+  ++changes_;
+  std::erase(open_, goal);
+}
+
+bool GoalWatch::any_failure() const {
+  return std::any_of(failures_.begin(), failures_.end(), [](const auto& failure) { return failure.has_value(); });
+}
+
+void GoalWatch::throw_failure() const {
+  for (const std::optional<GoalFailure>& failure : failures_)
+    if (failure) throw failure->fault;
 }
 
 // What is reached by now is no further away than what the next layer leads to.

@@ -17,13 +17,19 @@
 
 namespace tachk {
 
+// A run-time error in a predicate of a goal, and the node in which that was.
+struct GoalFailure {
+  ModelFault fault;
+  std::uint32_t node;
+};
+
 class GoalWatch final {
  public:
   // `shortest`: a goal that asks for deadlock stays open until the end of the layer in which it is reached, because a
   // deadlock may still be found one step nearer.
   GoalWatch(const Program& program, Semantics& semantics, const ZoneOperations& operations, bool shortest);
 
-  // Looks which open goals a new state satisfies by its predicates. Throws ModelFault.
+  // Looks which open goals a new state satisfies by its predicates, and of which these are a run-time error there.
   void check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
   // Whether there is one. Throws ModelFault.
   bool meets_any(std::int32_t* slots, ConstZoneRef zone);
@@ -33,14 +39,17 @@ class GoalWatch final {
   // From now on the open goals are those of another watch of the same goals.
   void follow(const GoalWatch& other) {
     reached_ = other.reached_;
+    failures_ = other.failures_;
     open_ = other.open_;
     changes_ = other.changes_;
   }
-  // Grows whenever a goal is reached or no longer open.
+  // Grows whenever a goal is reached, fails or is no longer open.
   std::uint64_t changes() const { return changes_; }
 
   // A goal is reached in a node.
   void settle(std::size_t goal, std::uint32_t node);
+  // A predicate of a goal is a run-time error in a node: the search goes on for the others.
+  void fail(std::size_t goal, std::uint32_t node, const ModelFault& fault);
   void end_layer();
 
   // Whether there are goals, and none is open that the search goes on for.
@@ -51,6 +60,12 @@ class GoalWatch final {
   const std::vector<std::size_t>& open() const { return open_; }
   // The node in which a goal was reached first; no_node if it was not.
   std::uint32_t node(std::size_t goal) const { return reached_[goal]; }
+  // The error of a goal that has failed.
+  const std::optional<GoalFailure>& failure(std::size_t goal) const { return failures_[goal]; }
+  // Whether some goal has failed.
+  bool any_failure() const;
+  // For a search that has to know whether each goal is met. Throws ModelFault if one has failed.
+  void throw_failure() const;
 
  private:
   // A disjunct without deadlock.
@@ -64,7 +79,7 @@ class GoalWatch final {
   template <class Visit>
   bool any_watch(const std::int32_t* slots, Visit&& visit) const;
   bool meets(const Watch& watch, std::int32_t* slots, ConstZoneRef zone) {
-    return reached_[watch.goal] == no_node && meets(*watch.condition, slots, zone);
+    return reached_[watch.goal] == no_node && !failures_[watch.goal] && meets(*watch.condition, slots, zone);
   }
 
   const Program& program_;
@@ -72,6 +87,7 @@ class GoalWatch final {
   ZoneOperations operations_;
   bool shortest_;
   std::vector<std::uint32_t> reached_;
+  std::vector<std::optional<GoalFailure>> failures_;
   std::vector<std::size_t> open_;
   std::uint64_t changes_ = 0;
   std::vector<bool> asks_deadlock_;             // of each goal

@@ -246,7 +246,7 @@ bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, cons
     for (SymbolicState& state : states) {
       goals.check(0, state.slots.data(), state.zone.get());
       if (!deadlocks.open()) continue;
-      deadlocks.begin(state);
+      deadlocks.begin(0, state);
       graph.expand(state, Prober{deadlocks});
       deadlocks.end(0, state);
     }

@@ -85,7 +85,8 @@ def in_one_order(
         left = limits.after(time.perf_counter() - start)
         stretch = Stretch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
         status, reason = run_in_slices(stretch, time.perf_counter(), left, progress)
-    return explorer if status is _core.Status.FINISHED else None, reason if status is _core.Status.RUNNING else ""
+    decided = status is _core.Status.FINISHED and not explorer.any_failure()
+    return explorer if decided else None, reason if status is _core.Status.RUNNING else ""
 
 
 def depth_first(

@@ -26,6 +26,7 @@ _REASONS = {
     _core.Status.FAULT: "run-time error",
     _core.Status.CONSTANT_LIMIT: "clock values that are too large",
 }
+RUN_TIME_ERROR = _REASONS[_core.Status.FAULT]
 _SLICE_SECONDS = 0.1
 
 
@@ -116,6 +117,16 @@ def fault_of(program: Program, search: CoreSearch) -> RunTimeFault:
     transition = transition_of(program, edges) if edges else None
     site = site_of(program, position)
     return RunTimeFault(RuntimeErrorKind[kind.name], site, transitions_of(program, path), transition)
+
+
+def fault_of_goal(program: Program, search: _core.Explorer, goal: int) -> RunTimeFault | None:
+    """The run-time error in the predicate of a goal, if there was one."""
+    failure = search.failure(goal)
+    if failure is None:
+        return None
+    kind, position, path = failure
+    site = site_of(program, position)
+    return RunTimeFault(RuntimeErrorKind[kind.name], site, transitions_of(program, path), None, of_query=True)
 
 
 def site_of(program: Program, position: int) -> Span:

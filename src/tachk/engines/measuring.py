@@ -9,6 +9,7 @@ from dataclasses import replace
 from tachk import _core
 from tachk.compiler.program import Goal, Measure, Program
 from tachk.engines.core_search import (
+    RUN_TIME_ERROR,
     core_limits,
     core_options,
     fault_of,
@@ -60,6 +61,9 @@ def measure(
     status, reason = run_in_slices(explorer, start, limits, progress)
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
     outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
+    failed = next((found.fault for found in outcomes if found.fault is not None), None)
+    if fault is None and failed is not None:
+        fault, reason = failed, reason or RUN_TIME_ERROR
     statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     return outcome, tuple(_measurement(program, explorer, number) for number in range(len(measures)))

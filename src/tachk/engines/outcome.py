@@ -67,18 +67,6 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class GoalOutcome:
-    """Attributes:
-    path: the transitions from the initial state to a state of the goal, where it was REACHED.
-    actions: the same by the numbers of the edges of the program; None from engines that run no program.
-    """
-
-    status: Status
-    path: tuple[Transition, ...] | None = None
-    actions: Sequence[Sequence[int]] | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class RunTimeFault:
     """The model went wrong: ``path`` leads to the state, ``transition`` (None: a guard, an invariant or a predicate) is
     what was being evaluated at ``span``.
@@ -86,6 +74,7 @@ class RunTimeFault:
     Attributes:
         detail: the values involved: ``"4 is not in [0, 3]"``; empty where they are not known.
         run: the path with its delays; an engine leaves it None.
+        of_query: it is one of what is asked, and not of the model.
     """
 
     kind: RuntimeErrorKind
@@ -94,6 +83,21 @@ class RunTimeFault:
     transition: Transition | None
     detail: str = ""
     run: TimedTrace | None = None
+    of_query: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class GoalOutcome:
+    """Attributes:
+    path: the transitions from the initial state to a state of the goal, where it was REACHED.
+    actions: the same by the numbers of the edges of the program; None from engines that run no program.
+    fault: the run-time error in the predicate of the goal that has left it UNDECIDED, whatever became of others.
+    """
+
+    status: Status
+    path: tuple[Transition, ...] | None = None
+    actions: Sequence[Sequence[int]] | None = None
+    fault: RunTimeFault | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +106,7 @@ class Outcome:
     goals: one for each goal, in order.
     reason: why some goal is UNDECIDED: ``"state limit"``, ``"time limit"``, ``"memory limit"``, ``"depth limit"``,
         ``"interrupted"``, ``"run-time error"``; empty otherwise.
+    fault: what the run-time error was that ended the search; without such, that of the first goal that has one.
     exact: False if the set of states was over-approximated (stopwatches): then REACHED needs a replayed trace.
     """
 

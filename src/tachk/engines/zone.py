@@ -10,9 +10,11 @@ from tachk import _core
 from tachk.compiler.program import Goal, Program
 from tachk.engines import attempts
 from tachk.engines.core_search import (
+    RUN_TIME_ERROR,
     core_limits,
     core_options,
     fault_of,
+    fault_of_goal,
     run_in_slices,
     statistics_of,
     transitions_of,
@@ -155,7 +157,11 @@ def _told(program: Program, goals: Sequence[Goal], options: Options, ran: _Ran) 
     outcomes = tuple(goal_outcome(program, explorer, number, goal, ran.status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
     statistics = with_exchanges(ran.statistics, program)
-    outcome = Outcome(outcomes, statistics, ran.reason, fault, exact=not program.has_stopwatches)
+    reason = ran.reason
+    if fault is None:
+        fault = next((o.fault for g, o in zip(goals, outcomes, strict=True) if g.decides and o.fault is not None), None)
+        reason = reason or (RUN_TIME_ERROR if fault is not None else "")
+    outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     return outcome, _doubtful(program, goals, options, explorer)
 
 
@@ -193,10 +199,11 @@ def _with_goals(outcome: Outcome, others: Mapping[int, GoalOutcome]) -> tuple[Go
 
 
 def _noted(goals: Sequence[Goal], outcomes: tuple[GoalOutcome, ...]) -> tuple[GoalOutcome, ...]:
-    """The outcomes; goals that do not decide are undecided where the search stopped because those that do are met."""
+    """The outcomes; goals that do not decide are undecided where the search stopped because those that do are met, or
+    are errors."""
     pairs = list(zip(goals, outcomes, strict=True))
     if not any(goal.decides for goal in goals) or any(
-        goal.decides and found.status is not Status.REACHED for goal, found in pairs
+        goal.decides and found.status is not Status.REACHED and found.fault is None for goal, found in pairs
     ):
         return outcomes
     undecided = GoalOutcome(Status.UNDECIDED)
@@ -213,4 +220,7 @@ def goal_outcome(
             return GoalOutcome(Status.REACHED)
         actions = explorer.path_to_goal(number)
         return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)
+    fault = fault_of_goal(program, explorer, number)
+    if fault is not None:
+        return GoalOutcome(Status.UNDECIDED, fault=fault)
     return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)

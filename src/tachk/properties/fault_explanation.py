@@ -10,6 +10,7 @@ from tachk.engines.exact.concretise import concretise
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network
+from tachk.properties.verdict import Verdict
 from tachk.semantics.discrete import PreparedNetwork, execute_updates
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -44,10 +45,21 @@ _WHAT = {
 }
 """Code, message and help of each kind."""
 
+_IN_QUERIES = {
+    RuntimeErrorKind.INDEX: "say in the query when it counts: `i < n && a[i] == 1`, after A[] `i < n imply ...`",
+    RuntimeErrorKind.DIVISION: "say in the query when it counts: `d != 0 && n / d == 1`, after A[] `d != 0 imply ...`",
+    RuntimeErrorKind.ASSERT: _WHAT[RuntimeErrorKind.ASSERT][2],
+    RuntimeErrorKind.LOOP: _WHAT[RuntimeErrorKind.LOOP][2],
+}
+_IN_OTHER_QUERIES = "say in the query when it counts: `condition && ...`, after A[] `condition imply ...`"
+"""The help where what is asked goes wrong, for which no edge is to blame."""
+
 
 def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
     """What is said about a run-time error, in the form of every other finding."""
     code, message, help = _WHAT[fault.kind]
+    if fault.of_query:
+        help = _IN_QUERIES.get(fault.kind, _IN_OTHER_QUERIES)
     detail = f": {fault.detail}" if fault.detail else ""
     return Diagnostic(code, f"run-time error: {message}{detail}", fault.span, help)
 
@@ -66,6 +78,15 @@ def explain(model: PreparedNetwork, fault: RunTimeFault, seconds: float | None =
             return replace(placed, detail=_detail(model, fault, run), run=run)
     except OutOfTimeError:
         return placed
+
+
+def with_blame(verdict: Verdict) -> Verdict:
+    """The verdict, whose run-time error is one of the query if its place is in the text of the query."""
+    fault, asked = verdict.fault, verdict.query.span
+    if fault is None or fault.transition is not None or asked.source is NOWHERE.source:
+        return verdict
+    inside = fault.span.source is asked.source and asked.start <= fault.span.start <= fault.span.end <= asked.end
+    return replace(verdict, fault=replace(fault, of_query=fault.of_query or inside))
 
 
 def _detail(model: PreparedNetwork, fault: RunTimeFault, run: TimedTrace | None) -> str:

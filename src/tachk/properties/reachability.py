@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import InternalError
+from tachk.engines.core_search import RUN_TIME_ERROR
 from tachk.engines.exact.concretise import concretise
 from tachk.engines.guided_search import explore_along, states_along
 from tachk.engines.options import Limits, Options, SearchOrder
@@ -18,6 +19,7 @@ from tachk.engines.outcome import (
     GoalOutcome,
     Outcome,
     Progress,
+    RunTimeFault,
     Status,
 )
 from tachk.engines.zone import explore
@@ -239,13 +241,19 @@ def _explore(
         return none_begun(search.tasks, TIME_LIMIT)
     outcome = explore(program, goals, options, limits.after(time.monotonic() - started), progress)
     searched = model if reduced == network else prepare(reduced)
-    if outcome.fault is not None:
-        fault = explain(searched, outcome.fault, limits.seconds)
+
+    def told(fault: RunTimeFault) -> RunTimeFault:
+        fault = explain(searched, fault, limits.seconds)
         if fault.run is not None:
             fault = replace(fault, run=_whole_run(model, searched, fault.run))
-        outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
+        return fault if search.observer is None else fault_without_observer(network, fault)
+
+    if outcome.fault is not None:
+        outcome = replace(outcome, fault=told(outcome.fault))
     verdicts: dict[int, Verdict] = {}
     for task, goal in zip(search.tasks, outcome.goals[: len(targets)], strict=True):
+        if goal.fault is not None:
+            goal = replace(goal, fault=told(goal.fault))
         verdict = verdict_of(model, searched, task, goal, outcome, trace)
         if verdict is None:
             everything = replace(options, hold_spectators=False)
@@ -276,6 +284,8 @@ def verdict_of(
     on_reached, otherwise = answers_of(task.query)
     network, reduced = model.network, searched.network
     verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
+    if goal.fault is not None:
+        return replace(verdict, exact=True, reason=RUN_TIME_ERROR, fault=goal.fault)
     if goal.status is Status.UNDECIDED:
         return replace(verdict, exact=True, fault=outcome.fault)
     if goal.status is Status.UNREACHABLE:

@@ -17,6 +17,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.properties.fault_explanation import with_blame
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.scheduling.in_order import VerifyProgress, in_order, processes
@@ -74,7 +75,8 @@ def verify(
     answer = partial(_answer, model, options, trace)
     shares = Shares(limits, started, len(tasks))
     verdicts |= in_order(searches, answer, shares, processes(options), progress)
-    return non_zeno.noted(_examined(network, [verdicts[number] for number in range(len(queries))]))
+    found = [with_blame(verdicts[number]) for number in range(len(queries))]
+    return non_zeno.noted(_examined(network, found))
 
 
 def _check_answerable(network: Network, query: Query, options: Options) -> None:

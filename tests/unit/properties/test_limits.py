@@ -82,7 +82,13 @@ def test_a_machine_out_of_memory_gives_no_answer(monkeypatch: pytest.MonkeyPatch
     def full(_: int) -> int:
         raise MemoryError
 
-    explorer = SimpleNamespace(run=full, reached=lambda _: None, statistics=lambda: (0, 0, 0, 0), threads=lambda: 1)
+    explorer = SimpleNamespace(
+        run=full,
+        reached=lambda _: None,
+        failure=lambda _: None,
+        statistics=lambda: (0, 0, 0, 0),
+        threads=lambda: 1,
+    )
     monkeypatch.setattr(zone, "_explorer", lambda *_: explorer)
     text = "process P() { init location A; } system P; property Q : A[] P.A;"
     loaded = load_model(Source("model.ta", text))

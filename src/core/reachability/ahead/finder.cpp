@@ -22,6 +22,7 @@ void Finder::begin(const GoalWatch& goals, const std::vector<std::uint8_t>& take
   now_ = 1 - now_;
   if (early_.done == 0) now().clear();
   goals_.follow(goals);
+  deadlocks_.look_again();
   goals_then_ = goals.changes();
   taken_ = taken;
   std::fill(latest_.begin(), latest_.end(), Found::none);
@@ -135,13 +136,14 @@ template <class R>
 void Finder::expand(SymbolicState& source, std::uint32_t node, Harvest& harvest, Expansion& expansion, R&& receiver) {
   expansion.first_edge = harvest.edges.size();
   try {
-    deadlocks_.begin(source);
+    deadlocks_.begin(node, source);
     graph_.expand(source, receiver);
     deadlocks_.end(node, source, expansion.stuck);
   } catch (...) {
     expansion.failure = std::current_exception();
   }
   expansion.last_edge = harvest.edges.size();
+  expansion.alone = goals_.changes() != goals_then_;
 }
 
 void Finder::expand(std::uint32_t node) {

@@ -51,6 +51,7 @@ struct Expansion {
   std::uint32_t transitions = 0;
   std::vector<std::size_t> stuck;  // goals that the state satisfies, being stuck or not as they ask
   std::exception_ptr failure;      // behind all this
+  bool alone = false;              // a goal has failed: the search has to expand the state itself
 };
 
 class Harvest final {

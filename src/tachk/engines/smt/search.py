@@ -73,6 +73,9 @@ def explore(
     outcomes = tuple(status.get(number, GoalOutcome(Status.UNDECIDED)) for number in range(len(goals)))
     if all(goal.status is not Status.UNDECIDED for goal in outcomes):
         reason = ""
+    failed = next((goal.fault for goal in outcomes if goal.fault is not None), None)
+    if fault is None and failed is not None:
+        fault, reason = failed, reason or "run-time error"
     return Outcome(outcomes, statistics(), reason, fault)
 
 
@@ -82,6 +85,7 @@ def _decide(unrolled: Unrolled, proofs: Proofs, depth_limit: int | None) -> tupl
     while fault is None:
         unrolled.stay()
         unrolled.look()
+        unrolled.fail()
         if not unrolled.open:
             return None, ""
         fault = unrolled.fault()

@@ -20,7 +20,7 @@ class Unrolled:
 
     Attributes:
         depth: how many steps.
-        status: the goals that are decided.
+        status: the goals that are decided, or go wrong.
     """
 
     def __init__(self, targets: Targets, asking: Asking) -> None:
@@ -36,7 +36,7 @@ class Unrolled:
 
     @property
     def open(self) -> list[int]:
-        """The goals that are not decided."""
+        """The goals that are still looked for."""
         return [number for number in range(len(self.targets.goals)) if number not in self.status]
 
     def stay(self) -> None:
@@ -57,12 +57,16 @@ class Unrolled:
         self.depth += 1
         return self._is_possible(self.relation.at(self.relation.stay, there))
 
-    def fault(self) -> RunTimeFault | None:
-        """What goes wrong where the runs have come to, or in the updates of the next step."""
+    def fail(self) -> None:
+        """Which goals go wrong where the runs have come to."""
         for number in self.open:
             if self._is_possible(self.relation.at(self.targets.undecided[number], self._frames[-1])):
                 found = self._first_of(self.targets.wrong[number])
-                return RunTimeFault(found.kind, found.span, self._path(), None)
+                fault = RunTimeFault(found.kind, found.span, self._path(), None, of_query=True)
+                self.status[number] = GoalOutcome(Status.UNDECIDED, fault=fault)
+
+    def fault(self) -> RunTimeFault | None:
+        """What goes wrong in the model where the runs have come to, or in the updates of the next step."""
         asked = self._possible_of(self.relation.state_faults)
         if asked is not None:
             return RunTimeFault(asked.kind, asked.span, self._path(), None)

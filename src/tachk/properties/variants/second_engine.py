@@ -9,7 +9,7 @@ from typing import assert_never
 
 from tachk.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
 from tachk.engines.options import Engine, Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Outcome, Progress
+from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Outcome, Progress, RunTimeFault
 from tachk.model.query import Query
 from tachk.properties import reachability
 from tachk.properties.fault_explanation import explain
@@ -109,10 +109,12 @@ def answer(
 
 
 def _explained(model: PreparedNetwork, search: Search, outcome: Outcome, limits: Limits) -> Outcome:
-    if outcome.fault is None:
-        return outcome
-    fault = explain(model, outcome.fault, limits.seconds)
-    return replace(outcome, fault=fault if search.observer is None else fault_without_observer(model.network, fault))
+    def told(fault: RunTimeFault) -> RunTimeFault:
+        fault = explain(model, fault, limits.seconds)
+        return fault if search.observer is None else fault_without_observer(model.network, fault)
+
+    goals = tuple(goal if goal.fault is None else replace(goal, fault=told(goal.fault)) for goal in outcome.goals)
+    return replace(outcome, goals=goals, fault=None if outcome.fault is None else told(outcome.fault))
 
 
 def answer_by_both(
