@@ -85,6 +85,7 @@ class Trace:
     interpolation: what numbers do between rows.
     texts: the columns that hold texts, as the places of these in ``labels``.
     labels: the texts.
+    floating: the columns of numbers that may have a fraction, although none may have one here.
     packets: of a capture, the number of the packet of each row, 0 where there is none.
     dated: the clock counts seconds since 1970, and the times were dates.
     """
@@ -99,6 +100,7 @@ class Trace:
     interpolation: Interpolation = Interpolation.CONSTANT
     texts: frozenset[str] = frozenset()
     labels: tuple[str, ...] = ()
+    floating: frozenset[str] = frozenset()
     packets: Ticks | None = None
     dated: bool = False
 

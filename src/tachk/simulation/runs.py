@@ -108,6 +108,7 @@ def recording(
         unit,
         texts=frozenset(column.name for column in columns if column.labels),
         labels=labels,
+        floating=frozenset(column.name for column in columns if column.floating),
     )
 
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import Trace
@@ -25,6 +29,9 @@ _VCD_TIMES = {
     "d": ("1 ns", 24 * 3600, 1),
 }
 """For each unit the unit of a dump, and how many of these are a tick of 1e-9 units: a fraction. No unit: seconds."""
+
+_ROW_GROUP = 100_000
+"""Rows of Parquet that are written together: so many are held until then."""
 
 Writer = Callable[[int, Trace], None]
 Row = tuple[str, list[Any]]
@@ -88,20 +95,54 @@ def _parquet(path: Path) -> Iterator[Writer]:
         raise UsageError("Parquet files need pyarrow", "pip install 'tachk[parquet]'") from None
     with ExitStack() as stack:
         file: Any = None
+        waiting: list[Any] = []
+        rows = 0
+
+        def flush() -> None:
+            nonlocal file, rows
+            if not waiting:
+                return
+            if file is None:
+                file = stack.enter_context(parquet.ParquetWriter(path, waiting[0].schema))
+            file.write_table(pyarrow.concat_tables(waiting), row_group_size=_ROW_GROUP)
+            waiting.clear()
+            rows = 0
 
         def write(number: int, trace: Trace) -> None:
-            nonlocal file
-            if trace.unit:
-                nanoseconds = trace.times * NANOSECONDS[trace.unit] // trace.ticks_per_unit
-                times = pyarrow.array(nanoseconds.astype("timedelta64[ns]"))
-            else:
-                times = pyarrow.array(trace.times / trace.ticks_per_unit)
-            table = pyarrow.table({"run": [number] * trace.rows, "time": times, **dict(_columns(trace))})
-            if file is None:
-                file = stack.enter_context(parquet.ParquetWriter(path, table.schema))
-            file.write_table(table)
+            nonlocal rows
+            times = _durations(path, trace) if trace.unit else trace.times / trace.ticks_per_unit
+            run = np.full(trace.rows, number, dtype=np.int64)
+            waiting.append(pyarrow.table({"run": run, "time": times, **dict(_typed_columns(trace))}))
+            rows += trace.rows
+            if rows >= _ROW_GROUP:
+                flush()
 
-        yield write
+        try:
+            yield write
+        finally:
+            flush()
+
+
+def _durations(path: Path, trace: Trace) -> NDArray[np.timedelta64]:
+    """The times in nanoseconds, rounded down."""
+    tick = Fraction(NANOSECONDS[trace.unit], trace.ticks_per_unit)
+    if trace.end * tick >= 2**63:
+        raise UsageError(f"{path}: Parquet has no durations of more than 292 years", "write .csv or .jsonl")
+    whole, rest = np.divmod(trace.times, tick.denominator)
+    nanoseconds = whole * tick.numerator + rest * tick.numerator // tick.denominator
+    return np.asarray(nanoseconds, dtype="timedelta64[ns]")
+
+
+def _typed_columns(trace: Trace) -> Iterator[tuple[str, NDArray[Any]]]:
+    """The values of each column, of the same type for all runs of a model."""
+    labels = np.array(trace.labels, dtype=object)
+    for name, values in trace.columns.items():
+        if name in trace.texts:
+            yield name, labels[values.astype(np.int64)]
+        elif values.dtype.kind == "u":
+            yield name, values.astype(np.bool_)
+        else:
+            yield name, values if name in trace.floating else values.astype(np.int64)
 
 
 @contextmanager

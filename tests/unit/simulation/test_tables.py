@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.formats.network_json.network import network_from_json, network_to_json
@@ -80,6 +82,61 @@ def test_one_table_holds_all_runs(tmp_path: Path) -> None:
     rows = [json.loads(line) for line in (tmp_path / "runs.jsonl").read_text(encoding="utf-8").splitlines()]
     assert {row["run"] for row in rows} == {0, 1}
     assert rows[0] == {"run": 0, "time": 0, "odd": False, "P": "On", "count": 0}
+
+
+DRAWN = """
+time_unit = 1 s;
+double v = 0;
+int n = 0;
+process P() { init location A { exponential_rate 1; to A { assign v = v + random(2), n = (n + 1) % 9; } } location B; }
+signal odd = n % 2 == 1;
+system P;
+"""
+
+
+def test_parquet_has_one_schema_and_groups_of_many_rows(tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    model, path = tmp_path / "a.ta", tmp_path / "runs.parquet"
+    model.write_text(DRAWN)
+    # The first of these runs has no transition, so that its numbers are whole.
+    command = ["simulate", str(model), "--runs", "2000", "--seed", "5", "--until", "0.3"]
+    assert app.main([*command, "-o", str(path)], standalone_mode=False) == 0
+    table = parquet.read_table(path)
+    types = {field.name: str(field.type) for field in table.schema}
+    expected = {"time": "duration[ns]", "odd": "bool", "P": "string", "n": "int64", "v": "double", "run": "int64"}
+    assert types == expected
+    assert (table.column("v")[0].as_py(), table.column("P")[0].as_py()) == (0.0, "A")
+    assert set(table.column("run").to_pylist()) == set(range(2000))
+    assert parquet.ParquetFile(path).num_row_groups == 1
+
+
+def test_parquet_holds_few_rows_back(tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    times = np.arange(1000)
+    trace = Trace("a", times, {"n": times.astype(np.float64)}, 999)
+    rows = 0
+    with run_writer(tmp_path / "runs.parquet") as write:
+        for number in range(310):
+            write(number, trace)
+            rows += trace.rows
+        assert (tmp_path / "runs.parquet").stat().st_size > 100_000
+    file = parquet.ParquetFile(tmp_path / "runs.parquet")
+    assert (file.metadata.num_rows, file.num_row_groups) == (rows, 4)
+
+
+@pytest.mark.parametrize(
+    ("unit", "nanoseconds"), [("s", 10**9), ("ms", 10**6), ("us", 10**3), ("ns", 1), ("h", 3600 * 10**9)]
+)
+def test_durations_of_parquet_do_not_overflow(unit: str, nanoseconds: int, tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    with run_writer(tmp_path / "a.parquet") as write:
+        write(0, Trace("a", np.array([0, 10**15 + 1]), {}, 10**15 + 1, 10**9, unit))
+    assert parquet.read_table(tmp_path / "a.parquet").column("time")[1].value == (10**15 + 1) * nanoseconds // 10**9
+    with pytest.raises(UsageError, match="292 years"), run_writer(tmp_path / "b.parquet") as write:
+        write(0, Trace("a", np.array([0, 2**62]), {}, 2**62, 1, "d"))
 
 
 def test_what_cannot_be_written_is_refused(tmp_path: Path) -> None:
