@@ -14,12 +14,12 @@ from tachk.model.traversal import process_expressions, walk, with_bodies
 from tachk.stepping.claims import ClaimedRun
 from tachk.stepping.report_file import read_report
 from tachk.stepping.run_file import SUFFIX, read_run_file
-from tachk.syntax.source_files import read_source
+from tachk.syntax.source_files import LARGEST_RUN, read_source
 
 
 def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
     """What a file claims. Raises InputError, and UsageError for a file of another kind."""
-    source = read_source(path)
+    source = read_source(path, "a run", LARGEST_RUN)
     if not source.text.lstrip().startswith("{"):
         if prop is not None:
             raise UsageError(f"{path}: --property chooses among the runs of a report of tachk verify")

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
 from tachk.model.fault import EvaluationFault
+from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
 from tachk.report.quantity import decimal
 from tachk.report.run.trace_view import Names
-from tachk.semantics.discrete import initiators
+from tachk.semantics.discrete import PreparedNetwork, initiators
 from tachk.semantics.step import StepError, begun_by, delay, fire, initial_state, is_open
 from tachk.semantics.timed_trace import TimedState, TimedStep, TimedTrace, Transition
 from tachk.stepping.claims import Claim, ClaimedRun, ClaimedState
@@ -65,12 +66,9 @@ def replay_claims(names: Names, run: ClaimedRun) -> Replayed:
 
     Where a step may mean several transitions, one is looked for with which all that follows can be taken.
 
-    Raises EvaluationFault where the initial state cannot be computed, and OutOfTimeError.
+    Raises InputError where there is no initial state, and OutOfTimeError.
     """
-    try:
-        start = initial_state(names.model)
-    except StepError as error:
-        raise EvaluationFaultAtStart(str(error)) from error
+    start = beginning(names.model)
     nodes = [_Node(start, None, None)]
     difference = _difference(names, start, run.initial)
     if difference:
@@ -84,8 +82,14 @@ def replay_claims(names: Names, run: ClaimedRun) -> Replayed:
     return Replayed(_trace(nodes[0]), None)
 
 
-class EvaluationFaultAtStart(ValueError):
-    """The network has no initial state."""
+def beginning(model: PreparedNetwork) -> TimedState:
+    """The initial state. Raises InputError (E0409) if it violates an invariant, or one cannot be evaluated there."""
+    check_initial_state(model)
+    try:
+        return initial_state(model)
+    except EvaluationFault as fault:
+        message = f"there is no initial state: {fault.detail or fault.kind.name.lower()}"
+        raise InputError([Diagnostic("E0409", message, fault.span)]) from None
 
 
 def take(names: Names, state: TimedState, claim: Claim) -> list[TimedStep]:

@@ -7,11 +7,11 @@ from random import Random
 
 from tachk.records import dataclass
 from tachk.report.run.trace_view import Names
-from tachk.semantics.step import delay, fire, initial_state
+from tachk.semantics.step import delay, fire
 from tachk.semantics.timed_trace import TimedState, TimedStep, TimedTrace
 from tachk.stepping.claims import ClaimedRun
 from tachk.stepping.offers import Offer, Offers, Window, offers_of
-from tachk.stepping.replaying import Refusal, replay_claims
+from tachk.stepping.replaying import Refusal, beginning, replay_claims
 
 
 class NotPossibleError(ValueError):
@@ -32,8 +32,8 @@ class Session:
 
     @staticmethod
     def begin(names: Names) -> Session:
-        """Raises StepError if there is no initial state."""
-        return Session(names, initial_state(names.model))
+        """Raises InputError if there is no initial state."""
+        return Session(names, beginning(names.model))
 
     @property
     def state(self) -> TimedState:

@@ -16,8 +16,16 @@ _PROBE = 64 * 1024
 _CONTROL = frozenset(range(32)) - frozenset(b"\t\n\r\f\v\x1a")
 
 
-def read_source(path: str | os.PathLike[str]) -> Source:
+LARGEST_RUN = 1024 * 1024 * 1024
+"""Bytes. A run of ten million steps has 400 megabytes."""
+
+
+def read_source(path: str | os.PathLike[str], what: str = "a model", most: int = LARGEST_FILE) -> Source:
     """The text of a file, in UTF-8 with or without a byte order mark, or else Latin-1.
+
+    Args:
+        what: it holds, for messages.
+        most: bytes.
 
     Raises:
         UsageError: there is no such file, it cannot be read, it is a directory, or it is too large.
@@ -29,9 +37,9 @@ def read_source(path: str | os.PathLike[str]) -> Source:
             start = stream.read(_PROBE)
             _refuse_binary(name, start)
             size = os.fstat(stream.fileno()).st_size
-            if size > LARGEST_FILE:
-                raise UsageError(f"{name} is too large for a model: {size} bytes, at most {LARGEST_FILE}")
-            data = start + stream.read(LARGEST_FILE + 1 - len(start))
+            if size > most:
+                raise UsageError(f"{name} is too large for {what}: {size} bytes, at most {most}")
+            data = start + stream.read(most + 1 - len(start))
     except FileNotFoundError:
         raise UsageError(f"there is no file {name}") from None
     except IsADirectoryError:
@@ -40,8 +48,8 @@ def read_source(path: str | os.PathLike[str]) -> Source:
         raise UsageError(f"{name} cannot be read: {error.strerror or error}") from None
     except ValueError as error:
         raise UsageError(f"{name!r} is not a file name: {error}") from None
-    if len(data) > LARGEST_FILE:
-        raise UsageError(f"{name} is too large for a model: at most {LARGEST_FILE} bytes")
+    if len(data) > most:
+        raise UsageError(f"{name} is too large for {what}: at most {most} bytes")
     source = Source(name, _decode(name, data))
     if not source.text.strip():
         raise InputError([Diagnostic("E0006", "the file is empty", Span(source, 0, 0))])

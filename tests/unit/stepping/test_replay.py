@@ -11,6 +11,7 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.codes.runs.run_codes import RUN_CODES
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
@@ -27,6 +28,7 @@ from tachk.stepping.replaying import Replayed, replay_claims
 from tachk.stepping.report_file import read_report
 from tachk.stepping.run_file import read_run_file, run_text, steps_text
 from tachk.stepping.signals import signals_of
+from tachk.syntax.source_files import LARGEST_FILE, LARGEST_RUN
 from tachk.testing import Shape, random_case
 
 FISCHER = Path("models/classics/fischer.ta")
@@ -270,3 +272,33 @@ def test_times_that_are_no_decimals_stay_exact_for_monitors() -> None:
     rounded = signals_of(Names(network), columns, trace, "a", decimal_times=True)
     assert not rounded.exact
     assert rounded.trace.end == 18_666_666_666
+
+
+@pytest.mark.parametrize(
+    ("invariant", "place", "message"),
+    [
+        ("x >= 1", "a", "does not hold in the initial state"),
+        ("x <= 5 / d", "5 / d", "no initial state: 5 divided by 0"),
+    ],
+)
+def test_a_model_without_an_initial_state(invariant: str, place: str, message: str, tmp_path: Path) -> None:
+    places = f"init location a {{ invariant {invariant}; to b; }} location b;"
+    text = f"int[0, 1] d; clock x; process P() {{ {places} }} system P;"
+    with pytest.raises(InputError, match=message) as caught:
+        _replayed(text, "0 P: a -> b")
+    assert [(each.code, each.span.text) for each in caught.value.diagnostics] == [("E0409", place)]
+    (tmp_path / "a.ta").write_text(text)
+    (tmp_path / "a.run").write_text("0 P: a -> b")
+    model, run = str(tmp_path / "a.ta"), str(tmp_path / "a.run")
+    for command in (["replay", model, run], ["simulate", model, "--policy", "script", run], ["step", model]):
+        assert app.main(command, standalone_mode=False) == 2
+
+
+def test_a_run_may_be_larger_than_a_model(tmp_path: Path) -> None:
+    path = tmp_path / "a.run"
+    path.write_text("# " + "a" * LARGEST_FILE + "\n0 P: a -> b\n")
+    assert len(read_claims(path).claims) == 1
+    with path.open("r+b") as file:
+        file.truncate(LARGEST_RUN + 1)
+    with pytest.raises(UsageError, match="too large for a run"):
+        read_claims(path)

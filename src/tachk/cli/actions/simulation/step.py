@@ -12,9 +12,7 @@ from pathlib import Path
 from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
-from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.run.trace_view import Names
-from tachk.semantics.step import StepError
 from tachk.stepping.files import read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.session import Session
@@ -40,10 +38,7 @@ def run_step(asked: Stepping) -> ExitStatus:
     check_time()
     claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
     about = model_of_run(asked.model, asked.definitions, claimed)
-    try:
-        session = Session.begin(Names(about.model.network))
-    except StepError as error:
-        raise UsageError(f"{asked.model}: {error}", "tachk check tells where") from None
+    session = Session.begin(Names(about.model.network))
     if claimed is not None:
         session, refusal = session.loaded(claimed)
         if refusal is not None:
