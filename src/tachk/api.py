@@ -30,7 +30,7 @@ from tachk.properties.questions import Questions, checked, why_not
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.answers import Report
 from tachk.report.record import NotChecked, RunRecord
-from tachk.stepping.estimating import Estimable
+from tachk.stepping.estimating import Estimable, answers_among, share_of_searches
 from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
@@ -291,20 +291,26 @@ class Model(Estimable):
             tuple(read_source(path) for path in query_files),
             tuple(Source("<query>", text) for text in queries),
             non_zeno,
+            statistical=True,
         )
         with time_limit(limits.seconds):
             formulas = questions.about(self.loaded)
+        symbolic = checked(formulas)
         left = limits.after(monotonic() - started)
+        share = share_of_searches(left, formulas)
+        verdicts = answers(self.loaded, questions, symbolic, options, share, progress, trace)
+        found = answers_among(self.loaded, questions, formulas, options, limits.after(monotonic() - started).seconds)
         record = RunRecord(
             self.path,
             self.loaded.heading if self.refusals else self.network,
-            answers(self.loaded, questions, checked(formulas), options, left, progress, trace),
-            _not_checked(formulas),
+            verdicts,
+            _not_checked(found.get(number, formula) for number, formula in enumerate(formulas, 1)),
             options,
             limits,
             self.definitions,
             self.refusals,
             trace,
+            tuple(each for each in found.values() if not isinstance(each, UncheckedQuery)),
         )
         return Report(record)
 
@@ -497,7 +503,7 @@ class Model(Estimable):
         return f"{title}\n{picture}"
 
 
-def _not_checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[NotChecked, ...]:
+def _not_checked(formulas: Iterable[object]) -> tuple[NotChecked, ...]:
     return tuple(
         NotChecked(f.name, f.text, why_not(f), f.diagnostics, f.title, f.span, number)
         for number, f in enumerate(formulas, 1)

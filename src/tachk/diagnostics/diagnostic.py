@@ -8,7 +8,7 @@ from enum import StrEnum
 from tachk.diagnostics.span import Span
 from tachk.records import dataclass
 
-UNSUPPORTED = frozenset({"E0730", "E0731", "E0732", "E0733", "E0750"})
+UNSUPPORTED = frozenset({"E0728", "E0730", "E0731", "E0732", "E0733", "E0750"})
 """The codes of what is refused although it is not a mistake."""
 
 

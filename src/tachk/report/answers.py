@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import StringIO
 from typing import TYPE_CHECKING, Any, overload
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from tachk.report.json_report import Json
     from tachk.report.page.content import Page
     from tachk.report.run.told_run import Run
+    from tachk.statistics.answers import StatisticalAnswer
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,8 @@ class Report(Sequence[Verdict]):
             for verdict in self.record.verdicts:
                 if verdict.query.name == index:
                     return verdict
+            if index in self.estimates:
+                raise KeyError(f"{index} is a statistical query: report.estimates[{index!r}] is its answer")
             for query in self.record.not_checked:
                 if query.name == index:
                     raise KeyError(f"{index} is not checked: {query.reason}")
@@ -40,6 +43,11 @@ class Report(Sequence[Verdict]):
 
     def __len__(self) -> int:
         return len(self.record.verdicts)
+
+    @property
+    def estimates(self) -> Mapping[str, StatisticalAnswer]:
+        """The answers to statistical queries, by the names of the queries."""
+        return {answer.query.name: answer for answer in self.record.estimates}
 
     @property
     def met(self) -> bool | None:
@@ -60,11 +68,12 @@ class Report(Sequence[Verdict]):
         return run_to_json(self.record)
 
     def to_rows(self) -> list[dict[str, str | int | float | bool | None]]:
-        """One flat dictionary for each verdict, with the model's constants: what `pandas.DataFrame` takes."""
-        return [
+        """One flat dictionary for each answer, with the model's constants: what `pandas.DataFrame` takes."""
+        constants = dict(self.record.network.constants)
+        rows: list[dict[str, str | int | float | bool | None]] = [
             {
                 "model": self.record.model,
-                **dict(self.record.network.constants),
+                **constants,
                 "property": verdict.query.name,
                 "answer": verdict.answer.value,
                 "met": verdict.met,
@@ -76,6 +85,18 @@ class Report(Sequence[Verdict]):
             }
             for verdict in self.record.verdicts
         ]
+        rows += (
+            {
+                "model": self.record.model,
+                **constants,
+                "property": answer.query.name,
+                "answer": _short(answer),
+                "met": answer.met,
+                "seconds": answer.seconds,
+            }
+            for answer in self.record.estimates
+        )
+        return rows
 
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
         """What `tachk verify` prints."""
@@ -110,6 +131,7 @@ class Report(Sequence[Verdict]):
 
     def __repr__(self) -> str:
         answers = [f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts]
+        answers += [f"{answer.query.name}: {_short(answer)}" for answer in self.record.estimates]
         answers += [f"{query.name}: not checked" for query in self.record.not_checked]
         return f"<Report on {self.record.model}: {', '.join(answers) or 'nothing checked'}>"
 
@@ -117,3 +139,9 @@ class Report(Sequence[Verdict]):
         from tachk.report.html_report import run_to_html
 
         return run_to_html(self.record)
+
+
+def _short(answer: StatisticalAnswer) -> str:
+    from tachk.report.statistics.answered import answered_document, short_answer
+
+    return short_answer(answered_document(answer)["found"])

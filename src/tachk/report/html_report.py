@@ -6,6 +6,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from tachk.report.quantity import grouped, seconds
 from tachk.report.record import RunRecord
+from tachk.report.statistics.answered import answered_document, short_answer
 from tachk.report.text_report import evidence_text
 from tachk.resources import template_text
 
@@ -25,4 +26,7 @@ def run_to_html(record: RunRecord) -> str:
         for title, _, text in (evidence_text(record.network, verdict).partition("\n"),)
         if title
     ]
-    return template.render(record=record, runs=runs, colours=_COLOURS, count=grouped, seconds=seconds)
+    estimates = [(answer, short_answer(answered_document(answer)["found"])) for answer in record.estimates]
+    return template.render(
+        record=record, estimates=estimates, runs=runs, colours=_COLOURS, count=grouped, seconds=seconds
+    )

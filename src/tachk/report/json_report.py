@@ -15,6 +15,7 @@ from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Extreme, Extremes, Verdict
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
+from tachk.report.statistics.answered import answered_document
 from tachk.semantics.timed_trace import Due
 from tachk.words import Direction
 
@@ -51,6 +52,7 @@ def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
             }
             for query in record.not_checked
         ],
+        "estimates": [answered_document(answer) for answer in record.estimates],
         "errors": _errors(record.refusals),
     }
 
@@ -89,6 +91,7 @@ def not_read_to_json(record: NotRead) -> dict[str, Json]:
         "templates": {},
         "results": [],
         "not_checked": [],
+        "estimates": [],
         "errors": _errors(record.diagnostics) or [plain],
     }
 

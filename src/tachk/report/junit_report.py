@@ -15,6 +15,7 @@ from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import view_trace
+from tachk.report.statistics.answered import answered_lines
 from tachk.report.text_report import print_fault
 
 _NUMBERED = re.compile(r"q\d+")
@@ -40,18 +41,18 @@ def runs_to_junit(records: Iterable[RunRecord | NotRead]) -> str:
 
 
 def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
-    met = [verdict.met for verdict in record.verdicts]
+    met = [*(verdict.met for verdict in record.verdicts), *(answer.met for answer in record.estimates)]
     wrong = [query for query in record.not_checked if query.diagnostics]
     searches = {verdict.statistics for verdict in record.verdicts}  # several queries may share a search
     suite = ElementTree.SubElement(
         parent,
         "testsuite",
         name=clean(record.model),
-        tests=str(len(record.verdicts) + len(record.not_checked)),
+        tests=str(len(met) + len(record.not_checked)),
         failures=str(met.count(False)),
         errors=str(met.count(None) + len(wrong)),
         skipped=str(len(record.not_checked) - len(wrong)),
-        time=f"{sum(s.seconds for s in searches):.3f}",
+        time=f"{sum(s.seconds for s in searches) + sum(answer.seconds for answer in record.estimates):.3f}",
     )
     for verdict in record.verdicts:
         name = _name(verdict.query.name, verdict.query.title)
@@ -69,6 +70,15 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
         words = [*value_lines(verdict, record.network.time_unit), *verdict.notes]
         if words:
             ElementTree.SubElement(case, "system-out").text = clean("\n".join(words))
+    for answer in record.estimates:
+        name = _name(answer.query.name, answer.query.title)
+        case = _case(suite, record.model, name, f"{answer.seconds:.3f}")
+        first, *others = answered_lines(answer)
+        if answer.met is None:
+            _result(case, "error", f"unknown: {answer.reason or 'no decision'}", "\n".join(others))
+        elif answer.met is False:
+            _result(case, "failure", first, "\n".join(others))
+        ElementTree.SubElement(case, "system-out").text = clean("\n".join((first, *others)))
     for query in record.not_checked:
         case = _case(suite, record.model, _name(query.name, query.title), "0.000")
         if query.diagnostics:

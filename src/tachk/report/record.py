@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import field
+from typing import TYPE_CHECKING
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.options import Limits, Options
 from tachk.model.network import Network
-from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verdict import Verdict
 from tachk.records import dataclass
+
+if TYPE_CHECKING:
+    from tachk.statistics.answers import StatisticalAnswer
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +67,9 @@ class RunRecord:
     network: of a model with refusals only its constants and time unit.
     refusals: the constructs of the model that tachk does not check.
     runs: whether the runs behind the answers were asked for.
-    not_checked: the statistical, game and scenario queries met, which have no influence on success, and wrong queries
-        of other programs' files.
+    not_checked: the game and scenario queries met, which have no influence on success, and wrong queries of other
+        programs' files.
+    estimates: one for each statistical query, in order.
     """
 
     model: str
@@ -76,6 +81,7 @@ class RunRecord:
     definitions: tuple[str, ...] = ()
     refusals: tuple[Diagnostic, ...] = ()
     runs: bool = True
+    estimates: tuple[StatisticalAnswer, ...] = ()
 
     def leaves_the_model(self, verdict: Verdict) -> bool:
         """Whether an answer is another than the model expects while the model does not speak of these constants:
@@ -86,15 +92,15 @@ class RunRecord:
     @property
     def nothing_checked(self) -> bool:
         """There are queries, and none of them is of a kind that is checked."""
-        return bool(self.not_checked) and not self.verdicts
+        return bool(self.not_checked) and not self.verdicts and not self.estimates
 
     @property
     def met(self) -> bool | None:
         """Whether every expectation is met: False if one is not, else None if an answer is unknown, something in the
         model is refused, or nothing was checked; else True."""
-        met = [verdict.met for verdict in self.verdicts]
+        met = [*(verdict.met for verdict in self.verdicts), *(answer.met for answer in self.estimates)]
         if False in met:
             return False
         refused = any(query.diagnostics for query in self.not_checked)
         open_ = self.refusals or refused or self.nothing_checked
-        return None if open_ or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True
+        return None if open_ or None in met else True

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 from io import StringIO
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from rich.console import Console
 from rich.table import Table
@@ -30,6 +30,9 @@ from tachk.report.run.trace_text import event_lines, print_trace
 from tachk.report.run.trace_view import view_event, view_path, view_trace
 from tachk.semantics.timed_trace import Due, Ending, TimedTrace
 from tachk.words import QueryKind
+
+if TYPE_CHECKING:
+    from tachk.statistics.answers import StatisticalAnswer
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)
@@ -59,6 +62,7 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
     if record.verdicts:
         console.print()
         console.print(_table(record, console.width))
+    _print_estimates(record, console)
     for query in record.not_checked:
         if not query.diagnostics:
             text = " ".join(query.text.split())
@@ -84,6 +88,20 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
             _print_evidence(record.network, verdict, verdict.trace, console, told)
     console.print()
     console.print(_summary(record))
+
+
+def _print_estimates(record: RunRecord, console: Console) -> None:
+    """The answers to statistical queries, with a mark where they are not as expected."""
+    if not record.estimates:
+        return
+    from tachk.report.statistics.answered import answered_lines
+
+    for answer in record.estimates:
+        mark = {True: " ", False: "✗", None: "?"}[answer.met]
+        first, *others = answered_lines(answer)
+        console.print(Text(f"\n{mark} {first}", style="red" if answer.met is False else ""), soft_wrap=True)
+        for line in others:
+            console.print(Text(f"  {line}"), soft_wrap=True)
 
 
 def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, console: Console, telling: Telling) -> None:
@@ -237,17 +255,20 @@ def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:
 
 def _summary(record: RunRecord) -> Text:
     refused = sum(bool(query.diagnostics) for query in record.not_checked)
-    total = len(record.verdicts) + refused
+    judged: list[Verdict | StatisticalAnswer] = [
+        *record.verdicts,
+        *(answer for answer in record.estimates if answer.judged),
+    ]
+    estimated = len(record.verdicts) + len(record.estimates) - len(judged)
+    total = len(judged) + refused
     if record.nothing_checked:
         return Text("nothing was checked: tachk supports none of the given queries", style="yellow")
-    if total == 0:
+    if total == 0 and not estimated:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")
     other = sum(map(record.leaves_the_model, record.verdicts))
-    wrong = sum(verdict.met is False for verdict in record.verdicts) - other
-    unknown = sum(verdict.met is None for verdict in record.verdicts)
-    if wrong == other == unknown == refused == 0:
-        return Text(f"{total} of {total} as expected", style="green")
-    parts = [f"{total - wrong - other - unknown - refused} of {total} as expected"]
+    wrong = sum(answer.met is False for answer in judged) - other
+    unknown = sum(answer.met is None for answer in judged)
+    parts = [f"{total - wrong - other - unknown - refused} of {total} as expected"] if total else []
     if wrong:
         parts.append(f"{wrong} not")
     if other:
@@ -257,7 +278,10 @@ def _summary(record: RunRecord) -> Text:
         parts.append(f"{unknown} unknown")
     if refused:
         parts.append(f"{refused} cannot be checked")
-    return Text(", ".join(parts), style="red" if wrong else "yellow")
+    if estimated:
+        parts.append(f"{estimated} estimated")
+    style = "red" if wrong else "yellow" if other or unknown or refused else "green"
+    return Text(", ".join(parts), style=style)
 
 
 def _trace_title(network: Network, verdict: Verdict) -> str:

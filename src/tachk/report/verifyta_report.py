@@ -13,9 +13,11 @@ from tachk.diagnostics.span import Span
 from tachk.engines.options import SearchOrder
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import verifyta_values
-from tachk.report.process_memory import peak_memory
 from tachk.report.record import NotChecked, RunRecord
+from tachk.report.statistics.verifyta import statistical_lines, statistical_summary
+from tachk.report.verifyta_notes import harmless, memory_lines, note
 from tachk.semantics.timed_trace import Ending, TimedTrace
+from tachk.statistics.answers import StatisticalAnswer
 
 _ORDERS = {
     SearchOrder.AUTO: "breadth first",
@@ -38,6 +40,10 @@ def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:
         if isinstance(report, NotChecked):
             lines += heading_lines(number, report.span)
             lines.append(note(f"not checked: {report.reason}"))
+        elif isinstance(report, StatisticalAnswer):
+            lines += heading_lines(number, report.query.span)
+            lines += statistical_lines(report)
+            lines += statistical_summary(report)
         else:
             lines += heading_lines(number, report.query.span)
             lines += verdict_lines(report)
@@ -48,9 +54,10 @@ def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:
     return "\n".join(lines) + "\n"
 
 
-def numbered(record: RunRecord) -> Iterator[tuple[int, Verdict | NotChecked]]:
+def numbered(record: RunRecord) -> Iterator[tuple[int, Verdict | NotChecked | StatisticalAnswer]]:
     """The formulas with their numbers among all of the run: those of a verdict are the ones that are left."""
-    taken = {skipped.number: skipped for skipped in record.not_checked}
+    taken: dict[int, NotChecked | StatisticalAnswer] = {skipped.number: skipped for skipped in record.not_checked}
+    taken |= {answer.number: answer for answer in record.estimates}
     verdicts = iter(record.verdicts)
     for number in range(1, len(record.verdicts) + len(taken) + 1):
         yield number, taken[number] if number in taken else next(verdicts)
@@ -62,7 +69,7 @@ def option_lines(trace: str, order: SearchOrder, seed: int, notes: Sequence[str]
     yield f"  Generating {trace} trace"
     yield f"  Search order is {_ORDERS[order]}"
     yield f"  Seed is {seed}"
-    yield from (f"  tachk: {_harmless(text)}" for text in notes)
+    yield from (f"  tachk: {harmless(text)}" for text in notes)
 
 
 def heading_lines(number: int, span: Span) -> Iterator[str]:
@@ -124,10 +131,7 @@ def summary_lines(verdict: Verdict) -> Iterator[str]:
     yield f" -- States stored : {statistics.states_stored} states"
     yield f" -- States explored : {statistics.states_explored} states"
     yield f" -- CPU user time used : {round(statistics.user_seconds * 1000)} ms"
-    memory = peak_memory()
-    if memory is not None:
-        yield f" -- Virtual memory used : {memory[0]} KiB"
-        yield f" -- Resident memory used : {memory[1]} KiB"
+    yield from memory_lines()
 
 
 def place_of(span: Span) -> str:
@@ -136,13 +140,3 @@ def place_of(span: Span) -> str:
         return span.passage.path
     place = span.in_file
     return f"{place.source.name}:{place.source.line_column(place.start)[0]}"
-
-
-def note(text: str) -> str:
-    """A line that verifyta does not have."""
-    return f" -- tachk: {_harmless(text)}"
-
-
-def _harmless(text: str) -> str:
-    """A text of one line without the word by which scripts tell verdicts."""
-    return " ".join(text.split()).replace("satisfied", "fulfilled")

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.model.query import Query
 
 if TYPE_CHECKING:
+    from tachk.engines.options import Limits, Options
     from tachk.frontend.loaded import LoadedModel
+    from tachk.properties.questions import Questions
+    from tachk.statistics.answers import StatisticalAnswer
     from tachk.statistics.estimate import Estimate, Settings
 
 
@@ -99,13 +104,55 @@ class Estimable:
 
         if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
             raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
-        loaded = _with_doubles(self.loaded, self.path)
+        loaded = simulated(self.loaded, self.path)
         network = ordered(loaded.network, orders_of([fault] if isinstance(fault, str) else list(fault))).network
         settings = Settings(Source(seed, 0, threads, max_steps), confidence, epsilon, runs)
         asked = list(_asked(loaded, queries))
         if not asked:
             raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
         return Estimates(self.path, tuple(estimate(network, query, settings) for query in asked), settings)
+
+
+def share_of_searches(limits: Limits, formulas: Sequence[Query | UncheckedQuery]) -> Limits:
+    """The limits with the seconds that searches may take, so that the same share is left for each statistical query."""
+    searched = sum(isinstance(formula, Query) for formula in formulas)
+    drawn = sum(formula.family == "statistical" for formula in formulas if isinstance(formula, UncheckedQuery))
+    if limits.seconds is None or not drawn:
+        return limits
+    return replace(limits, seconds=limits.seconds * searched / (searched + drawn))
+
+
+def answers_among(
+    loaded: LoadedModel,
+    questions: Questions,
+    formulas: Sequence[Query | UncheckedQuery],
+    options: Options,
+    seconds: float | None,
+) -> dict[int, StatisticalAnswer | UncheckedQuery]:
+    """What comes of the statistical queries among those of a verification; as `answer_statistical`.
+
+    Args:
+        questions: what was asked about the model, from which the formulas come.
+        options: of the verification; its seed and its threads are those of the runs.
+
+    Raises InputError where a query that was typed is wrong.
+    """
+    from tachk.frontend.queries.statistical import is_statistical
+
+    if not any(map(is_statistical, formulas)):
+        return {}
+    from tachk.statistics.answers import answer_statistical
+    from tachk.statistics.estimate import Settings
+    from tachk.statistics.sampling import Source
+
+    settings = Settings(Source(options.seed, 0, max(options.threads, 1)))
+    found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, seconds)
+    for number, formula in enumerate(formulas, 1):
+        query = found.get(number)
+        typed = formula.span.in_file.source in questions.typed
+        if typed and isinstance(query, UncheckedQuery) and query.is_wrong:
+            raise InputError(query.diagnostics)
+    return found
 
 
 def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
@@ -120,7 +167,7 @@ def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
             yield read_statistical(query, loaded)
 
 
-def _with_doubles(loaded: LoadedModel, path: str) -> LoadedModel:
+def simulated(loaded: LoadedModel, path: str) -> LoadedModel:
     """The model with the floating point variables and hybrid clocks that a search leaves out, if it was read."""
     from tachk.diagnostics.span import Source
     from tachk.frontend.hybrid_clocks import hybrid_clocks

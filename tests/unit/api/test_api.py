@@ -7,6 +7,7 @@ import jsonschema
 import pytest
 
 import tachk
+from tachk.statistics.estimate import Estimated
 
 MODELS = Path(__file__).parents[3] / "models"
 SCHEMA = json.loads((Path(__file__).parents[3] / "docs/schema/verify.schema.json").read_text(encoding="utf-8"))
@@ -49,7 +50,12 @@ def test_verify_checks_all_properties(lamp: Path) -> None:
     report = tachk.load(lamp).verify()
     assert [verdict.answer for verdict in report] == [tachk.Answer.HOLDS, tachk.Answer.FAILS]
     assert report.met is True
-    assert [n.reason for n in report.record.not_checked] == ["statistical query: see `tachk estimate`"]
+    smc = report.estimates["smc"]
+    assert smc.met
+    assert isinstance(smc.found, Estimated)
+    assert [row["property"] for row in report.to_rows()] == ["bright", "never_low", "smc"]
+    with pytest.raises(KeyError, match=r"report.estimates\['smc'\] is its answer"):
+        report["smc"]
 
 
 def test_constants_are_keyword_arguments(lamp: Path) -> None:
@@ -110,7 +116,7 @@ def test_report_is_a_sequence_with_names(lamp: Path) -> None:
 
 def test_what_a_shell_shows_is_short(lamp: Path) -> None:
     report = tachk.load(lamp).verify()
-    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails, smc: not checked>"
+    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails, smc: 0.9245 to 1.0000>"
     assert repr(report["bright"]) == "<Verdict bright: holds, E<> Lamp.Bright>"
     judged = tachk.monitor("G a", {"time": [0, 1], "a": [1, 0]})
     assert repr(judged) == "<MonitorReport on the trace: p1: false>"
@@ -122,8 +128,7 @@ def test_what_is_wrong_with_a_property_that_was_asked_for(lamp: Path) -> None:
     model = tachk.load(lamp)
     with pytest.raises(tachk.InputError, match="E0730"):
         model.verify(property="open")
-    with pytest.raises(tachk.UsageError, match="smc is not checked: statistical query"):
-        model.verify(property="smc")
+    assert list(model.verify(property="smc").estimates) == ["smc"]
     with pytest.raises(tachk.UsageError, match=r"no property 'brigth' \(did you mean bright\?\)"):
         model.verify(property="brigth")
 

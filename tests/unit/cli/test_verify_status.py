@@ -23,7 +23,12 @@ MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } loc
         ("E<> n == 1\nE<> nobody == 1", ExitStatus.BAD_INPUT),
         ("E<> sin(n) < 1\nE<> nobody == 1", ExitStatus.BAD_INPUT),
         ("E<> n == 1\nE<> deadlock + 1 == 1", ExitStatus.UNSUPPORTED),
-        ("Pr[<=10](<> n == 1)", ExitStatus.UNSUPPORTED),
+        ("Pr[<=10](<> n == 1)", ExitStatus.AS_EXPECTED),
+        ("Pr[<=10](<> n == 1) >= 0.9", ExitStatus.AS_EXPECTED),
+        ("Pr[<=10](<> n == 2) >= 0.9", ExitStatus.NOT_AS_EXPECTED),
+        ("Pr[<=10](<> deadlock)", ExitStatus.UNSUPPORTED),
+        ("Pr[<=10](<> nobody)", ExitStatus.BAD_INPUT),
+        ("control: A[] n == 0", ExitStatus.UNSUPPORTED),
         ("A[] n == 0\nE<> sin(n) < 1", ExitStatus.NOT_AS_EXPECTED),
     ],
 )

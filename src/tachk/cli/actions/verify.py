@@ -23,7 +23,6 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits, Options, Pace
 from tachk.engines.outcome import INTERRUPTED
 from tachk.properties.variants.second_engine import DisagreementError
-from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Telling
@@ -192,15 +191,17 @@ def _verified(
 
 def _statuses(record: RunRecord) -> Iterable[ExitStatus]:
     """Everything that the outcome of a run amounts to; the gravest of them is the status."""
-    if any(verdict.reason == INTERRUPTED for verdict in record.verdicts):
+    met = [*(verdict.met for verdict in record.verdicts), *(answer.met for answer in record.estimates)]
+    reasons = {*(verdict.reason for verdict in record.verdicts), *(answer.reason for answer in record.estimates)}
+    if INTERRUPTED in reasons:
         yield ExitStatus.INTERRUPTED
     if any(query.is_wrong for query in record.not_checked):
         yield ExitStatus.BAD_INPUT
-    if any(verdict.met is False for verdict in record.verdicts):
+    if False in met:
         yield ExitStatus.NOT_AS_EXPECTED
     refused = any(query.diagnostics for query in record.not_checked)
     unsupported = any(verdict.unsupported is not None for verdict in record.verdicts)
     if record.refusals or record.nothing_checked or refused or unsupported:
         yield ExitStatus.UNSUPPORTED
-    if any(verdict.answer is Answer.UNKNOWN for verdict in record.verdicts):
+    if None in met:
         yield ExitStatus.UNKNOWN

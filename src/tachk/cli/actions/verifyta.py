@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import TextIO
 
@@ -17,7 +18,7 @@ from tachk import api
 from tachk.cli.actions.verifyta_options import TraceChoice, VerifytaOptions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
-from tachk.diagnostics.span import Source
+from tachk.diagnostics.span import Source as Text
 from tachk.engines.options import Options, Pace
 from tachk.engines.outcome import INTERRUPTED
 from tachk.formats.uppaal.intermediate import network_to_intermediate
@@ -26,6 +27,7 @@ from tachk.formats.uppaal.xtr import run_to_xtr
 from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
 from tachk.frontend.priority_readings import FIRST
 from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.frontend.queries.statistical import is_statistical
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -34,16 +36,22 @@ from tachk.properties.unanswered import refused
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
 from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
+from tachk.report.statistics.verifyta import Bars, Form, statistical_lines, statistical_summary
+from tachk.report.verifyta_notes import note
 from tachk.report.verifyta_report import (
     ending_lines,
     evidence,
     heading_lines,
-    note,
     option_lines,
     place_of,
     summary_lines,
     verdict_lines,
 )
+from tachk.statistics.answers import answer_statistical, has_run_time_error
+from tachk.statistics.deciding import Errors
+from tachk.statistics.estimate import Settings
+from tachk.statistics.sampling import Source
+from tachk.stepping.estimating import simulated
 from tachk.syntax.source_files import read_source
 
 Formula = Query | UncheckedQuery
@@ -63,6 +71,7 @@ def run_verifyta(options: VerifytaOptions) -> ExitStatus:
 
 
 def _check(options: VerifytaOptions) -> ExitStatus:
+    shown_as = form()
     model = api.load(options.model)
     if os.environ.get("UPPAAL_COMPILE_ONLY"):
         sys.stdout.write(network_to_intermediate(model.network))
@@ -103,9 +112,12 @@ def _check(options: VerifytaOptions) -> ExitStatus:
 
     known = verdicts_on(wanted) if options.reuse else {}
     statuses = []
+    simulations = cache(lambda: simulated(model.loaded, options.model))
     for number, formula in wanted:
         _print(heading_lines(number, formula.span))
-        if isinstance(formula, UncheckedQuery):
+        if is_statistical(formula):
+            statuses.append(_report_statistical(simulations, formula, options, shown_as))
+        elif isinstance(formula, UncheckedQuery):
             statuses.append(_report_unchecked(formula))
         else:
             verdict = known.get(number) or verdicts_on([(number, formula)])[number]
@@ -113,14 +125,14 @@ def _check(options: VerifytaOptions) -> ExitStatus:
     return worst(statuses)
 
 
-def _source(options: VerifytaOptions) -> Source | None:
+def _source(options: VerifytaOptions) -> Text | None:
     """The file of queries, if one is given."""
     if not options.queries:
         return None
-    return Source("<stdin>", sys.stdin.read()) if options.queries == "-" else read_source(options.queries)
+    return Text("<stdin>", sys.stdin.read()) if options.queries == "-" else read_source(options.queries)
 
 
-def _formulas(loaded: LoadedModel, source: Source | None) -> tuple[Formula, ...]:
+def _formulas(loaded: LoadedModel, source: Text | None) -> tuple[Formula, ...]:
     """What is to be checked, in the order in which UPPAAL counts."""
     if source is None:
         return loaded.formulas
@@ -157,6 +169,41 @@ def _report(number: int, verdict: Verdict, network: Network, options: VerifytaOp
         _error(place_of(verdict.query.span), f"no answer: {verdict.reason}")
         return ExitStatus.UNKNOWN
     return ExitStatus.AS_EXPECTED
+
+
+def _report_statistical(
+    load: Callable[[], LoadedModel], query: UncheckedQuery, options: VerifytaOptions, shown_as: Form
+) -> ExitStatus:
+    """Answers a statistical query and prints the answer."""
+    errors = Errors(options.alpha, options.beta, min(options.below, options.above))
+    settings = Settings(Source(options.seed % 2**32), 1 - options.alpha, options.epsilon, errors=errors)
+    answer = answer_statistical(load, [query], settings)[1]
+    if isinstance(answer, UncheckedQuery):
+        return _report_unchecked(answer)
+    if answer.reason == INTERRUPTED:
+        raise KeyboardInterrupt
+    _print(statistical_lines(answer, shown_as, Bars(options.bar_width, options.bar_count)))
+    if options.summary:
+        _print(statistical_summary(answer))
+    if answer.found is None:
+        _error(place_of(query.span), answer.reason)
+        return ExitStatus.UNSUPPORTED
+    if has_run_time_error(answer.found):
+        _error(place_of(query.span), "runs end with a run-time error")
+        return ExitStatus.UNKNOWN
+    if answer.met is None:
+        _error(place_of(query.span), "no answer: no decision after so many runs")
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED
+
+
+def form() -> Form:
+    """Which version's lines answer statistical queries. Raises UsageError."""
+    wanted = os.environ.get("TACHK_VERIFYTA_FORM", Form.V4)
+    try:
+        return Form(wanted)
+    except ValueError:
+        raise UsageError(f"TACHK_VERIFYTA_FORM is {wanted!r}", f"it is one of {', '.join(Form)}") from None
 
 
 def _report_unchecked(formula: UncheckedQuery) -> ExitStatus:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum, auto
+from math import inf, nan
 from typing import TypeVar
 
 from tachk.diagnostics.diagnostic import InternalError, UsageError
@@ -31,6 +32,10 @@ class VerifytaOptions:
     reuse: look for the answers to all queries in one search where that is possible.
     only: the number of the only formula to check, from 1.
     show_options, summary: what is printed besides verdicts.
+    alpha, beta: how probable each error of an answer to a statistical query may be.
+    epsilon: half the width of the interval of a probability.
+    below, above: how far from the probability of a test the region in which both answers are right begins and ends.
+    bar_width, bar_count: of the histograms of statistical queries.
     notes: what was asked for and has no effect.
     """
 
@@ -48,6 +53,13 @@ class VerifytaOptions:
     only: int | None = None
     show_options: bool = True
     summary: bool = False
+    alpha: float = 0.05
+    beta: float = 0.05
+    epsilon: float = 0.05
+    below: float = 0.01
+    above: float = 0.01
+    bar_width: float | None = None
+    bar_count: int | None = None
     wants_help: bool = False
     wants_version: bool = False
     notes: list[str] = field(default_factory=list)
@@ -74,7 +86,7 @@ _OPTIONS = (
     _Option("q", "no-options", False, "Do not print the options."),
     _Option("s", "silence-progress", False, "Show no progress; none is shown anyway."),
     _Option("o", "search-order", True, "Search: 0 breadth first, 1 depth first, 2 random depth first."),
-    _Option("r", "seed", True, "Seed of the random search."),
+    _Option("r", "seed", True, "Seed of the random search, and of the runs of statistical queries."),
     _Option(
         "n", "extrapolation", True, "Extrapolation: 0 automatic, 1 none, 2 and 3 largest bounds, 4 lower and upper."
     ),
@@ -86,20 +98,24 @@ _OPTIONS = (
     _Option("H", "hashtable-size", True, "No effect."),
     _Option("Z", "bit-state", False, "No effect: the search is complete."),
     _Option("O", "output", True, "No effect on queries that are checked: std or csv."),
-    _Option("D", "discretization", True, "No effect: for statistical queries."),
-    _Option("a", "alpha", True, "No effect: for statistical queries."),
-    _Option("B", "beta", True, "No effect: for statistical queries."),
-    _Option("E", "epsilon", True, "No effect: for statistical queries."),
+    _Option("a", "alpha", True, "Statistical queries: the confidence is 1 - VALUE, the first error of tests; 0.05."),
+    _Option("B", "beta", True, "Statistical queries: the second error of tests; 0.05."),
+    _Option("E", "epsilon", True, "Statistical queries: half the width of the interval of a probability; 0.05."),
+    _Option("", "delta-l", True, "Statistical queries: a test may err this far below the probability; 0.01."),
+    _Option("", "delta-u", True, "Statistical queries: a test may err this far above the probability; 0.01."),
+    _Option("w", "histogram-bar-width", True, "Statistical queries: the width of bars in histograms."),
+    _Option("", "histogram-bar-count", True, "Statistical queries: how many bars histograms have."),
+    _Option("D", "discretization", True, "No effect: clocks are not stepped."),
 )
 _NO_EFFECT = {
     "convex-hull": "zones are kept exact, so no verdict is weakened",
     "no-reduction": "it changes no verdict",
     "hashtable-size": "states are never confused with one another",
     "bit-state": "every state is kept, so no verdict is weakened",
+    "discretization": "clocks are not stepped",
 }
 _OF_OTHER_ANALYSES = (
-    *("discretization", "alpha", "beta", "epsilon", "delta-l", "delta-u", "u0", "u1", "histogram-bar-width"),
-    *("histogram-bar-count", "learning-method", "good-runs", "total-runs", "runs-pr-state", "eval-runs", "filter"),
+    *("u0", "u1", "learning-method", "good-runs", "total-runs", "runs-pr-state", "eval-runs", "filter"),
     *(
         "max-iterations",
         "max-reset-learning",
@@ -110,7 +126,7 @@ _OF_OTHER_ANALYSES = (
     ),
     *("generate-strategy", "memory-limit"),
 )
-"""With a value. All but the last are about statistics, learning or games."""
+"""With a value. All but the last are about learning, games, or details of statistics."""
 _SILENT = ("key", "lease", "lease-request", "lease-duration")
 """With a value, about licences; there is no licence here."""
 _SILENT_FLAGS = ("lease-release", "lease-install", "print-strategies")
@@ -124,6 +140,7 @@ _EXTRAPOLATIONS = {
     "3": Extrapolation.MAX,
     "4": Extrapolation.LU,
 }
+_STATISTICAL = {"alpha": "alpha", "beta": "beta", "epsilon": "epsilon", "delta-l": "below", "delta-u": "above"}
 _TRACES = {"0": TraceChoice.SOME, "1": TraceChoice.SHORTEST, "2": TraceChoice.FASTEST}
 
 _BY_LETTER = {option.short: option for option in _OPTIONS if option.short}
@@ -131,7 +148,6 @@ _BY_NAME = {
     **{option.long: option for option in _OPTIONS},
     **{name: _Option("", name, True) for name in (*_OF_OTHER_ANALYSES, *_SILENT)},
     **{name: _Option("", name, False) for name in _SILENT_FLAGS},
-    **{option.long: option for option in _OPTIONS if option.short in ("D", "a", "B", "E")},
 }
 
 
@@ -151,7 +167,11 @@ def help_text(program: str) -> str:
     for option in _OPTIONS:
         names = f"-{option.short} [ --{option.long} ]" if option.short else f"--{option.long}"
         lines.append(f"  {names + (' arg' if option.takes_value else ''):<36} {option.help}")
-    lines += ["", "With UPPAAL_COMPILE_ONLY=1 in the environment the model is printed in UPPAAL's intermediate format."]
+    lines += [
+        "",
+        "With UPPAAL_COMPILE_ONLY=1 in the environment the model is printed in UPPAAL's intermediate format. With",
+        "TACHK_VERIFYTA_FORM=5.0 answers to statistical queries look as UPPAAL 5.0 prints them, else as 4.1 does.",
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -227,14 +247,10 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
             parsed.xtr = value
         case "xml-trace":
             parsed.xml = value
-        case "symbolic-trace":
-            parsed.symbolic = True
-        case "concrete-trace":
-            parsed.symbolic = False
-        case "summary":
-            parsed.summary = True
-        case "nosummary":
-            parsed.summary = False
+        case "symbolic-trace" | "concrete-trace":
+            parsed.symbolic = option.long == "symbolic-trace"
+        case "summary" | "nosummary":
+            parsed.summary = option.long == "summary"
         case "no-options":
             parsed.show_options = False
         case "search-order":
@@ -246,6 +262,12 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
             parsed.seed = _integer(shown, value)
         case "extrapolation":
             parsed.extrapolation = _chosen(shown, value, _EXTRAPOLATIONS)
+        case name if name in _STATISTICAL:
+            setattr(parsed, _STATISTICAL[name], _share(shown, value))
+        case "histogram-bar-width":
+            parsed.bar_width = _positive(shown, value)
+        case "histogram-bar-count":
+            parsed.bar_count = max(1, _integer(shown, value))
         case "reuse":
             parsed.reuse = True
         case "query-index":
@@ -295,3 +317,20 @@ def _integer(option: str, value: str) -> int:
         return int(value)
     except ValueError:
         raise UsageError(f"{option} takes a number, not {value!r}") from None
+
+
+def _positive(option: str, value: str) -> float:
+    try:
+        number = float(value.removeprefix("="))
+    except ValueError:
+        number = nan
+    if not 0 < number < inf:
+        raise UsageError(f"{option} takes a positive number, not {value!r}")
+    return number
+
+
+def _share(option: str, value: str) -> float:
+    number = _positive(option, value)
+    if not number <= 0.5:
+        raise UsageError(f"{option} takes a number above 0 and at most 0.5, not {value!r}")
+    return number

@@ -61,7 +61,7 @@ _DEFAULT = Options()
     type=options.Count(0, LARGEST_SEED),
     default=_DEFAULT.seed,
     show_default=True,
-    help="Seed of the random order (--search rdfs).",
+    help="Seed of the random order (--search rdfs), and of the runs that answer statistical queries.",
 )
 @click.option(
     "--trace",
@@ -187,7 +187,7 @@ _DEFAULT = Options()
     help="Show every step of a run, also those of repeated rounds and those that the model hides.",
 )
 def command(**given: Any) -> None:
-    """Check the properties of models, or the given queries.
+    """Check the properties of models, or the given queries. Statistical queries are answered by random runs.
 
     Without a query, a query file or --property, tachk checks every property in the model.
     """

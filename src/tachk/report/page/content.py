@@ -116,3 +116,8 @@ class Page:
     def results(self) -> list[Mapping[str, Any]]:
         """All results of verification."""
         return [section.result for answers in self.answers for section in answers.sections]
+
+    @property
+    def estimates(self) -> list[Mapping[str, Any]]:
+        """All answers to statistical queries of verifications."""
+        return [estimate for answers in self.answers for estimate in answers.run.get("estimates", ())]

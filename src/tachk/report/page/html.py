@@ -17,6 +17,7 @@ from tachk.properties.verdict import Answer
 from tachk.report.json_report import Json
 from tachk.report.page.content import Answers, Page, Text
 from tachk.report.quantity import bytes_, grouped, seconds
+from tachk.report.statistics.answered import short_answer
 from tachk.resources import template_text
 
 _MARKS = {Answer.HOLDS.value: "✓", Answer.FAILS.value: "✗", Answer.UNKNOWN.value: "?"}
@@ -57,7 +58,7 @@ def _rendered(template: str, page: Page) -> str:
         loader=FunctionLoader(template_text), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters |= {"count": grouped, "seconds": seconds, "bytes": bytes_, "image": _image, "packed": packed}
-    environment.filters["markdown"] = _markdown
+    environment.filters |= {"markdown": _markdown, "short_answer": short_answer}
     environment.tests |= {
         "a_text": lambda part: isinstance(part, Text),
         "about_a_model": lambda p: isinstance(p, Answers),

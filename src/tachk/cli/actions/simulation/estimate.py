@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 from tachk import api
@@ -14,7 +14,6 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source as Text
-from tachk.engines.simulation.simulator import Ending
 from tachk.frontend.queries.statistical import is_statistical, read_statistical
 from tachk.model.query import Expectation
 from tachk.model.statistical import StatisticalQuery
@@ -24,10 +23,11 @@ from tachk.report.json_text import json_text
 from tachk.report.statistics.json import estimates_document
 from tachk.report.statistics.text import answer_lines
 from tachk.simulation.orders import ordered, orders_of
-from tachk.statistics.deciding import Decision, Errors
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Settings, Split, estimate
+from tachk.statistics.answers import as_expected
+from tachk.statistics.deciding import Errors
+from tachk.statistics.estimate import Estimate, Settings, estimate
 from tachk.statistics.rare import Splitting
-from tachk.statistics.sampling import Sample, Source
+from tachk.statistics.sampling import Source
 from tachk.syntax.source_files import read_source
 
 
@@ -126,15 +126,7 @@ def _queries(
 
 
 def _status(found: Estimate, expectation: Expectation | None) -> ExitStatus:
-    statuses = [ExitStatus.AS_EXPECTED]
-    if not isinstance(found, Drawn | Split):
-        samples: Iterable[Sample] = found.samples if isinstance(found, Decided) else (found.sample,)
-        if any(sample.endings[Ending.FAULT] for sample in samples):
-            statuses.append(ExitStatus.NOT_AS_EXPECTED)
-    if isinstance(found, Decided):
-        expected = Decision.FAILS if expectation is Expectation.FAILS else Decision.HOLDS
-        if found.decision is Decision.UNKNOWN:
-            statuses.append(ExitStatus.UNKNOWN)
-        elif found.decision is not expected:
-            statuses.append(ExitStatus.NOT_AS_EXPECTED)
-    return worst(statuses)
+    met = as_expected(found, expectation)
+    if met is None:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED if met else ExitStatus.NOT_AS_EXPECTED

@@ -1,0 +1,60 @@
+"""Answers to statistical queries beside the verdicts of a verification."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from tachk.report.statistics.json import answer_document
+from tachk.report.statistics.text import answer_lines, interval_text
+from tachk.statistics.answers import StatisticalAnswer
+
+
+def answered_lines(answer: StatisticalAnswer) -> Iterator[str]:
+    """The answer as `tachk estimate` prints it, and what was expected where it is another."""
+    query = answer.query
+    if answer.found is None:
+        yield f"{query.name}: {' '.join(query.text.split())}: unknown ({answer.reason})"
+        return
+    first, *others = answer_lines(answer.found, answer.settings)
+    expected = "" if query.expectation is None else f", expected {query.expectation.value}"
+    yield first + expected
+    yield from others
+
+
+def answered_document(answer: StatisticalAnswer) -> dict[str, Any]:
+    """The answer for programs: what docs/schema/verify.schema.json calls an estimate."""
+    query, settings = answer.query, answer.settings
+    return {
+        "name": query.name,
+        "title": query.title,
+        "query": query.text,
+        "expected": None if query.expectation is None else query.expectation.value,
+        "met": answer.met,
+        "reason": answer.reason,
+        "seed": settings.source.seed,
+        "confidence": settings.confidence,
+        "alpha": settings.errors.alpha,
+        "beta": settings.errors.beta,
+        "delta": settings.errors.delta,
+        "found": None if answer.found is None else answer_document(answer.found),
+    }
+
+
+def short_answer(found: Mapping[str, Any] | None) -> str:
+    """An answer in a few words, from what `answer_document` makes."""
+    if found is None:
+        return "unknown"
+    match found["kind"]:
+        case "probability" | "splitting":
+            return interval_text(found["low"], found["high"])
+        case "test":
+            return str(found["answer"])
+        case "mean" if found["low"] is not None:
+            return f"{found['mean']:.4g}; {interval_text(found['low'], found['high'])}"
+        case "mean":
+            ends = found["asymptotic"]
+            return "unknown" if None in ends else f"asymptotically {interval_text(*ends)}"
+        case _:
+            count = len(found["runs"])
+            return "1 run" if count == 1 else f"{count} runs"
