@@ -321,6 +321,7 @@ class Model(Estimable):
         last: bool = False,
         best: bool = True,
         worst: bool = True,
+        settled: bool = False,
         options: Options | None = None,
         limits: Limits | None = None,
         trace: bool = True,
@@ -332,6 +333,7 @@ class Model(Estimable):
                 None for the start of the run.
             last: from the last occurrence of the first event before the second one, not from the first.
             best, worst: what is measured.
+            settled: conditions count only where no process is in a committed location.
             trace: make the runs that take these times.
 
         Raises:
@@ -343,8 +345,8 @@ class Model(Estimable):
         from tachk.properties.times import BEST, WORST, times_between
 
         network = self.network
-        first = None if start is None else read_event(self.loaded, start, "--from")
-        second = read_event(self.loaded, end, "--to")
+        first = None if start is None else read_event(self.loaded, start, "--from", settled)
+        second = read_event(self.loaded, end, "--to", settled)
         asked = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
         return times_between(network, first, second, last, options or Options(), limits or Limits(), asked, trace)
 

@@ -9,9 +9,14 @@ from tachk.words import Direction
 
 @dataclass(frozen=True, slots=True)
 class BecomesTrue:
-    """A condition, without clocks and ``deadlock``, becomes true; at the start of a run if it is true there."""
+    """A condition, without clocks and ``deadlock``, becomes true; at the start of a run if it is true there.
+
+    Attributes:
+        settled: it does not count where a process is in a committed location.
+    """
 
     condition: Expression
+    settled: bool = False
 
 
 @dataclass(frozen=True, slots=True)

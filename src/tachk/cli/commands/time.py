@@ -30,6 +30,12 @@ from tachk.cli.reporting import TableForm
     "worst", "--worst", is_flag=True, help="Only the largest time, and whether the second event may not come."
 )
 @click.option(
+    "settled",
+    "--settled",
+    is_flag=True,
+    help="Look at conditions only where no process is in a committed location, as temporal properties do.",
+)
+@click.option(
     "over",
     "--over",
     metavar="NAME=A..B",
@@ -56,6 +62,7 @@ def command(
     last: bool,
     best: bool,
     worst: bool,
+    settled: bool,
     over: tuple[str, ...],
     traces: bool,
     definitions: tuple[str, ...],
@@ -68,5 +75,5 @@ def command(
     from tachk.cli.tables.time import Measured, run_time
     from tachk.engines.options import Limits
 
-    asked = Measured(model, start, end, last, best, worst, over, definitions)
+    asked = Measured(model, start, end, last, best, worst, settled, over, definitions)
     options.finish(lambda: run_time(asked, Limits(states=states, seconds=seconds), form, output, traces), seconds)

@@ -34,6 +34,7 @@ class Measured:
     last: bool = False
     best: bool = False
     worst: bool = False
+    settled: bool = False
     over: tuple[str, ...] = ()
     definitions: tuple[str, ...] = ()
 
@@ -70,6 +71,7 @@ def run_time(
                 last=asked.last,
                 best=asked.best or not asked.worst,
                 worst=asked.worst or not asked.best,
+                settled=asked.settled,
                 limits=limits.after(monotonic() - began),
                 trace=traces,
             )

@@ -20,11 +20,12 @@ from tachk.syntax.parsing.parser import parse_expression, parse_synchronisation
 from tachk.words import Direction
 
 
-def read_event(loaded: LoadedModel, text: str, option: str) -> Event:
+def read_event(loaded: LoadedModel, text: str, option: str, settled: bool = False) -> Event:
     """The event that a text names in a model.
 
     Args:
         option: what messages call the text.
+        settled: a condition does not count where a process is in a committed location.
 
     Raises:
         InputError: with every diagnostic that was found.
@@ -34,7 +35,7 @@ def read_event(loaded: LoadedModel, text: str, option: str) -> Event:
     event = _event(Source(option, text), loaded.scope, context)
     if event is None or findings.has_errors:
         raise InputError(findings.sorted())
-    return event
+    return replace(event, settled=settled) if isinstance(event, BecomesTrue) else event
 
 
 def _event(source: Source, scope: Scope, context: Context) -> Event | None:
