@@ -6,6 +6,7 @@ True, false and undetermined differ in shape, not only in colour: filled, hatche
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,6 +46,9 @@ _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
 _HATCH = {Truth.TRUE: "", Truth.FALSE: "//////", Truth.UNDETERMINED: ".."}
 _SIGNAL = "#22577a"
+_SHORTEST_LABEL, _LONGEST_LABEL = 8, 200
+"""Characters: so many fit always, no more than so many fit ever."""
+
 _STYLE = {"hatch.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False}
 
 
@@ -294,12 +298,19 @@ def _label(text: str, taken: float = 0.0) -> str:
         taken: how many inches there are not for it.
     """
     room = (_WIDTH * _LEFT - taken - _LABEL_GAP) * 72
-    shown = text
-    kept = len(text)
-    while kept > 8 and TextPath((0, 0), shown, size=_LABEL).get_extents().width > room:
-        kept -= 1
-        shown = f"{text[: kept // 2]}…{text[len(text) - (kept - kept // 2) :]}"
-    return shown
+
+    def fits(shown: str) -> bool:
+        return bool(TextPath((0, 0), shown, size=_LABEL).get_extents().width <= room)
+
+    def shortened(kept: int) -> str:
+        return f"{text[: kept // 2]}…{text[len(text) - (kept - kept // 2) :]}"
+
+    if len(text) <= _SHORTEST_LABEL or (len(text) <= _LONGEST_LABEL and fits(text)):
+        return text
+    # Each length keeps the characters of the one below it and one more.
+    lengths = range(_SHORTEST_LABEL + 1, min(len(text), _LONGEST_LABEL))
+    kept = bisect_left(lengths, True, key=lambda length: not fits(shortened(length))) + _SHORTEST_LABEL
+    return shortened(kept)
 
 
 def _short(text: str, most: int) -> str:
