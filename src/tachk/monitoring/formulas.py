@@ -109,7 +109,7 @@ def read_formulas(
         InputError: with everything that is wrong.
         UsageError: the file cannot be read, or states nothing that can be monitored.
     """
-    if not isinstance(given, str) or _is_file(given):
+    if names_file(given):
         path = Path(given)
         if path.suffix.lower() in _NEVER_FORMULAS:
             raise _exchanged(path)
@@ -191,12 +191,14 @@ def _ratio(own: str, common: str) -> Fraction:
     return Fraction(1) if first is None or second is None else first / second
 
 
-def _is_file(text: str) -> bool:
+def names_file(given: str | os.PathLike[str]) -> bool:
     """Whether an argument names a file rather than being a formula."""
-    if len(text) > 4096 or "\n" in text:
+    if not isinstance(given, str):
+        return True
+    if "\n" in given:
         return False
-    looks = text.endswith((*FORMULA_SUFFIXES, *MODEL_SUFFIXES)) and not re.search(r"\s", text)
-    return looks or Path(text).is_file()
+    looks = given.endswith((*FORMULA_SUFFIXES, *MODEL_SUFFIXES)) and not re.search(r"\s", given)
+    return looks or os.path.isfile(given)  # unlike Path.is_file false for a text that is too long
 
 
 def _checked(read: list[NamedFormula | tuple[Diagnostic, ...]], what: str) -> tuple[NamedFormula, ...]:

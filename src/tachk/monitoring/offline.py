@@ -16,7 +16,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.compiler import ticks_needed
-from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, read_formulas
+from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, names_file, read_formulas
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
 from tachk.monitoring.texts import Texts, text_columns
@@ -102,7 +102,7 @@ def monitor(
     formulas = selected(formulas_of(formula, constants), select)
     judging = Judging(ending, interpolation_of(interpolation), robustness, time_robustness)
     recording = open_trace(trace, time, unit, ports)
-    source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
+    source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and names_file(formula) else ""
     return MonitorReport(judge(formulas, recording, judging, source))
 
 

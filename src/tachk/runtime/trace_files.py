@@ -162,13 +162,13 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None, po
         return _Ready(source)
     if path is None:
         return open_table(source, time, unit)
-    if path.is_dir():
+    if os.path.isdir(path):  # unlike Path.is_dir false for a name that is too long
         if (path / "metadata.yaml").is_file():
             return _bag(path, time, unit, ports)
         raise UsageError(f"{path} is a folder, not a trace", "a bag of ROS 2 is one with metadata.yaml")
     for known in FORMATS:
         if path.suffix.lower() in known.suffixes:
             return known.open(path, time, unit, ports)
-    if not path.suffix or not path.is_file():
+    if not path.suffix or not os.path.isfile(path):
         return CSV.open(path, time, unit, ports)
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.monitoring.formulas import check_order, in_trace_units, read_formulas
 from tachk.runtime.node_signal import Truth
@@ -55,6 +57,45 @@ def test_files_hold_named_formulas_and_sentences(tmp_path: Path) -> None:
     ]
     assert read[3].sentence == "Whenever p becomes true, within 5 s, q must be true."
     assert [sorted(f.columns) for f in read] == [["p", "q"], ["p", "q"], ["x"], ["p", "q"]]
+
+
+LONG = "G (" + " && ".join(["x < 5"] * 40) + ")"
+"""Longer than the name of any file."""
+
+
+def test_a_formula_is_no_file_name_however_long_it_is() -> None:
+    trace = {"time": [0, 1], "x": [1.0, 2.0]}
+    assert tachk.monitor(LONG, trace).truth is Truth.TRUE
+    assert tachk.Monitor(LONG).update(0, x=1) is Truth.UNDETERMINED
+    assert tachk.mine(LONG.replace("5", "C"), [trace], {"C": (0, 9)}).value == 2
+    with pytest.raises(InputError):
+        read_formulas("G (x < 5\0)")
+
+
+def test_a_trace_whose_name_is_too_long_is_refused_as_one_that_is_not_there() -> None:
+    for name in ("a" * 300, "a" * 300 + ".csv", "a" * 5000):
+        with pytest.raises(UsageError):
+            tachk.monitor("G (x < 5)", name)
+
+
+def test_only_a_file_of_formulas_is_their_source() -> None:
+    assert tachk.monitor("G (x < 5.5)", {"time": [0], "x": [1]}).record.formulas == ""
+
+
+@pytest.mark.parametrize("command", ["monitor", "mine", "plot", "explain", "requirements", "simulate"])
+def test_every_command_takes_a_long_formula(command: str, tmp_path: Path) -> None:
+    trace, model = tmp_path / "a.csv", tmp_path / "m.ta"
+    trace.write_text("time,x\n0,1\n1,2\n")
+    model.write_text("int x; process P() { init location A; } system P;")
+    arguments = {
+        "monitor": [LONG, str(trace)],
+        "mine": [LONG.replace("5", "C"), str(trace), "--over", "C=0..9"],
+        "plot": [LONG, str(trace), "-o", str(tmp_path / "a.svg")],
+        "simulate": [str(model), "--until", "2", "--monitor", LONG],
+        "explain": [LONG],
+        "requirements": [LONG],
+    }
+    assert CliRunner().invoke(app, [command, *arguments[command]]).exit_code == 0
 
 
 def test_every_mistake_of_a_file_is_reported(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import TextIO
 
 from tachk.cli.actions.judged import Judged, exit_status
@@ -15,6 +14,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.terminal import console
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.formulas import names_file
 from tachk.monitoring.offline import Judging, judge
 from tachk.report.monitor.record import MonitorRecord
 from tachk.report.monitor.text import print_monitor
@@ -46,7 +46,7 @@ def run_monitor(
         from tachk.cli.actions.monitor_online import run_online
 
         return run_online(judged, formulas, judging, rows, told, reporting)
-    source = judged.formula if Path(judged.formula).suffix else ""
+    source = judged.formula if names_file(judged.formula) else ""
     record = judge(formulas, judged.recording(), judging, source)
     if judged.called is not None:
         record = replace(record, trace=replace(record.trace, name=judged.called))
