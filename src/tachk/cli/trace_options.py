@@ -32,6 +32,17 @@ def trace(more: str = "") -> Callable[[Decorated], Decorated]:
     return add
 
 
+definitions = click.option(
+    "definitions",
+    "-D",
+    "--define",
+    metavar="NAME=NUMBER",
+    multiple=True,
+    help="Give a name in the formulas a value, or a constant of the model another one.",
+)
+"""``-D`` of the commands that read formulas."""
+
+
 def columns(function: Decorated) -> Decorated:
     """``--time``, ``--unit``, ``--port``, ``--property`` and ``--interpolation`` of the commands that read a trace."""
     for option in (
@@ -42,14 +53,7 @@ def columns(function: Decorated) -> Decorated:
             show_default=True,
             help="Between rows, numbers stay constant or change along straight lines.",
         ),
-        click.option(
-            "definitions",
-            "-D",
-            "--define",
-            metavar="NAME=NUMBER",
-            multiple=True,
-            help="Give a name in the formulas a value, or a constant of the model another one.",
-        ),
+        definitions,
         click.option("names", "--property", metavar="NAME", multiple=True, help="Check only this formula of the file."),
         click.option("--unit", metavar="UNIT", help="The unit of the times, if the trace does not say it: ms, s, ..."),
         click.option("--time", metavar="NAME", help="The time column, if its name is not time, t or timestamp."),

@@ -19,11 +19,12 @@ from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
 from tachk.report.run.trace_view import Snapshot, view_trace
+from tachk.requirements.folding import folded
 from tachk.requirements.rules import Demand, Rule, Trigger, rules_of
 from tachk.requirements.signals import NotFollowed, Signals, signals_of
 from tachk.requirements.world import NOW, SETTLED, World
 from tachk.syntax import ast
-from tachk.syntax.formula import Atom, Formula
+from tachk.syntax.formula import Atom, Formula, Truth
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
 
@@ -46,7 +47,7 @@ class FindingKind(StrEnum):
     REDUNDANT = "redundant"
     """One says nothing that the others do not say."""
     VACUOUS = "vacuous"
-    """What one speaks of never happens where the others hold."""
+    """What one speaks of never happens where all hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +97,7 @@ def analyse(named: Iterable[tuple[str, Formula]], limits: Limits = Limits()) -> 
 
 
 def _followed(name: str, formula: Formula) -> Requirement:
+    formula = folded(formula)
     try:
         signals_of([formula])
         return Requirement(name, formula, rules_of(formula))
@@ -116,6 +118,8 @@ class _Analyst:
         self.findings: list[Finding] = []
         self.undecided: list[str] = []
         self.dead_ends: dict[tuple[str, ...], tuple[Moment, ...]] = {}
+        # Requirements whose own trigger never happens where they and the others of a set hold.
+        self.forbidden: dict[tuple[Requirement, ...], list[Requirement]] = {}
 
     def analysis(self) -> Analysis:
         for each in self.requirements:
@@ -130,6 +134,9 @@ class _Analyst:
             self._ask(f"whether some of {_listed(group)} can collide", self._collisions)
             for each in group:
                 self._ask(f"whether {each.name} says something of its own", partial(self._own_part, each))
+            for core, members in self.forbidden.items():
+                self._report(FindingKind.VACUOUS, members, core)
+            self.forbidden.clear()
         names = tuple(signal.name for signal in self.signals.all)
         return Analysis(self.requirements, names, tuple(self.findings), tuple(self.undecided))
 
@@ -189,12 +196,14 @@ class _Analyst:
 
     def _redundancy(self, each: Requirement) -> None:
         others = self._others(each)
-        if not others or not self._implied(each, others):
+        if not self._implied(each, others):
             return
         core = self._smallest(others, lambda chosen: self._implied(each, chosen))
         self._report(FindingKind.REDUNDANT, (each,), core)
 
     def _implied(self, each: Requirement, others: Sequence[Requirement]) -> bool:
+        if isinstance(each.formula, Truth):
+            return each.formula.value
         encoded = rewrite(each.formula, self._encoded)
         verdict = self._verdict(self._world(others, speaking=each).text(), print_formula(encoded), decided=False)
         return verdict.answer is Answer.HOLDS
@@ -203,10 +212,15 @@ class _Analyst:
         triggers = [rule.trigger for rule in each.rules if rule.trigger != Trigger() and not rule.trigger.initially]
         if len(triggers) < len(each.rules) or not triggers:
             return
-        if not self._never(each, triggers, self._others(each)):
+        if not self._never(each, triggers, self.followed):
             return
-        core = self._smallest(self._others(each), lambda chosen: self._never(each, triggers, chosen))
-        self._report(FindingKind.VACUOUS, (each,), core)
+        never = partial(self._never, each, triggers)
+        others = self._others(each)
+        if never(others):
+            self._report(FindingKind.VACUOUS, (each,), self._smallest(others, never))
+        elif not all(_forbids(rule) for rule in each.rules):
+            core = self._smallest(self.followed, never)
+            self.forbidden.setdefault(core, []).append(each)
 
     def _never(self, each: Requirement, triggers: Sequence[Trigger], others: Sequence[Requirement]) -> bool:
         anything = ast.BooleanLiteral(NOWHERE, True)
@@ -305,6 +319,11 @@ class _Analyst:
     ) -> None:
         names = tuple(each.name for each in requirements)
         self.findings.append(Finding(kind, names, tuple(each.name for each in by), run))
+
+
+def _forbids(rule: Rule) -> bool:
+    """Whether a rule says of its trigger only that it must not happen."""
+    return rule.demand is not Demand.COME and rule.condition == ast.BooleanLiteral(rule.condition.span, False)
 
 
 def _listed(requirements: Sequence[Requirement]) -> str:

@@ -67,22 +67,21 @@ class World:
 
     def _world(self) -> list[str]:
         numbers = self.used
-        select = ", ".join(f"{CHOSEN}{n} : int[0, {self.signals.all[n].largest}]" for n in numbers)
+        ranges = ", ".join(f"{CHOSEN}{n} : int[0, {self.signals.all[n].largest}]" for n in numbers)
+        select = f"select {ranges};" if ranges else ""
         allowed = " && ".join(f"({part})" for part in self._allowed()) or "true"
         change = " || ".join(f"{CHOSEN}{n} != {NOW}{n}" for n in numbers) or "false"
-        assign = ", ".join(f"{NEXT}{n} = {CHOSEN}{n}" for n in numbers)
+        moves = ", ".join(f"{NEXT}{n} = {CHOSEN}{n}" for n in numbers)
+        assign = f"assign {moves};" if moves else ""
         latched = [f"o{n} = {self._held(n, NEXT)} ? 1 : 0" for n in range(len(self._once()))]
         moved = [f"{NOW}{n} = {NEXT}{n}" for n in numbers] + [f"{NEXT}{n} = 0" for n in numbers]
         taken = ", ".join((*latched, *moved, "begun = 1", "w = 0"))
         return [
             "process World() {",
             "clock w;",
-            f"urgent init location Start {{ to Chosen {{ select {select}; guard {allowed}; assign {assign}; }} }}",
+            f"urgent init location Start {{ to Chosen {{ {select} guard {allowed}; {assign} }} }}",
             f"committed location Chosen {{ to Running {{ sync step!; assign {taken}; }} }}",
-            (
-                f"location Running {{ to Chosen {{ select {select}; guard w > 0 && ({change}) && {allowed};"
-                f" assign {assign}; }} }}"
-            ),
+            (f"location Running {{ to Chosen {{ {select} guard w > 0 && ({change}) && {allowed}; {assign} }} }}"),
             "}",
         ]
 

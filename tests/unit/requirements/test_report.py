@@ -11,6 +11,7 @@ import pytest
 from tachk.cli.actions.requirements.run import run_requirements
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.requirements.analysis import FindingKind
 
 ROOT = Path(__file__).parents[3]
@@ -70,3 +71,32 @@ def test_what_no_other_requirement_is_to_blame_for_names_none(tmp_path: Path) ->
     assert "redundant: b always holds" in lines
     _, told = found(tmp_path, str(file))
     assert [finding["by"] for finding in told["findings"]] == [[], []]
+
+
+def test_constants_of_the_file_are_no_signals(tmp_path: Path) -> None:
+    file, output = tmp_path / "set.stl", tmp_path / "found.txt"
+    file.write_text(
+        "const N = 3\nconst T = 2.5\na: G (N > 2)\nb: G (x > 2 * N -> y)\nc: G (x > 7 -> F[0, T] !y)\n",
+        encoding="utf-8",
+    )
+    assert run_requirements(str(file), output=output) is ExitStatus.NOT_AS_EXPECTED
+    assert output.read_text(encoding="utf-8").splitlines() == [
+        "3 requirements about x, y",
+        "",
+        "redundant: a always holds",
+    ]
+    # With other values the trigger of `b` never happens, and `a` cannot be satisfied.
+    assert run_requirements(str(file), output=output, definitions=("N=2", "T=1")) is ExitStatus.NOT_AS_EXPECTED
+    assert "inconsistent: no run satisfies a for ever" in output.read_text(encoding="utf-8")
+    with pytest.raises(UsageError):
+        run_requirements(str(file), output=output, definitions=("M=2",))
+
+
+def test_what_demands_forbid_together_is_told_of_both(tmp_path: Path) -> None:
+    file, output = tmp_path / "set.stl", tmp_path / "found.txt"
+    file.write_text("a: G (p -> q)\nb: G (p -> !q)\n", encoding="utf-8")
+    assert run_requirements(str(file), output=output) is ExitStatus.NOT_AS_EXPECTED
+    assert "vacuous: what a and b speak of never happens if a and b hold" in output.read_text(encoding="utf-8")
+    _, told = found(tmp_path, str(file))
+    (finding,) = told["findings"]
+    assert (finding["requirements"], finding["by"]) == (["a", "b"], ["a", "b"])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tachk.cli import options
+from tachk.cli import options, trace_options
 from tachk.cli.reporting import ReportForm
 
 
@@ -21,8 +21,11 @@ from tachk.cli.reporting import ReportForm
     help="Form of the report.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@trace_options.definitions
 @options.max_seconds("Stop each search after this time; what it was to find out is then not known.")
-def command(file: str, form: ReportForm, output: Path | None, seconds: float | None) -> None:
+def command(
+    file: str, form: ReportForm, output: Path | None, seconds: float | None, definitions: tuple[str, ...]
+) -> None:
     """Examine requirements before there is a model: can all be satisfied, can two deadlines collide, does one follow
     from others, does what one speaks of never happen?
 
@@ -30,4 +33,4 @@ def command(file: str, form: ReportForm, output: Path | None, seconds: float | N
     """
     from tachk.cli.actions.requirements.run import run_requirements
 
-    options.finish(lambda: run_requirements(file, form, output, seconds))
+    options.finish(lambda: run_requirements(file, form, output, seconds, definitions))

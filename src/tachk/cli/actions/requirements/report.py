@@ -40,7 +40,7 @@ def _sentence(finding: Finding) -> str:
             return f"redundant: {names} follows from {by}" if by else f"redundant: {names} always holds"
         case FindingKind.VACUOUS:
             reason = f" if {by} {'hold' if len(finding.by) > 1 else 'holds'}" if by else ""
-            return f"vacuous: what {names} speaks of never happens{reason}"
+            return f"vacuous: what {names} speak{'s' if len(finding.names) == 1 else ''} of never happens{reason}"
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -10,29 +10,34 @@ from pathlib import Path
 from rich.console import Console
 
 from tachk.cli.actions.requirements.report import tell, to_json
+from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
 from tachk.engines.options import Limits
-from tachk.logic.durations import resolve, scaled
-from tachk.monitoring.formulas import NamedFormula, read_formulas
-from tachk.monitoring.given_constants import constants_by_name
+from tachk.logic.durations import scaled
+from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
 from tachk.requirements.analysis import analyse
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.walk import nodes_of_kind
 
 
 def run_requirements(
-    file: str, form: ReportForm = ReportForm.TEXT, output: Path | None = None, seconds: float | None = None
+    file: str,
+    form: ReportForm = ReportForm.TEXT,
+    output: Path | None = None,
+    seconds: float | None = None,
+    definitions: tuple[str, ...] = (),
 ) -> ExitStatus:
     """Tells what is wrong with a set of requirements.
 
     Args:
         seconds: for each search.
+        definitions: values of names in bounds and conditions, each ``NAME=VALUE``.
     """
-    named = read_formulas(file)
+    named = read_formulas(file, parse_definitions(definitions))
     unit = _unit(named)
-    formulas = [resolve(each.formula, constants_by_name(each.constants or {}), unit) for each in named]
+    formulas = [in_trace_units(each, (), unit) for each in named]
     scale = _scale(formulas)
     whole = [(each.name, scaled(formula, Fraction(scale))) for each, formula in zip(named, formulas, strict=True)]
     analysis = analyse(whole, Limits(seconds=seconds))
