@@ -116,7 +116,7 @@ def read_formulas(
         if path.suffix.lower() in MODEL_SUFFIXES:
             return _model_formulas(path, definitions or {})
         return defined(_file_formulas(path), definitions or {})
-    return defined(_text_formulas(given), definitions or {})
+    return defined(_text_formulas(str(given)), definitions or {})
 
 
 def defined(formulas: tuple[NamedFormula, ...], definitions: Mapping[str, str | Fraction]) -> tuple[NamedFormula, ...]:
