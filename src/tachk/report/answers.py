@@ -69,6 +69,8 @@ class Report(Sequence[Verdict]):
 
     def to_rows(self) -> list[dict[str, str | int | float | bool | None]]:
         """One flat dictionary for each answer, with the model's constants: what `pandas.DataFrame` takes."""
+        from tachk.report.extreme_text import value_lines
+
         constants = dict(self.record.network.constants)
         rows: list[dict[str, str | int | float | bool | None]] = [
             {
@@ -76,6 +78,7 @@ class Report(Sequence[Verdict]):
                 **constants,
                 "property": verdict.query.name,
                 "answer": verdict.answer.value,
+                "values": "; ".join(value_lines(verdict, self.record.network.time_unit)) or None,
                 "met": verdict.met,
                 "states_stored": verdict.statistics.states_stored,
                 "states_explored": verdict.statistics.states_explored,

@@ -17,6 +17,11 @@ def value_lines(verdict: Verdict, time_unit: str) -> Iterator[str]:
         yield ", ".join(_said(found.expression, extreme, largest, unit) for extreme, largest in asked(found))
 
 
+def answer_text(verdict: Verdict, time_unit: str) -> str:
+    """The answer in a word, or the values where these are the answer: ``holds``, ``P.x ≤ 2 ms``."""
+    return "; ".join(value_lines(verdict, time_unit)) or verdict.answer.value
+
+
 def value_shown(verdict: Verdict, time_unit: str) -> str:
     """What the trace of a verdict shows: ``P.x is 15 ms``."""
     for operand, found in zip(verdict.query.operands, verdict.extremes, strict=True):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
+from tachk.report.extreme_text import answer_text
 from tachk.report.quantity import grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.statistics.answered import answered_document, short_answer
@@ -27,6 +28,13 @@ def run_to_html(record: RunRecord) -> str:
         if title
     ]
     estimates = [(answer, short_answer(answered_document(answer)["found"])) for answer in record.estimates]
+    answers = {verdict.query.name: answer_text(verdict, record.network.time_unit) for verdict in record.verdicts}
     return template.render(
-        record=record, estimates=estimates, runs=runs, colours=_COLOURS, count=grouped, seconds=seconds
+        record=record,
+        answers=answers,
+        estimates=estimates,
+        runs=runs,
+        colours=_COLOURS,
+        count=grouped,
+        seconds=seconds,
     )

@@ -19,7 +19,7 @@ from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
-from tachk.report.extreme_text import value_lines, value_shown
+from tachk.report.extreme_text import answer_text, value_lines, value_shown
 from tachk.report.plain_console import plain_console
 from tachk.report.quantity import bytes_, duration, grouped, seconds
 from tachk.report.record import RunRecord
@@ -45,6 +45,9 @@ _COSTS = ("states", "time", "memory")
 _COLUMNS = ("  property", "answer", "expected", *_COSTS, "meaning")
 _BETWEEN = 2
 """Blanks between columns."""
+_ROOM_FOR_VALUES = 45
+_SEE_BELOW = "see below"
+"""Instead of values that need more columns than that."""
 _ROOM_FOR_WORDS = 30
 """Columns that a meaning gets, before costs get some."""
 
@@ -131,8 +134,8 @@ def evidence_text(network: Network, verdict: Verdict, telling: Telling = Telling
 
 
 def _print_values(record: RunRecord, console: Console) -> None:
-    """What was asked for by `sup`, `inf` and `bounds`, below the table."""
-    told = [verdict for verdict in record.verdicts if verdict.extremes]
+    """The values of `sup`, `inf` and `bounds` for which the table has no room."""
+    told = [verdict for verdict in record.verdicts if _answer(record, verdict) == _SEE_BELOW]
     if told:
         console.print()
     for verdict in told:
@@ -243,7 +246,7 @@ def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:
     expected = query.expectation.value if query.expectation else "-"
     cells = (
         Text.assemble((f"{mark} ", "red"), query.name),
-        Text(verdict.answer.value, style=_STYLES[verdict.answer]),
+        Text(_answer(record, verdict), style=_STYLES[verdict.answer]),
         Text(expected, style="" if verdict.met is not False else "bold red"),
         Text(grouped(statistics.states_stored)),
         Text(seconds(statistics.seconds)),
@@ -251,6 +254,12 @@ def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:
         Text(query.title or query.text, style="dim"),
     )
     return dict(zip(_COLUMNS, cells, strict=True))
+
+
+def _answer(record: RunRecord, verdict: Verdict) -> str:
+    """What the table says; values that need more room are below it."""
+    text = answer_text(verdict, record.network.time_unit)
+    return text if len(text) <= _ROOM_FOR_VALUES else _SEE_BELOW
 
 
 def _summary(record: RunRecord) -> Text:
