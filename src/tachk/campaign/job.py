@@ -115,7 +115,8 @@ class Verification:
             model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
             formulas = self.questions.about(model)
             statistical = [query for query in formulas if is_statistical(query)]
-            rows = [_estimated(estimate(model.network, read_statistical(q, model), self.settings)) for q in statistical]
+            asked = [read_statistical(query, model) for query in statistical]
+            rows = [_estimated(estimate(each.network or model.network, each, self.settings)) for each in asked]
         queries = checked(formulas)
         if queries:
             limits = self.limits.after(monotonic() - began)

@@ -38,7 +38,7 @@ class ClockUpdates:
 
     def find(self, network: Network, known: Known) -> None:
         """Notes what clocks may be set to: the largest value of each, what divides all of them, and copies. Raises
-        UnsupportedError for a value that is too large, and for copies where clocks stop."""
+        UnsupportedError for a value that is too large."""
         for node in clock_assignments(network_expressions(network)):
             whole = clock_sum(node.value)
             if whole is None:
@@ -51,8 +51,6 @@ class ClockUpdates:
                 self.unit = gcd(self.unit, divisor(offset, known))
                 self.largest = max(self.largest, high)
             if whole.clock is not None:
-                if any(location.rates for process in network.processes for location in process.locations):
-                    raise _copied_stopwatch(node.span)
                 for copy in self.copies_of([node], known):
                     self.copies.setdefault(copy, node.span)
                 continue
@@ -99,6 +97,12 @@ class ClockUpdates:
         if found is None:
             raise _too_many_differences(most, next(span for copy, span in self.copies.items() if copy.largest > 0))
         return found
+
+    def check_copies(self, network: Network) -> None:
+        """Raises UnsupportedError for copies where clocks stop."""
+        stops = any(location.rates for process in network.processes for location in process.locations)
+        if self.copies and stops:
+            raise _copied_stopwatch(next(iter(self.copies.values())))
 
 
 def _too_many_differences(most: int, span: Span) -> UnsupportedError:

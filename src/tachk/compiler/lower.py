@@ -64,6 +64,7 @@ def lower(
     """
     known = known_values(network, predicates)
     lowering = _lowered(network, known, tables, never_taken(network))
+    lowering.clocks.check_copies(network)
     goals = []
     observed: list[Observed] = []
     for goal, compared in (compile_goal(predicate, known, lowering.compiler) for predicate in predicates):
@@ -105,6 +106,7 @@ def lower_measures(
     """
     known = known_values(network, [*asked, *(part for m in measured for part in (m.where, m.beyond))])
     lowering = _lowered(network, known, tables)
+    lowering.clocks.check_copies(network)
     measures = []
     compiled = [compile_goal(each, known, lowering.compiler) for each in asked]
     goals = [goal for goal, _ in compiled]

@@ -1,8 +1,9 @@
 """Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
 
 Clocks that are declared so are, and plain ones that are used like them: with rates that are not certainly 0 or 1, with
-floating point numbers, or in arithmetic other than `x = y + e`. Only names are looked at; a plain clock that is taken
-for a hybrid one needlessly has the same runs, but for the rounding of floating point numbers.
+floating point numbers, in guards over urgent channels, or in arithmetic other than `x = y + e`. Only names are looked
+at; a plain clock that is taken for a hybrid one needlessly has the same runs, but for the rounding of floating point
+numbers.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
+from tachk.words import Direction
 
 _ARITHMETIC = (BinaryOperator.MULTIPLY, BinaryOperator.DIVIDE)
 _TRUTHS = (*COMPARISONS, BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR)
@@ -40,11 +42,72 @@ def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
         for node in nodes_of_kind(item, ast.BinaryExpression, ast.AssignmentExpression, ast.FunctionDeclaration)
     ]
     found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating)}
+    found |= {name for guard in urgent_guards(tree) for name in _names(guard, clocks)}
     while True:
         more = found | {name for node in nodes for name in _used(node, clocks, floating | found, truths)}
         if more <= found:
             return frozenset(found)
         found |= more
+
+
+def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
+    """The guards that compare clocks on edges over urgent channels. Receivers of a broadcast, which wait for nobody,
+    are not among them."""
+    tree = tuple(items)
+    clocks: set[str] = set()
+    urgent: dict[str, bool] = {}
+    for node in (inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration, ast.Parameter)):
+        names = [node.name.name] if isinstance(node, ast.Parameter) else [d.name.name for d in node.declarators]
+        if _is_of(node.type, "clock"):
+            clocks.update(names)
+        if _is_of(node.type, "chan") and node.type is not None and "urgent" in node.type.prefixes:
+            urgent |= dict.fromkeys(names, "broadcast" in node.type.prefixes)
+    for edge in (inner for item in tree for inner in nodes_of_kind(item, ast.EdgeDeclaration)):
+        sync, guard = edge.synchronisation, edge.guard
+        if sync is None or guard is None:
+            continue
+        channel = next(iter(_names(sync.channel, set(urgent))), None)
+        hears = channel is not None and urgent[channel] and sync.direction is Direction.RECEIVE
+        if channel is not None and not hears and any(_names(guard, clocks)):
+            yield guard
+
+
+def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: bool) -> frozenset[str]:
+    """The names of the plain clocks with which an expression of a query computes, so that they have to be hybrid ones.
+
+    Args:
+        measured: the expression is a value and no condition: alone a clock is exact, but everything else computes.
+    """
+    tree = tuple(items)
+    declared = tuple(inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration))
+    clocks = {d.name.name for each in declared if _is(each, "clock") for d in each.declarators}
+    floating = {d.name.name for each in declared if _is_floating(each) for d in each.declarators}
+    if measured:
+        alone = isinstance(node, ast.NameExpression | ast.MemberExpression | ast.IndexExpression)
+        return frozenset() if alone else frozenset(_mentioned(node, clocks))
+    truths = _truths(tree)
+    found: set[str] = set()
+    for inner in nodes_of_kind(node, ast.BinaryExpression, ast.CallExpression):
+        if isinstance(inner, ast.CallExpression):
+            found.update(name for argument in inner.arguments for name in _mentioned(argument, clocks))
+        elif _sides_compute(inner, clocks | floating, floating):
+            found.update(_mentioned(inner, clocks))
+        else:
+            found.update(_used(inner, clocks, floating, truths))
+    return frozenset(found)
+
+
+def _sides_compute(node: ast.BinaryExpression, named: set[str], floating: set[str]) -> bool:
+    """Whether a comparison has a floating point number, or a side in which a clock is more than added to numbers."""
+    if node.operator not in COMPARISONS:
+        return False
+    return not _is_exact(node, floating) and any(_mentioned(node, named))
+
+
+def _mentioned(node: ast.Node, among: set[str]) -> Iterator[str]:
+    """Names, also those inside processes."""
+    yield from _names(node, among)
+    yield from (inner.name.name for inner in nodes_of_kind(node, ast.MemberExpression) if inner.name.name in among)
 
 
 def _used(node: ast.Node, clocks: set[str], floating: set[str], truths: set[str]) -> Iterator[str]:
@@ -94,9 +157,11 @@ def _is_place(node: ast.Expression, clocks: set[str]) -> bool:
 
 
 def _is(node: ast.VariableDeclaration, name: str) -> bool:
-    if node.type is None or not isinstance(node.type.base, ast.BuiltinType) or "hybrid" in node.type.prefixes:
-        return False
-    return node.type.base.name == name
+    return node.type is not None and "hybrid" not in node.type.prefixes and _is_of(node.type, name)
+
+
+def _is_of(type_: ast.TypeExpression | None, name: str) -> bool:
+    return type_ is not None and isinstance(type_.base, ast.BuiltinType) and type_.base.name == name
 
 
 def _is_floating(node: ast.VariableDeclaration) -> bool:

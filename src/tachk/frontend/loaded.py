@@ -11,6 +11,7 @@ from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property
 from tachk.frontend.findings import Findings
+from tachk.frontend.hybrid_clocks import hybrid_clocks
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.priority_readings import other_readings
@@ -153,6 +154,21 @@ def with_constants(
         overrides=overrides,
         recording=result.recording,
     )
+
+
+def with_hybrid_clocks(loaded: LoadedModel, names: Collection[str]) -> LoadedModel:
+    """The model as simulations see it, with these clocks and those that are hybrid ones anyway as hybrid ones.
+
+    Raises InputError where the model is wrong then.
+    """
+    findings = Findings()
+    hybrid = hybrid_clocks(loaded.items) | frozenset(names)
+    context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=True, hybrid_clocks=hybrid)
+    result = elaborate_each_property(loaded.items, loaded.document.span, loaded.overrides, context)
+    if findings.has_mistakes:
+        raise InputError(findings.sorted())
+    refusals = tuple(found for found in findings.sorted() if found.is_unsupported)
+    return replace(loaded, _elaborated=result.network, scope=result.scope, context=context, refusals=refusals)
 
 
 def explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:

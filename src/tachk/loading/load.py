@@ -19,7 +19,7 @@ from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import Elaborated, elaborate, elaborate_each_property
 from tachk.frontend.findings import Findings
-from tachk.frontend.hybrid_clocks import hybrid_clocks
+from tachk.frontend.hybrid_clocks import hybrid_clocks, urgent_guards
 from tachk.frontend.loaded import INSTANCES, LoadedModel, explained
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.expectations import with_expectations
@@ -93,6 +93,13 @@ def load_model(
 
 def _context(items: Sequence[ast.Item], findings: Findings, keeps_doubles: bool) -> Context:
     used = hybrid_clocks(items) if keeps_doubles else frozenset()
+    for guard in urgent_guards(items) if keeps_doubles else ():
+        findings.add(
+            "W0403",
+            guard.span,
+            "a clock guard on an urgent channel",
+            "UPPAAL warns of it, too; a simulation takes the edge as soon as the guard holds, a search refuses it",
+        )
     return Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles, hybrid_clocks=used)
 
 

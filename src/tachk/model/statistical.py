@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Expression
+from tachk.model.network import Network
 from tachk.records import dataclass
 
 
@@ -20,11 +21,16 @@ class Scale(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """How far a run is looked at: as long as the time, the number of transitions or the clock is at most ``limit``."""
+    """How far a run is looked at: as long as the time, the number of transitions or the clock is at most ``limit``.
+
+    Attributes:
+        beyond: of a hybrid clock: that it is larger than the limit. Then there is no ``clock``.
+    """
 
     scale: Scale
     limit: Fraction
     clock: Expression | None = None
+    beyond: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +41,7 @@ class Path:
         runs: how many are to be drawn, if the query says it.
         predicate: what becomes true, or with ``always`` stays true, within the bound.
         before: of ``p U q``: what is true until then.
+        since: the predicate counts from this moment on, and with ``always`` need not be true earlier.
     """
 
     bound: Bound
@@ -42,6 +49,7 @@ class Path:
     always: bool
     predicate: Expression
     before: Expression | None = None
+    since: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +88,19 @@ class Expectation:
 
 @dataclass(frozen=True, slots=True)
 class Trajectories:
-    """``simulate [<=T; N] {e, f}``: how values go on some runs."""
+    """``simulate [<=T; N] {e, f} : k : p``: how values go on some runs.
+
+    Attributes:
+        runs: how many are drawn.
+        condition: only those are told on which it becomes true within the bound; None: all.
+        most: so many of these.
+    """
 
     bound: Bound
     runs: int
     values: tuple[Expression, ...]
+    condition: Expression | None = None
+    most: int | None = None
 
 
 Question = Probability | Threshold | Comparison | Expectation | Trajectories
@@ -92,10 +108,15 @@ Question = Probability | Threshold | Comparison | Expectation | Trajectories
 
 @dataclass(frozen=True, slots=True)
 class StatisticalQuery:
-    """A question with its name, as `tachk.model.query.Query` has them."""
+    """A question with its name, as `tachk.model.query.Query` has them.
+
+    Attributes:
+        network: where it is another one than that of the model: clocks that the query computes with are hybrid there.
+    """
 
     name: str
     question: Question
     text: str
     title: str = ""
     span: Span = NOWHERE
+    network: Network | None = None

@@ -53,7 +53,7 @@ def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
             for query in record.not_checked
         ],
         "estimates": [answered_document(answer) for answer in record.estimates],
-        "errors": _errors(record.refusals),
+        "errors": _errors(record.blocking),
     }
 
 

@@ -90,6 +90,12 @@ class RunRecord:
         return verdict.met is False and said and bool(self.definitions)
 
     @property
+    def blocking(self) -> tuple[Diagnostic, ...]:
+        """The refusals, where some query needs what is refused: statistical ones may be answered all the same."""
+        answered = self.estimates and all(answer.found is not None for answer in self.estimates)
+        return () if answered and not self.verdicts else self.refusals
+
+    @property
     def nothing_checked(self) -> bool:
         """There are queries, and none of them is of a kind that is checked."""
         return bool(self.not_checked) and not self.verdicts and not self.estimates
@@ -102,5 +108,5 @@ class RunRecord:
         if False in met:
             return False
         refused = any(query.diagnostics for query in self.not_checked)
-        open_ = self.refusals or refused or self.nothing_checked
+        open_ = self.blocking or refused or self.nothing_checked
         return None if open_ or None in met else True

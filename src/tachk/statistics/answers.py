@@ -53,11 +53,14 @@ class StatisticalAnswer:
 def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None:
     """Whether an answer is the expected one: of a test without an expectation, whether it holds. None: no decision.
 
-    UPPAAL calls every probability, mean and trajectory that it could find satisfied. So these hold, and cannot fail.
+    UPPAAL calls every probability, mean and trajectory that it could find satisfied. So these hold, and cannot fail;
+    but trajectories that a condition picks fail where there is none.
     A run-time error in a run is never as expected.
     """
     if has_run_time_error(found):
         return False
+    if isinstance(found, Drawn) and found.picked is not None:
+        return expectation is None or (expectation is Expectation.HOLDS) is bool(found.runs)
     if not isinstance(found, Decided):
         return expectation is not Expectation.FAILS
     if found.decision is Decision.UNKNOWN:
@@ -123,7 +126,8 @@ def _answer(
     if loaded.refusals:
         return StatisticalAnswer(query, number, settings, None, loaded.refusals[0].message)
     try:
-        found = estimate(loaded.network, read_statistical(query, loaded), settings)
+        asked = read_statistical(query, loaded)
+        found = estimate(asked.network or loaded.network, asked, settings)
     except InputError as error:
         return replace(query, diagnostics=error.diagnostics)
     except UnsupportedError as error:

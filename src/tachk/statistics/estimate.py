@@ -34,7 +34,7 @@ from tachk.statistics.means import asymptotic_mean, bounded_mean
 from tachk.statistics.rare import Rare, Splitting, split
 from tachk.statistics.sampling import Sample, Sampler, Source, path_sampler, value_sampler
 from tachk.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
-from tachk.statistics.trajectories import Trajectory, trajectories
+from tachk.statistics.trajectories import Trajectory, picked, trajectories
 
 _ROUND = 256
 """How many runs a test draws at once."""
@@ -135,10 +135,17 @@ class Split:
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """Runs that are shown."""
+    """Runs that are shown.
+
+    Attributes:
+        picked: where a condition picks them: all runs that were asked.
+        interval: of the probability that the condition becomes true.
+    """
 
     query: StatisticalQuery
     runs: tuple[Trajectory, ...]
+    picked: Sample | None = None
+    interval: tuple[float, float] | None = None
 
 
 Estimate = Estimated | Decided | Mean | Split | Drawn
@@ -164,7 +171,7 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
         case Expectation() as expectation:
             return _mean(network, query, expectation, settings)
         case Trajectories() as asked:
-            return Drawn(query, trajectories(network, asked, settings.source))
+            return _drawn(network, query, asked, settings)
         case never:
             assert_never(never)
 
@@ -301,6 +308,15 @@ def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths
         )
         if first is not second:
             test.add(first)
+
+
+def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, settings: Settings) -> Drawn:
+    sample, numbers = picked(network, asked, settings.source)
+    runs = trajectories(network, asked, settings.source, numbers)
+    if sample is None:
+        return Drawn(query, runs)
+    interval = clopper_pearson(sample.hits, sample.runs, settings.confidence, sample.unknown)
+    return Drawn(query, runs, sample, interval)
 
 
 def _split(network: Network, query: StatisticalQuery, path: Path, splitting: Splitting, settings: Settings) -> Split:

@@ -19,7 +19,7 @@ from tachk.model.network import Network
 from tachk.model.statistical import Path
 from tachk.records import dataclass
 from tachk.simulation.intervals import student_quantile
-from tachk.statistics.sampling import Source, asked_of, lowered_path
+from tachk.statistics.sampling import Source, asked_of, lowered_path, with_elapsed_time
 from tachk.time_limit import check_time
 
 _BATCH = 4
@@ -84,6 +84,7 @@ def split(network: Network, path: Path, source: Source, confidence: float, split
     if path.always:
         raise UsageError("splitting needs <> or U", "ask for the violation: Pr[...](<> not p)")
     refuse_hybrid(network, "splitting")
+    network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
     asked = asked_of(network, path, program)
     splitter = Splitter(program, chances, splitting.zones)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,23 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Span
 from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending
 from tachk.engines.simulation.trials import Answered, Asked, Reach, Trials, Trier
-from tachk.model.connectives import negation
-from tachk.model.expressions import Constant, Expression, Field, Index, Reference
+from tachk.model.connectives import both, either, negation
+from tachk.model.expressions import (
+    BOOL,
+    Binary,
+    Constant,
+    Expression,
+    Field,
+    Index,
+    Reference,
+    Variable,
+    VariableKind,
+)
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Network
 from tachk.model.statistical import Bound, Expectation, Path, Scale
 from tachk.model.types import ClockType
+from tachk.operators import BinaryOperator
 from tachk.time_limit import check_time
 
 _BATCH = 4096
@@ -121,8 +132,19 @@ class Sampler:
 
 def path_sampler(network: Network, path: Path, source: Source) -> Sampler:
     """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false. Raises as `lowered_path`."""
+    network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
     return Sampler(Trier(program, chances), asked_of(network, path, program), source)
+
+
+def with_elapsed_time(network: Network, path: Path) -> tuple[Network, Path]:
+    """The same question with a clock that is never reset, where the predicate counts from a moment on."""
+    if path.since == 0:
+        return network, path
+    clock = Variable("time since the start", ClockType(), VariableKind.GLOBAL, (0,))
+    begun = Binary(BinaryOperator.GREATER_EQUAL, Reference(clock), Constant(path.since), BOOL)
+    predicate = either(negation(begun), path.predicate) if path.always else both(begun, path.predicate)
+    return replace(network, variables=(*network.variables, clock)), replace(path, predicate=predicate, since=0)
 
 
 def lowered_path(network: Network, path: Path) -> tuple[Program, Chances]:
@@ -132,22 +154,33 @@ def lowered_path(network: Network, path: Path) -> tuple[Program, Chances]:
     """
     check_simulated(network)
     predicates = [negation(path.predicate) if path.always else path.predicate]
-    if path.before is not None:
-        predicates.append(negation(path.before))
+    lost = _lost(path)
+    if lost is not None:
+        predicates.append(lost)
     return lower_simulation(network, (), predicates)
 
 
+def _lost(path: Path) -> Expression | None:
+    """Where the predicate counts no more."""
+    before, beyond = path.before, path.bound.beyond
+    if before is None:
+        return beyond
+    return negation(before) if beyond is None else either(negation(before), beyond)
+
+
 def asked_of(network: Network, path: Path, program: Program) -> Asked:
-    return Asked(reach_of(path.bound, network, program), 0, -1 if path.before is None else 1)
+    return Asked(reach_of(path.bound, network, program), 0, -1 if _lost(path) is None else 1)
 
 
 def value_sampler(network: Network, asked: Expectation, source: Source) -> Sampler:
     """Runs on which the largest or least value of an expression is measured. Raises as `lowered_path`."""
     check_simulated(network)
     is_clock = isinstance(asked.value.type, ClockType)
-    program, chances = lower_simulation(network, () if is_clock else (asked.value,))
+    beyond = asked.bound.beyond
+    program, chances = lower_simulation(network, () if is_clock else (asked.value,), [] if beyond is None else [beyond])
     measured = Asked(
         reach_of(asked.bound, network, program),
+        goal=-1 if beyond is None else 0,
         observed=-1 if is_clock else 0,
         clock=clock_number(asked.value, network, program) if is_clock else 0,
         largest=asked.largest,
@@ -157,6 +190,8 @@ def value_sampler(network: Network, asked: Expectation, source: Source) -> Sampl
 
 def reach_of(bound: Bound, network: Network, program: Program) -> Reach:
     """A bound in ticks and numbers of the program. Raises UsageError for times that are too long."""
+    if bound.beyond is not None:
+        return Reach()
     if bound.scale is Scale.STEPS:
         return Reach(steps=int(bound.limit))
     if bound.limit > LATEST_END:

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tachk.compiler.program import Program
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
-from tachk.model.expressions import Expression
+from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
+from tachk.engines.simulation.trials import Answered
+from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
-from tachk.model.statistical import Scale
+from tachk.model.statistical import Bound, Path, Scale
 from tachk.model.statistical import Trajectories as Asked
 from tachk.model.types import ClockType
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
-from tachk.statistics.sampling import Source, clock_number, reach_of
+from tachk.statistics.sampling import Sample, Source, clock_number, path_sampler, reach_of
 
 Floats = NDArray[np.float64]
+_BATCH = 4096
+"""How many runs are asked at once for a condition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,25 +50,59 @@ class Trajectory:
     lines: tuple[Line, ...]
 
 
-def trajectories(network: Network, asked: Asked, source: Source) -> tuple[Trajectory, ...]:
-    """The runs. Raises UnsupportedError for what is not simulated, UsageError for a bound that is a clock."""
-    if asked.bound.scale is Scale.CLOCK:
-        raise UsageError("simulate takes a bound on time or on the number of transitions", "for example [<=100; 5]")
+def picked(network: Network, asked: Asked, source: Source) -> tuple[Sample | None, tuple[int, ...]]:
+    """The numbers of the runs that are told, and where a condition picks them, on how many it became true."""
+    numbers = range(source.first, source.first + asked.runs)
+    if asked.condition is None:
+        return None, tuple(numbers)
+    sampler = path_sampler(network, Path(asked.bound, None, False, asked.condition), source)
+    found: list[int] = []
+    while sampler.sample.runs < asked.runs:
+        first = source.first + sampler.sample.runs
+        answers = sampler.draw(min(_BATCH, asked.runs - sampler.sample.runs)).answers
+        found += (first + np.flatnonzero(answers == Answered.YES)).tolist()
+    return sampler.sample, tuple(found[: asked.most])
+
+
+def trajectories(network: Network, asked: Asked, source: Source, numbers: Sequence[int]) -> tuple[Trajectory, ...]:
+    """The runs of these numbers. Raises UnsupportedError for what is not simulated."""
     discrete = [value for value in asked.values if not isinstance(value.type, ClockType)]
     runs = Runs(network, [Column(value.span.text, value) for value in discrete])
-    reach = reach_of(asked.bound, network, runs.program)
-    drawing = Drawing(
-        source.seed, reach.until or 2**58, steps=source.most_steps if reach.steps is None else reach.steps,
-        threads=source.threads,
-    )  # fmt: skip
-    numbers = range(source.first, source.first + asked.runs)
     recorded = Recorded(observed=True, clocks=len(discrete) < len(asked.values))
     return tuple(
         Trajectory(
             run.number, run.ending, run.end / TICKS_PER_UNIT, tuple(_lines(run, asked.values, network, runs.program))
         )
-        for run in runs.draw(drawing, numbers, recorded)
+        for drawing, first, last in _drawings(network, asked, source, numbers, runs.program)
+        for run in runs.draw(drawing, range(first, last), recorded)
     )
+
+
+def _drawings(
+    network: Network, asked: Asked, source: Source, numbers: Sequence[int], program: Program
+) -> Iterator[tuple[Drawing, int, int]]:
+    """How runs are drawn: those with numbers in a row and the same end together, from one number to another."""
+    if asked.bound.scale is Scale.CLOCK:
+        for number in numbers:
+            end = _end(network, asked, replace(source, first=number))
+            yield Drawing(source.seed, end, steps=source.most_steps, threads=1), number, number + 1
+        return
+    reach = reach_of(asked.bound, network, program)
+    steps = source.most_steps if reach.steps is None else reach.steps
+    drawing = Drawing(source.seed, reach.until or 2**58, steps=steps, threads=source.threads)
+    first = 0
+    for place in range(1, len(numbers) + 1):
+        if place == len(numbers) or numbers[place] != numbers[place - 1] + 1:
+            yield drawing, numbers[first], numbers[place - 1] + 1
+            first = place
+
+
+def _end(network: Network, asked: Asked, source: Source) -> int:
+    """When the run with the first number reaches a bound that is a clock, in ticks."""
+    beyond = asked.bound.beyond
+    if beyond is None:
+        return int(path_sampler(network, Path(asked.bound, None, False, Constant(0)), source).draw(1).ends[0])
+    return int(path_sampler(network, Path(Bound(Scale.TIME, LATEST_END), None, False, beyond), source).draw(1).ends[0])
 
 
 def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, program: Program) -> list[Line]:

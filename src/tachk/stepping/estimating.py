@@ -105,12 +105,13 @@ class Estimable:
         if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
             raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
         loaded = simulated(self.loaded, self.path)
-        network = ordered(loaded.network, orders_of([fault] if isinstance(fault, str) else list(fault))).network
+        orders = orders_of([fault] if isinstance(fault, str) else list(fault))
         settings = Settings(Source(seed, 0, threads, max_steps), confidence, epsilon, runs)
         asked = list(_asked(loaded, queries))
         if not asked:
             raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
-        return Estimates(self.path, tuple(estimate(network, query, settings) for query in asked), settings)
+        found = [estimate(ordered(query.network or loaded.network, orders).network, query, settings) for query in asked]
+        return Estimates(self.path, tuple(found), settings)
 
 
 def share_of_searches(limits: Limits, formulas: Sequence[Query | UncheckedQuery]) -> Limits:

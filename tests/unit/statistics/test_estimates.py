@@ -9,7 +9,7 @@ import pytest
 
 import tachk
 from tachk.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
-from tachk.diagnostics.diagnostic import InputError, TachkError, UnsupportedError, UsageError
+from tachk.diagnostics.diagnostic import InputError, TachkError, UnsupportedError
 from tachk.diagnostics.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
@@ -236,8 +236,6 @@ def test_trajectories() -> None:
         ("E[<=5; 0](max: n)", InputError, "E0147"),
         ("E[<=5; 10](n)", InputError, "E0147"),
         ("Pr[<=100](<> deadlock)", UnsupportedError, "E0728"),
-        ("Pr(<>[0, 5] n == 1)", UnsupportedError, "E0728"),
-        ("simulate [<=5; 10] {n} : 3 : n > 1", UnsupportedError, "E0728"),
     ],
 )
 def test_what_is_wrong_has_a_place(query: str, error: type[TachkError], code: str) -> None:
@@ -259,8 +257,9 @@ def test_the_examples_of_the_explanations(code: str) -> None:
         answer(model, STATISTICS_CODES[code].good)
 
 
-def test_what_has_no_number_is_refused() -> None:
-    with pytest.raises(UsageError):
-        answer("clock x; clock y; process P() { init location A; } system P;", "E[<=5; 5](max: x - y)")
-    with pytest.raises(UsageError):
-        answer(STEPS, "simulate [x<=5; 10] {n}")
+def test_differences_of_clocks_are_measured() -> None:
+    found = tachk.loads("clock x; clock y; process P() { init location A; } system P;").estimate(
+        "E[<=5; 5](max: x - y)"
+    )
+    assert isinstance(found[0], Mean)
+    assert found[0].mean == 0

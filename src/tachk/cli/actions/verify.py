@@ -112,7 +112,7 @@ def _check_all(
             started = time.monotonic()
             with time_limit(limits.seconds):
                 model = api.load(path, **constants)
-            print_diagnostics((*model.refusals, *model.warnings))
+            print_diagnostics(model.warnings)
             left = limits.after(time.monotonic() - started)
             try:
                 record = _verified(model, queries, asked, options, left, reporting)
@@ -121,6 +121,7 @@ def _check_all(
 
                 complain(str(error), f"one of them is wrong; please report it with {write_disagreement(model, error)}")
                 return ExitStatus.INTERNAL_ERROR
+        print_diagnostics(record.blocking)
         report.add(record)
         left = limits.after(time.monotonic() - started)
         statuses = [*_statuses(record), *_written(asked, model, record, options, left)]
@@ -201,7 +202,7 @@ def _statuses(record: RunRecord) -> Iterable[ExitStatus]:
         yield ExitStatus.NOT_AS_EXPECTED
     refused = any(query.diagnostics for query in record.not_checked)
     unsupported = any(verdict.unsupported is not None for verdict in record.verdicts)
-    if record.refusals or record.nothing_checked or refused or unsupported:
+    if record.blocking or record.nothing_checked or refused or unsupported:
         yield ExitStatus.UNSUPPORTED
     if None in met:
         yield ExitStatus.UNKNOWN

@@ -89,7 +89,8 @@ def _check(options: VerifytaOptions) -> ExitStatus:
     else:
         _print(map(note, notes[len(options.notes) :]))
     if model.refusals:
-        _print_errors(model.refusals)
+        if not all(is_statistical(formula) for _, formula in wanted):
+            _print_errors(model.refusals)
         network = model.loaded.heading
     else:
         network = model.network

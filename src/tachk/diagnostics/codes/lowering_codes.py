@@ -70,7 +70,8 @@ LOWERING_CODES: dict[str, Explanation] = {
     "E0711": Explanation(
         "clock set to a clock where clocks stop",
         "A clock can be set to the value of a clock, and a clock can be stopped, but a model cannot have both: when a "
-        "run could happen is told by when each clock was set, and a copy of a clock that stood still was never set.",
+        "run could happen is told by when each clock was set, and a copy of a clock that stood still was never set. "
+        "Simulations read both.",
         "location A { invariant x' == 0; to B { do y = x; } }",
         "location A { to B { do y = x; } }",
     ),
@@ -101,8 +102,8 @@ LOWERING_CODES: dict[str, Explanation] = {
     "E0721": Explanation(
         "clock guard on an urgent channel",
         "Time must stop at the very moment an urgent synchronisation becomes possible. With a clock in its guard that "
-        "moment may lie inside a delay, which zones cannot express exactly; UPPAAL forbids it too. Wait for the clock "
-        "in a location of its own.",
+        "moment may lie inside a delay, which zones cannot express exactly; UPPAAL warns of it. Simulations take "
+        "the edge as soon as its guard holds. Wait for the clock in a location of its own.",
         "to B { guard x >= 3; sync now!; }",
         "location Waiting { invariant x <= 3; to Ready { guard x >= 3; } }\nlocation Ready { to B { sync now!; } }",
     ),

@@ -18,7 +18,8 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
 from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.findings import Findings
-from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.hybrid_clocks import computed_clocks
+from tachk.frontend.loaded import LoadedModel, with_hybrid_clocks
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.expressions import Expression
 from tachk.model.floating import DOUBLE
@@ -34,7 +35,9 @@ from tachk.model.statistical import (
     Threshold,
     Trajectories,
 )
+from tachk.model.traversal import reads_hybrid
 from tachk.model.types import ClockType, Type
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression
 from tachk.time_units import NANOSECONDS, length_of
@@ -59,9 +62,26 @@ def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQu
         InputError: it is wrong.
         UnsupportedError: it is of a form that is not estimated.
     """
-    reader = _Reader(query.span, model)
-    question = reader.question()
-    return StatisticalQuery(query.name, question, query.text, query.title, query.span)
+    names: frozenset[str] = frozenset()
+    seen = model
+    while True:
+        try:
+            question = _Reader(query.span, seen).question()
+        except _ComputesError as computes:
+            names |= computes.clocks
+            seen = with_hybrid_clocks(model, names)
+            network = seen.network
+        else:
+            other = network if names else None
+            return StatisticalQuery(query.name, question, query.text, query.title, query.span, other)
+
+
+class _ComputesError(Exception):
+    """A query computes with clocks that are not hybrid."""
+
+    def __init__(self, clocks: frozenset[str]) -> None:
+        super().__init__()
+        self.clocks = clocks
 
 
 class _Reader:
@@ -104,7 +124,7 @@ class _Reader:
 
     def _path(self) -> Path:
         if self._peek() == "(":
-            raise self._unsupported("formulas with intervals are not estimated, only <>, [] and U under one bound")
+            return self._timed_path()
         bound, runs = self._bound()
         inner = self._bracketed("(")
         text = inner.text.lstrip()
@@ -117,6 +137,37 @@ class _Reader:
             raise self._wrong("expected <> p, [] p or p U q", inner)
         before, after = until
         return Path(bound, runs, False, self._condition(after), self._condition(before))
+
+    def _timed_path(self) -> Path:
+        """``<>[a,b] p``, ``[][a,b] p`` or ``p U[a,b] q`` without a bound: the interval tells how far to look."""
+        inner = self._bracketed("(")
+        text = inner.text.lstrip()
+        start = inner.end - len(text)
+        if text.startswith(("<>", "[]")):
+            (since, bound), rest = self._interval(Span(inner.source, start + 2, inner.end))
+            return Path(bound, None, text.startswith("[]"), self._condition(rest), since=since)
+        until = _split(inner, "U")
+        if until is None:
+            raise self._unsupported("only <>[a,b] p, [][a,b] p and p U[a,b] q have no bound", inner)
+        (since, bound), rest = self._interval(until[1])
+        return Path(bound, None, False, self._condition(rest), self._condition(until[0]), since)
+
+    def _interval(self, span: Span) -> tuple[tuple[int, Bound], Span]:
+        """The interval at the beginning of a text, and what is behind it."""
+        text = span.text.lstrip()
+        start = span.end - len(text)
+        end = _partner(text, 0) if text.startswith("[") else None
+        if end is None:
+            raise self._wrong("expected an interval such as [2,10], or a bound behind Pr: Pr[<=100](<> p)", span)
+        parts = _parts(Span(span.source, start + 1, start + end), ",")
+        if len(parts) != 2:
+            raise self._wrong("an interval has two ends", Span(span.source, start, start + end + 1))
+        since, limit = map(self._time, parts)
+        if since.denominator != 1:
+            raise self._unsupported("an interval begins with a whole number of time units", parts[0])
+        if since > limit:
+            raise self._wrong("an interval must not end before it begins", Span(span.source, start, start + end + 1))
+        return (int(since), Bound(Scale.TIME, limit)), Span(span.source, start + end + 1, span.end)
 
     def _expectation(self) -> Expectation:
         bound, runs = self._bound()
@@ -131,9 +182,13 @@ class _Reader:
         number = self._number_of_runs()
         bound, runs = self._bound()
         values = tuple(self._value(part) for part in _parts(self._bracketed("{"), ","))
-        if self._peek() == ":":
-            raise self._unsupported("simulate that picks runs by a condition is not supported: ask Pr")
-        return Trajectories(bound, number or runs or 1, values)
+        runs = number or runs or 1
+        if not self._taken(":"):
+            return Trajectories(bound, runs, values)
+        rest = Span(self._span.source, self._span.start + self._at, self._span.end)
+        self._at = len(self._text)
+        most, condition = _picking(rest)
+        return Trajectories(bound, runs, values, self._condition(condition), None if most is None else self._runs(most))
 
     def _number_of_runs(self) -> int | None:
         self._skip()
@@ -169,9 +224,17 @@ class _Reader:
                 return Bound(Scale.STEPS, Fraction(self._constant(limit))), runs
             case _:
                 clock = self._value(measured)
+                if reads_hybrid(clock):
+                    return Bound(Scale.CLOCK, Fraction(0), beyond=self._beyond(measured, limit)), runs
                 if not isinstance(clock.type, ClockType):
                     raise self._wrong("a run is bounded by its time, by # or by a clock", measured)
                 return Bound(Scale.CLOCK, self._time(limit), clock), runs
+
+    def _beyond(self, measured: Span, limit: Span) -> Expression:
+        """That a hybrid clock is larger than its bound."""
+        whole = Span(measured.source, measured.start, limit.end)
+        node = ast.BinaryExpression(whole, BinaryOperator.GREATER, self._node(measured), self._node(limit))
+        return self._pure(condition(node, self._model.scope, self._context))
 
     def _runs(self, span: Span) -> int:
         runs = self._constant(span)
@@ -207,10 +270,10 @@ class _Reader:
         if found is not None and self._model.scope.lookup("deadlock") is None:
             place = Span(span.source, span.start + found.start(), span.start + found.end())
             raise self._unsupported("`deadlock` is not looked for in runs that are drawn", place)
-        return self._pure(condition(self._node(span), self._model.scope, self._context))
+        return self._pure(condition(self._read(span, measured=False), self._model.scope, self._context))
 
     def _value(self, span: Span) -> Expression:
-        value = self._pure(expression(self._node(span), self._model.scope, self._context))
+        value = self._pure(expression(self._read(span, measured=True), self._model.scope, self._context))
         if not _is_number(value.type):
             raise self._wrong("expected a number, a condition or a clock", span)
         return value
@@ -219,6 +282,14 @@ class _Reader:
         if value is None or not self._context.require_pure(value, "a query") or self._findings.has_errors:
             raise self._found()
         return value
+
+    def _read(self, span: Span, measured: bool) -> ast.Expression:
+        """The expression in a text. Raises _ComputesError where it needs clocks to be hybrid."""
+        node = self._node(span)
+        clocks = computed_clocks(node, self._model.items, measured) - self._context.hybrid_clocks
+        if clocks:
+            raise _ComputesError(clocks)
+        return node
 
     def _node(self, span: Span) -> ast.Expression:
         node, diagnostics = parse_expression(span)
@@ -269,6 +340,16 @@ class _Reader:
 
     def _unsupported(self, message: str, span: Span | None = None) -> UnsupportedError:
         return UnsupportedError(Diagnostic("E0728", message, span or self._here(), _EXAMPLE))
+
+
+def _picking(span: Span) -> tuple[Span | None, Span]:
+    """What stands behind the first colon of ``simulate``: how many runs are told, and the condition."""
+    match = re.match(r"([^:?]*):", span.text)
+    if match is None:
+        return None, span
+    return Span(span.source, span.start, span.start + match.end(1)), Span(
+        span.source, span.start + match.end(), span.end
+    )
 
 
 def _is_number(type_: Type) -> bool:

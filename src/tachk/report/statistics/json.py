@@ -60,7 +60,10 @@ def answer_document(found: Estimate) -> dict[str, Any]:
         case Split():
             return {**head, **_splitting(found)}
         case Drawn():
-            return {**head, "kind": "trajectories", "runs": [_run(run) for run in found.runs]}
+            picked = None if found.picked is None else _sample(found.picked)
+            interval = None if found.interval is None else list(found.interval)
+            runs = [_run(run) for run in found.runs]
+            return {**head, "kind": "trajectories", "runs": runs, "picked": picked, "interval": interval}
         case never:
             assert_never(never)
 

@@ -31,6 +31,9 @@ def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
             yield from _split_lines(found)
         case Drawn():
             yield f"{_head(found)}: {_count(len(found.runs), 'run')}"
+            if found.picked is not None and found.interval is not None:
+                hits = f"the condition becomes true on {found.picked.hits} of {_count(found.picked.runs, 'run')}"
+                yield f"  {hits}: probability {interval_text(*found.interval)}, {confidence}"
             for run in found.runs:
                 yield f"  run {run.number}, until {run.end:.6g}, {run.ending}"
                 for line in run.lines:

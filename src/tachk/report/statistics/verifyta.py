@@ -80,7 +80,8 @@ def statistical_lines(answer: StatisticalAnswer, form: Form = Form.V4, bars: Bar
             yield from _mean(found, form, settings)
             yield from _values(found.sample.all_values[~np.isnan(found.sample.all_values)], bars)
         case Drawn():
-            yield " -- Formula is satisfied."
+            yield f" -- Formula is {'' if found.runs else 'NOT '}satisfied."
+            yield from _picked(found, form, settings)
             yield from _trajectories(found.runs)
         case Split():
             yield note("no answer: probabilities by splitting have no form here")
@@ -99,6 +100,22 @@ def statistical_summary(answer: StatisticalAnswer) -> Iterator[str]:
     yield f" -- States explored : {steps} states"
     yield f" -- CPU user time used : {round(answer.seconds * 1000)} ms"
     yield from memory_lines()
+
+
+def _picked(found: Drawn, form: Form, settings: Settings) -> Iterator[str]:
+    """How probable the condition is that picks runs."""
+    if found.picked is None or found.interval is None:
+        return
+    interval = f"Pr(<> {form.dots}) in [{found.interval[0]:.6g},{found.interval[1]:.6g}]"
+    yield from _interval_lines(interval, found.picked.hits, found.picked.runs, form, settings)
+
+
+def _interval_lines(interval: str, hits: int, runs: int, form: Form, settings: Settings) -> Iterator[str]:
+    if form is Form.V4:
+        yield f"({runs} runs) {interval}"
+        yield f"with confidence {settings.confidence:.6g}."
+    else:
+        yield f" -- Result: ({hits}/{runs} runs) {interval} ({settings.confidence * 100:.6g}% CI)"
 
 
 def path_of(found: Estimated) -> Path | None:
@@ -120,12 +137,7 @@ def _probability(found: Estimated, form: Form, settings: Settings) -> Iterator[s
     path, runs = path_of(found), found.sample.runs
     assert path is not None
     interval = f"{_operator(path, form)} in [{found.low:.6g},{found.high:.6g}]"
-    if form is Form.V4:
-        yield f"({runs} runs) {interval}"
-        yield f"with confidence {settings.confidence:.6g}."
-    else:
-        hits = round(found.frequency * runs)
-        yield f" -- Result: ({hits}/{runs} runs) {interval} ({settings.confidence * 100:.6g}% CI)"
+    yield from _interval_lines(interval, round(found.frequency * runs), runs, form, settings)
 
 
 def _test(found: Decided, form: Form, settings: Settings) -> Iterator[str]:

@@ -63,7 +63,8 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
         raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
     model = simulated_model(models[0], **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    network = ordered(model.network, orders_of(asked.faults)).network
+    orders = orders_of(asked.faults)
+    network = ordered(model.network, orders).network
     settings = Settings(
         Source(asked.seed, 0, asked.threads, asked.most_steps),
         asked.confidence,
@@ -76,7 +77,8 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
     statuses: list[ExitStatus] = []
     found: list[Estimate] = []
     for query, expectation in _queries(model, asked, typed, statuses):
-        found.append(estimate(network, query, settings))
+        seen = network if query.network is None else ordered(query.network, orders).network
+        found.append(estimate(seen, query, settings))
         statuses.append(_status(found[-1], expectation))
     if asked.picture is not None:
         from tachk.report.statistics.picture import plot_estimates
