@@ -305,6 +305,7 @@ class Ending(Enum):
     STEPS = ...
     FAULT = ...
     INITIAL = ...
+    END_OF_TIME = ...
 
 class RunRecord:
     ending: Ending
@@ -346,6 +347,7 @@ class Simulation:
         first: int,
         runs: int,
         until: int,
+        ticks_per_unit: int,
         steps: int,
         threads: int,
         actions: bool,
@@ -354,7 +356,8 @@ class Simulation:
         seconds: float,
     ) -> list[RunRecord]: ...
 
-def ticks_per_unit() -> int: ...
+def finest_ticks() -> int: ...
+def coarsest_ticks() -> int: ...
 def latest_end() -> int: ...
 
 class Asked:
@@ -362,6 +365,7 @@ class Asked:
     steps: int
     bound_clock: int
     bound_value: int
+    ticks_per_unit: int
     goal: int
     lost: int
     observed: int

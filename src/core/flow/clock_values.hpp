@@ -1,5 +1,6 @@
-// Clocks at exact moments. Time is counted in ticks, a unit of time is ticks_per_unit of them, so that sums and
-// comparisons are exact and a moment has a short decimal fraction.
+// Clocks at exact moments. Time is counted in ticks, of which a power of ten is a unit of time, so that sums and
+// comparisons are exact and a moment has a short decimal fraction. A run that is too long for the finest ticks has
+// coarser ones.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,8 @@ namespace tachk {
 
 using Ticks = std::int64_t;
 
-inline constexpr Ticks ticks_per_unit = 1'000'000'000;
+inline constexpr Ticks finest_ticks = 1'000'000'000;  // in a unit
+inline constexpr Ticks coarsest_ticks = 1'000;
 inline constexpr Ticks never = std::numeric_limits<Ticks>::max() / 2;
 inline constexpr Ticks latest_end = Ticks{1} << 58;  // of a run
 
@@ -30,8 +32,10 @@ struct Window {
 // The values of all clocks as functions of the moment: offset + moment where a clock runs, offset where it stands.
 class ClockValues {
  public:
-  explicit ClockValues(int dimension)
-      : offsets_(static_cast<std::size_t>(dimension), 0), running_(static_cast<std::size_t>(dimension), 1) {
+  explicit ClockValues(int dimension, Ticks ticks_per_unit = finest_ticks)
+      : ticks_per_unit_(ticks_per_unit),
+        offsets_(static_cast<std::size_t>(dimension), 0),
+        running_(static_cast<std::size_t>(dimension), 1) {
     running_[0] = 0;
   }
 
@@ -50,7 +54,7 @@ class ClockValues {
 
   // Narrows the window to the moments at which x_left - x_right is within the bound, if clocks go on as they do.
   void narrow(std::uint16_t left, std::uint16_t right, Raw raw, Window& window) const {
-    const Ticks room = raw_value(raw) * ticks_per_unit - ((raw & 1) == 0 ? 1 : 0) - offsets_[left] + offsets_[right];
+    const Ticks room = raw_value(raw) * ticks_per_unit_ - ((raw & 1) == 0 ? 1 : 0) - offsets_[left] + offsets_[right];
     switch (running_[left] - running_[right]) {
       case 1:
         if (room < window.last) window.last = room;
@@ -64,6 +68,7 @@ class ClockValues {
   }
 
  private:
+  Ticks ticks_per_unit_;
   std::vector<Ticks> offsets_;
   std::vector<std::int8_t> running_;
 };

@@ -62,8 +62,8 @@ Window Crossings::solved(const FlowTest& test, Ticks from) {
   flow_.show(from, machine_, slots_);
   const auto [now, scale] = sides(test);
   const Look holds = look(test);
-  flow_.show(from + ticks_per_unit, machine_, slots_);
-  const double slope = (sides(test).difference - now) / static_cast<double>(ticks_per_unit);
+  flow_.show(from + flow_.ticks_per_unit(), machine_, slots_);
+  const double slope = (sides(test).difference - now) / static_cast<double>(flow_.ticks_per_unit());
   const Window always{from, never};
   const Window nowhere{never, -never};
   if (slope == 0) return holds.close ? always : nowhere;
@@ -140,9 +140,9 @@ Crossings::Found Crossings::opening(std::span<const FlowTest> tests, Ticks from,
   looks_.clear();
   for (const FlowTest& test : tests) looks_.push_back(look(test));
   for (Ticks before = from; before < end;) {
-    const Ticks after = std::min(before + flow_sample, end);
+    const Ticks after = std::min(before + sample(), end);
     crossings(tests, before, after);
-    if (before + flow_sample >= end || after == end) candidates_.push_back(after);
+    if (before + sample() >= end || after == end) candidates_.push_back(after);
     for (const Ticks moment : candidates_) {
       flow_.show(moment, machine_, slots_);
       if (hold(tests)) return {moment, never};
@@ -159,7 +159,7 @@ Crossings::Found Crossings::ending(std::span<const FlowTest> tests, Ticks from, 
   for (const FlowTest& test : tests) looks_.push_back(look(test));
   Ticks before = from;
   while (before < sight) {
-    const Ticks after = flow_.known_up_to(std::min(before + flow_sample, sight), machine_, slots_);
+    const Ticks after = flow_.known_up_to(std::min(before + sample(), sight), machine_, slots_);
     if (after <= before) break;
     Ticks least = never;
     for (std::size_t n = 0; n < tests.size(); ++n) {

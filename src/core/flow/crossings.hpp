@@ -16,7 +16,7 @@
 namespace tachk {
 
 // How far apart moments are at which conditions are looked at.
-inline constexpr Ticks flow_sample = ticks_per_unit / 100;
+constexpr Ticks flow_sample(Ticks ticks_per_unit) { return ticks_per_unit / 100; }
 
 class Crossings {
  public:
@@ -55,6 +55,7 @@ class Crossings {
     flow_.show(moment, machine_, slots_);
     return look(test);
   }
+  Ticks sample() const { return flow_sample(flow_.ticks_per_unit()); }
   bool solvable(std::span<const FlowTest> tests) const;
   Window solved(const FlowTest& test, Ticks from);
   Window solved(std::span<const FlowTest> tests, Ticks from);

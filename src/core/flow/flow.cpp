@@ -67,7 +67,7 @@ Ticks Flow::known_up_to(Ticks wanted, Machine& machine, std::int32_t* slots) {
   if (linear_) return wanted;
   extend(since_start(wanted), machine, slots);
   if (!fault_ || known() >= since_start(wanted)) return wanted;
-  return begin_ + static_cast<Ticks>(known() * static_cast<double>(ticks_per_unit));
+  return begin_ + static_cast<Ticks>(known() * static_cast<double>(ticks_per_unit_));
 }
 
 void Flow::show(Ticks moment, Machine& machine, std::int32_t* slots) {

@@ -18,10 +18,11 @@ namespace tachk {
 
 class Flow {
  public:
-  explicit Flow(const Chances& chances) : chances_(&chances) {}
+  Flow(const Chances& chances, Ticks ticks_per_unit) : chances_(&chances), ticks_per_unit_(ticks_per_unit) {}
 
   bool exists() const { return !chances_->hybrid.empty(); }
   bool linear() const { return linear_; }
+  Ticks ticks_per_unit() const { return ticks_per_unit_; }
 
   // The clocks have the values that are in the slots now, and change as the locations there say.
   void start(Ticks now, Machine& machine, std::int32_t* slots);
@@ -43,7 +44,7 @@ class Flow {
 
   std::size_t clocks() const { return chances_->hybrid.size(); }
   double since_start(Ticks moment) const {
-    return static_cast<double>(moment - begin_) / static_cast<double>(ticks_per_unit);
+    return static_cast<double>(moment - begin_) / static_cast<double>(ticks_per_unit_);
   }
   void write(const Numbers& values, std::int32_t* slots) const;
   void rates(const Numbers& values, Numbers& result, Machine& machine, std::int32_t* slots) const;
@@ -54,6 +55,7 @@ class Flow {
   double known() const { return steps_.empty() ? 0 : steps_.back().begin + steps_.back().length; }
 
   const Chances* chances_;
+  Ticks ticks_per_unit_;
   Ticks begin_ = 0;
   bool linear_ = true;
   Numbers first_;                        // values at the start

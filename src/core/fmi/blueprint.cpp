@@ -131,6 +131,11 @@ std::string Blueprint::token() const {
 
 double TimeScale::seconds(Ticks ticks) const { return nearest_ratio(Wide{ticks} * numerator_, denominator_); }
 
+bool TimeScale::holds(double seconds) const {
+  const double ticks = std::abs(seconds) * static_cast<double>(denominator_) / static_cast<double>(numerator_);
+  return std::abs(seconds) < largest_time && ticks < static_cast<double>(latest_end);
+}
+
 Ticks TimeScale::ticks(double seconds) const {
   if (!(std::abs(seconds) < largest_time)) throw std::invalid_argument("a time is too large");
   const double whole = std::floor(seconds);

@@ -42,6 +42,12 @@ class TimeScale {
   TimeScale() = default;
   TimeScale(std::int64_t numerator, std::int64_t denominator) : numerator_(numerator), denominator_(denominator) {}
 
+  // The scale whose ticks are ten of these.
+  TimeScale coarser() const { return {10 * numerator_, denominator_}; }
+  // Whether a time can be counted in ticks.
+  bool holds(double seconds) const;
+
+  // The nearest double.
   double seconds(Ticks ticks) const;
   // The nearest tick. Throws std::invalid_argument for a time that is too large, or none.
   Ticks ticks(double seconds) const;
@@ -60,7 +66,7 @@ struct Blueprint {
   Blueprint& operator=(const Blueprint&) = delete;
 
   std::array<std::int64_t, 2> fingerprint;
-  TimeScale scale;
+  TimeScale scale;     // of the finest ticks
   std::int64_t nudge;  // the edge by which the surroundings write without sending; -1 if they never do
   std::vector<Variable> variables;
   Program program;

@@ -45,7 +45,8 @@ void append(std::vector<std::int64_t>& numbers, const std::vector<Value>& values
 
 }  // namespace
 
-Course::Course(std::shared_ptr<const Blueprint> blueprint) : blueprint_(std::move(blueprint)) {
+Course::Course(std::shared_ptr<const Blueprint> blueprint)
+    : blueprint_(std::move(blueprint)), scale_(blueprint_->scale) {
   const std::vector<Variable>& variables = blueprint_->variables;
   outside_.inputs.resize(variables.size());
   outside_.counts.resize(variables.size());
@@ -59,6 +60,8 @@ Course::Course(const Course& other)
     : blueprint_(other.blueprint_),
       parameters_(other.parameters_),
       simulator_(other.simulator_ ? std::make_unique<Simulator>(*other.simulator_) : nullptr),
+      scale_(other.scale_),
+      ticks_per_unit_(other.ticks_per_unit_),
       start_(other.start_),
       now_(other.now_),
       transitions_(other.transitions_),
@@ -80,7 +83,7 @@ const Variable& Course::variable(std::uint32_t reference, Type type) const {
 
 double Course::real(std::uint32_t reference) {
   const Variable& wanted = variable(reference, Type::real);
-  if (wanted.role == Role::time) return blueprint_->scale.seconds(start_ + now_);
+  if (wanted.role == Role::time) return scale_.seconds(start_ + now_);
   begin();
   const Number& number = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
   return number.value(simulator_->machine(), simulator_->slots());
@@ -184,10 +187,21 @@ bool Course::ticking() const {
 
 // ---- the run --------------------------------------------------------------------------------------------------------
 
+void Course::start_at(double start, std::optional<double> stop) {
+  TimeScale scale = blueprint_->scale;
+  for (Ticks ticks = finest_ticks; ticks >= coarsest_ticks; ticks /= 10, scale = scale.coarser())
+    if (scale.holds(start) && (!stop || (scale.holds(*stop) && scale.holds(*stop - start)))) {
+      scale_ = scale;
+      ticks_per_unit_ = ticks;
+      break;
+    }
+  start_ = scale_.ticks(start);
+}
+
 void Course::begin() {
   if (simulator_) return;
-  auto simulator =
-      std::make_unique<Simulator>(blueprint_->program, blueprint_->chances, blueprint_->tables, parameters_.policy);
+  auto simulator = std::make_unique<Simulator>(blueprint_->program, blueprint_->chances, blueprint_->tables,
+                                               parameters_.policy, ticks_per_unit_);
   if (!simulator->begin(parameters_.seed, parameters_.run))
     throw std::invalid_argument("the initial state of the network violates an invariant");
   simulator_ = std::move(simulator);
@@ -198,7 +212,8 @@ Ticks Course::next_event() {
   if (outside_.changed ||
       std::any_of(outside_.pending.begin(), outside_.pending.end(), [](std::int64_t count) { return count > 0; }))
     return now_;
-  return std::max(simulator_->next_moment(), now_);
+  const Ticks next = simulator_->next_moment();
+  return next <= latest_end ? std::max(next, now_) : never;
 }
 
 void Course::wait_until(Ticks moment) {
@@ -279,6 +294,7 @@ std::vector<std::int64_t> Course::save() const {
                                    static_cast<std::int64_t>(parameters_.run),
                                    static_cast<std::int64_t>(parameters_.policy),
                                    simulator_ != nullptr,
+                                   ticks_per_unit_,
                                    start_,
                                    now_,
                                    static_cast<std::int64_t>(transitions_),
@@ -309,6 +325,11 @@ Course Course::restore(std::shared_ptr<const Blueprint> blueprint, std::span<con
   if (policy < 0 || policy > static_cast<std::int64_t>(Policy::latest)) throw std::invalid_argument("bad saved state");
   result.parameters_.policy = static_cast<Policy>(policy);
   const bool begun = saved.truth();
+  const Ticks ticks_per_unit = saved.next();
+  while (result.ticks_per_unit_ > std::max(ticks_per_unit, coarsest_ticks)) {
+    result.ticks_per_unit_ /= 10;
+    result.scale_ = result.scale_.coarser();
+  }
   result.start_ = saved.next();
   const Ticks now = saved.next();
   const std::uint64_t transitions = saved.natural();

@@ -30,7 +30,10 @@ class Course {
   // ---- the run
   // Begins it if that has not been done. Throws std::invalid_argument if there is no initial state, and ModelFault.
   void begin();
-  void start_at(Ticks start) { start_ = start; }
+  // When it begins, in seconds, and when it ends at the latest if that is known. If that is too long for the finest
+  // ticks, they are coarser. Throws std::invalid_argument.
+  void start_at(double start, std::optional<double> stop);
+  const TimeScale& scale() const { return scale_; }
   Ticks start() const { return start_; }
   Ticks now() const { return now_; }
   // When something may happen next; `never` if nothing does by itself. Nothing happens before.
@@ -84,8 +87,10 @@ class Course {
   std::shared_ptr<const Blueprint> blueprint_;
   Parameters parameters_;
   std::unique_ptr<Simulator> simulator_;  // null before the run has begun
-  Ticks start_ = 0;                       // of the run, in the time of the surroundings
-  Ticks now_ = 0;                         // since the start
+  TimeScale scale_;
+  Ticks ticks_per_unit_ = finest_ticks;
+  Ticks start_ = 0;  // of the run, in the time of the surroundings
+  Ticks now_ = 0;    // since the start
   std::uint64_t transitions_ = 0;
   std::uint64_t at_once_ = 0;  // transitions without time between them
   Ticks last_ = 0;             // when the last one was

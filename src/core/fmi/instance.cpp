@@ -35,9 +35,9 @@ void Instance::require(Mode mode, const char* what) const {
   if (mode_ != mode) throw std::logic_error(std::string(what) + " was called at a wrong time");
 }
 
-void Instance::initialize(double start) {
+void Instance::initialize(double start, std::optional<double> stop) {
   require(Mode::instantiated, "EnterInitializationMode");
-  course_->start_at(blueprint_->scale.ticks(start));
+  course_->start_at(start, stop);
   mode_ = Mode::initialization;
 }
 
@@ -48,8 +48,8 @@ void Instance::reset() {
 
 Advance Instance::advance(double time, double size, bool stops, bool at_end) {
   require(Mode::step, "DoStep");
-  const TimeScale& scale = blueprint_->scale;
   Course& course = *course_;
+  const TimeScale& scale = course.scale();
   const Ticks here = scale.ticks(time) - course.start();
   if (std::abs(here - course.now()) > scale.slack(time)) throw std::invalid_argument("a step begins at a wrong time");
   if (!(size >= 0)) throw std::invalid_argument("a step goes back");

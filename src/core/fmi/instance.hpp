@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,7 +46,7 @@ class Instance {
   void require(Mode mode, const char* what) const;
   void enter(Mode mode) { mode_ = mode; }
   Mode mode() const { return mode_; }
-  void initialize(double start);
+  void initialize(double start, std::optional<double> stop);
   void reset();
 
   // Goes on to a time. `stops`: at the first event; otherwise events are handled on the way, and `at_end` says whether

@@ -15,6 +15,7 @@ struct Bound {
   std::uint64_t steps = UINT64_MAX;
   std::uint16_t clock = 0;  // that `value` is for; 0: none
   Ticks value = 0;
+  Ticks ticks_per_unit = finest_ticks;
 };
 
 // The first moment from now on at which a goal is reached if nothing happens; `never` if it is not. `sight` becomes
@@ -39,6 +40,12 @@ inline Ticks next_note(Simulator& simulator, Ticks apart) {
   const Ticks before_next = simulator.next_moment() - 1;
   const Ticks regular = simulator.now() + apart;
   return before_next > simulator.now() ? std::min(before_next, regular) : regular;
+}
+
+// Whether a run that has no bound on time is looked at only up to here because there are no later moments, although
+// something may still happen.
+inline bool cut_off(Simulator& simulator, const Bound& bound) {
+  return bound.until >= latest_end && simulator.now() >= latest_end && simulator.next_moment() < never;
 }
 
 // The last moment that is looked at, if nothing happens before.

@@ -16,7 +16,9 @@ constexpr std::uint64_t between_stops = 1 << 16;  // transitions
 constexpr Ticks rows = 1000;
 
 // How far rows are apart that tell how hybrid clocks go on.
-Ticks between_rows(Ticks until) { return until < latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow_sample; }
+Ticks between_rows(Ticks until, Ticks ticks_per_unit) {
+  return until < latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow_sample(ticks_per_unit);
+}
 
 }  // namespace
 
@@ -26,9 +28,8 @@ Simulation::Simulation(Program program, std::span<const std::int64_t> chances)
 std::vector<RunRecord> Simulation::run(const Order& order) const {
   std::vector<RunRecord> records(order.runs);
   share_work(order.threads, order.runs, [&] {
-    return [&, simulator = Simulator(program_, chances_, tables_, order.policy)](std::uint64_t n) mutable {
-      run_one(simulator, order, order.first + n, records[n]);
-    };
+    return [&, simulator = Simulator(program_, chances_, tables_, order.policy, order.ticks_per_unit)](
+               std::uint64_t n) mutable { run_one(simulator, order, order.first + n, records[n]); };
   });
   return records;
 }
@@ -51,7 +52,8 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
       const Ticks before = simulator.now();
       RunLimits sight = limits;
       const bool notes = order.recording.observed && simulator.has_hybrid_clocks();
-      if (notes) sight.until = std::min(limits.until, next_note(simulator, between_rows(limits.until)));
+      if (notes)
+        sight.until = std::min(limits.until, next_note(simulator, between_rows(limits.until, order.ticks_per_unit)));
       ending = simulator.step(sight);
       if (ending == Ending::horizon && notes) {
         keep_values(simulator, order.recording, record);

@@ -40,6 +40,7 @@ struct Order {
   unsigned threads = 1;
   Policy policy = Policy::stochastic;
   RunLimits limits;
+  Ticks ticks_per_unit = finest_ticks;
   Recording recording;
   std::function<bool()> stop = {};  // asked now and then, by any thread: whether to give up
 };

@@ -8,23 +8,24 @@ namespace tachk {
 namespace {
 
 constexpr Raw largest_reset = INT32_MAX;
-constexpr Ticks latest_value = largest_reset * ticks_per_unit + latest_end;  // of a clock
 constexpr std::uint64_t most_idle_draws = 100'000;
-constexpr Ticks retry = ticks_per_unit / 4;  // of what only target invariants forbid, where no delay is drawn
-constexpr Ticks near = ticks_per_unit;       // how far hybrid clocks are followed before something happens
-constexpr Ticks far = 10'000 * near;         // ... to see where an invariant ends
+// In units of time:
+constexpr Ticks near = 1;      // how far hybrid clocks are followed before something happens
+constexpr Ticks far = 10'000;  // ... to see where an invariant ends
+constexpr Ticks retries = 4;   // how often what only target invariants forbid is tried, where no delay is drawn
 
 }  // namespace
 
-Simulator::Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy)
+Simulator::Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy,
+                     Ticks ticks_per_unit)
     : program_(program),
       chances_(chances),
       tables_(tables),
       policy_(policy),
       machine_(program, largest_reset),
       random_(0, 0),
-      state_{{}, ClockValues(program.dimension())},
-      flow_(chances) {
+      state_{{}, ClockValues(program.dimension(), ticks_per_unit)},
+      flow_(chances, ticks_per_unit) {
   const std::size_t count = program.processes.size();
   race_ = {std::vector<Ticks>(count), std::vector<Ticks>(count), std::vector<Wait>(count)};
   outlooks_.resize(count);
@@ -153,11 +154,12 @@ Window Simulator::window(const Condition& condition, Ticks from) {
   result.first = std::max(result.first, from);
   if (condition.flow.empty() || result.empty()) return result;
   Crossings hybrid = crossings();
-  const Crossings::Found found = hybrid.opening(condition.flow, result.first, result.last, now_ + near);
+  const Crossings::Found found = hybrid.opening(condition.flow, result.first, result.last, now_ + near * unit());
   sight_ = std::min(sight_, found.seen);
   result.first = found.moment;
   if (found.moment < never && policy_ != Policy::stochastic)
-    result.last = std::min(result.last, hybrid.ending(condition.flow, found.moment, found.moment + near).moment);
+    result.last =
+        std::min(result.last, hybrid.ending(condition.flow, found.moment, found.moment + near * unit()).moment);
   flow_.show(now_, machine_, state_.slots.data());
   return result;
 }
@@ -194,7 +196,7 @@ void Simulator::refresh(std::size_t process) {
   race_.limit[process] = never;
   if (here.freezes()) return;
   sight_ = never;
-  if (here.outlook.has_invariant) race_.limit[process] = end_of(here.location->invariant, now_ + near);
+  if (here.outlook.has_invariant) race_.limit[process] = end_of(here.location->invariant, now_ + near * unit());
   Openings openings;
   for (const auto& [number, gate] : here.outputs) {
     if (!may_hold(gate)) continue;
@@ -214,7 +216,7 @@ void Simulator::wait_for(std::size_t process, const Openings& openings, Wait wai
   race_.waits[process] = wait;
   if (first < never) {
     sight_ = never;
-    if (race_.limit[process] == never) race_.limit[process] = end_of(invariant, now_ + far);
+    if (race_.limit[process] == never) race_.limit[process] = end_of(invariant, now_ + far * unit());
   }
   race_.due[process] = first < never && first <= race_.limit[process] ? drawn(process, first, last) : never;
   if (at_once <= race_.limit[process]) race_.due[process] = std::min(race_.due[process], at_once);
@@ -226,7 +228,8 @@ void Simulator::wait_for(std::size_t process, const Openings& openings, Wait wai
 void Simulator::park(std::size_t process) {
   const Station& here = place(process);
   sight_ = never;
-  if (!here.location->invariant.flow.empty()) race_.limit[process] = end_of(here.location->invariant, now_ + near);
+  if (!here.location->invariant.flow.empty())
+    race_.limit[process] = end_of(here.location->invariant, now_ + near * unit());
   Openings openings;
   for (const auto& [number, gate] : here.outputs) {
     if (!may_hold(gate)) continue;
@@ -234,7 +237,7 @@ void Simulator::park(std::size_t process) {
     if (!integers_hold(guard)) continue;
     const bool random = policy_ == Policy::stochastic || policy_ == Policy::uniform;
     const bool forbidden = program_.edges[number].internal() && holds(guard);
-    const Window own = window(guard, now_ + (forbidden && !random ? retry : 1));
+    const Window own = window(guard, now_ + (forbidden && !random ? unit() / retries : 1));
     if (own.empty()) continue;
     const Ticks opening = next_opening(number, own);
     if (opening != never) openings.add({opening, own.last}, acts_at_once(number));
@@ -278,8 +281,9 @@ Ticks Simulator::drawn(std::size_t process, Ticks first, Ticks last) {
   if (policy_ == Policy::latest) return first;
   const double rate = place(process).rate->value(machine_, state_.slots.data());
   if (!(rate >= 0)) throw ModelFault(FaultKind::range, place(process).rate->code);
-  const double wait = random_.exponential() / rate * static_cast<double>(ticks_per_unit);
-  return wait < static_cast<double>(latest_end) ? first + static_cast<Ticks>(wait) : never;
+  const double wait = random_.exponential() / rate * static_cast<double>(unit());
+  if (wait < static_cast<double>(latest_end)) return first + static_cast<Ticks>(wait);
+  return std::isfinite(wait) ? never - 1 : never;  // behind the end of every run, but not never
 }
 
 // ---- changes --------------------------------------------------------------------------------------------------------
@@ -329,8 +333,8 @@ void Simulator::update() {
     change_.values.emplace_back(reset.clock, state_.clocks.value(reset.clock, now_));
     change_.clocks |= clock_group(reset.clock);
     const Ticks copied = state_.clocks.value(reset.source, now_);
-    const Ticks advance = Ticks{reset.value} * ticks_per_unit;
-    if (copied > latest_value - advance) throw ModelFault(FaultKind::bound, no_code);
+    const Ticks advance = Ticks{reset.value} * unit();
+    if (copied > largest_reset * unit() + latest_end - advance) throw ModelFault(FaultKind::bound, no_code);
     state_.clocks.set(reset.clock, copied + advance, now_);
   }
 }

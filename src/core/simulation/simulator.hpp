@@ -29,13 +29,14 @@ enum class Policy : std::int32_t { stochastic, uniform, earliest, latest };
 
 // Why a run ends.
 enum class Ending : std::int32_t {
-  horizon,    // it is as long as it was to be
-  deadlock,   // nothing can happen and time cannot pass
-  time_lock,  // an invariant ends, and nothing can happen
-  zeno,       // too many steps without time between them
-  steps,      // as many steps as it may have
-  fault,      // a run-time error
-  initial,    // the initial state breaks an invariant
+  horizon,      // it is as long as it was to be
+  deadlock,     // nothing can happen and time cannot pass
+  time_lock,    // an invariant ends, and nothing can happen
+  zeno,         // too many steps without time between them
+  steps,        // as many steps as it may have
+  fault,        // a run-time error
+  initial,      // the initial state breaks an invariant
+  end_of_time,  // it has no bound on time, and the ticks are used up
 };
 
 struct RunLimits {
@@ -71,7 +72,8 @@ class Simulator {
   };
 
   // What it is given must outlive it.
-  Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy);
+  Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy,
+            Ticks ticks_per_unit = finest_ticks);
 
   // Begins the run with this number. False if its initial state breaks an invariant. Throws ModelFault.
   bool begin(std::uint64_t seed, std::uint64_t run) { return begin(Random(seed, run)); }
@@ -128,6 +130,7 @@ class Simulator {
     std::vector<std::size_t> candidates;
   };
 
+  Ticks unit() const { return flow_.ticks_per_unit(); }
   const Station& place(std::size_t process) const { return tables_.place(process, state_.slots.data()); }
   std::size_t processes() const { return program_.processes.size(); }
 

@@ -30,7 +30,8 @@ class Splitter {
         levels_(levels),
         asked_(asked),
         order_(order),
-        simulator_(program_, simulation.chances(), simulation.tables(), Policy::stochastic) {}
+        simulator_(program_, simulation.chances(), simulation.tables(), Policy::stochastic,
+                   asked.bound.ticks_per_unit) {}
 
   void run(std::uint64_t number, Replication& result) {
     result.probability = 1;
@@ -92,7 +93,8 @@ class Splitter {
       if (std::min(reached, lost) <= now)
         return reached <= lost ? std::optional(Entry{{}, steps, 0, true}) : std::nullopt;
       if (ending) {
-        if (*ending == Ending::zeno) ++result.unknown;
+        if (*ending == Ending::zeno || (*ending == Ending::horizon && cut_off(simulator_, asked_.bound)))
+          ++result.unknown;
         return std::nullopt;
       }
       if (++steps > asked_.bound.steps) return std::nullopt;

@@ -19,7 +19,8 @@ class Watch {
       : simulation_(simulation),
         asked_(asked),
         order_(order),
-        simulator_(simulation.program(), simulation.chances(), simulation.tables(), order.policy) {}
+        simulator_(simulation.program(), simulation.chances(), simulation.tables(), order.policy,
+                   asked.bound.ticks_per_unit) {}
 
   void run(std::uint64_t number, Trial& trial) {
     try {
@@ -49,7 +50,7 @@ class Watch {
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
       const bool notes = asked_.measures() && simulator_.has_hybrid_clocks();
-      Ticks sight = notes ? next_note(simulator_, flow_sample) : never;
+      Ticks sight = notes ? next_note(simulator_, flow_sample(asked_.bound.ticks_per_unit)) : never;
       const Ticks reached = first_moment(simulator_, simulation_.program(), asked_.goal, sight);
       const Ticks lost = first_moment(simulator_, simulation_.program(), asked_.lost, sight);
       RunLimits limits;
@@ -62,6 +63,7 @@ class Watch {
       if (std::min(reached, lost) <= now) return decide(trial, reached, lost, last);
       if (ending == Ending::horizon && notes) keep(trial, measured());
       if (ending == Ending::horizon && now < last) continue;  // it was not looked farther ahead
+      if (ending == Ending::horizon && cut_off(simulator_, asked_.bound)) return stop(trial, Ending::end_of_time, now);
       if (ending) return stop(trial, *ending, now);
       if (++trial.transitions > asked_.bound.steps) return stop(trial, Ending::horizon, now);
       if (asked_.measures()) keep(trial, measured());
@@ -81,7 +83,8 @@ class Watch {
   static void stop(Trial& trial, Ending ending, Ticks now) {
     trial.ending = ending;
     trial.end = now;
-    if (ending == Ending::zeno || ending == Ending::steps) trial.answer = Answered::unknown;
+    if (ending == Ending::zeno || ending == Ending::steps || ending == Ending::end_of_time)
+      trial.answer = Answered::unknown;
   }
 
   double measured() {
@@ -104,7 +107,9 @@ class Watch {
   void keep(Trial& trial, double value) const {
     trial.measured = asked_.largest ? std::max(trial.measured, value) : std::min(trial.measured, value);
   }
-  static double in_units(Ticks ticks) { return static_cast<double>(ticks) / static_cast<double>(ticks_per_unit); }
+  double in_units(Ticks ticks) const {
+    return static_cast<double>(ticks) / static_cast<double>(asked_.bound.ticks_per_unit);
+  }
 
   const Simulation& simulation_;
   const Asked& asked_;

@@ -10,7 +10,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engines.simulation.simulator import Drawing, Ending, Recorded
 from tachk.model.network import Network
 from tachk.runtime.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns
@@ -88,7 +88,7 @@ def drawn_runs(
     found = drawn.draw(drawing, numbers, Recorded(observed=True))
     return Simulation(
         tuple(
-            DrawnRun(run.number, run.ending, Fraction(run.end, TICKS_PER_UNIT), run.transitions, drawn.trace(run))
+            DrawnRun(run.number, run.ending, Fraction(run.end, run.ticks_per_unit), run.transitions, drawn.trace(run))
             for run in found
             if len(run.times)
         )

@@ -9,9 +9,10 @@ import numpy as np
 
 from tachk.compiler.features import check_simulated
 from tachk.compiler.lower import lower_simulation
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Numbers, Recorded, Simulated, Simulator
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.simulation.simulator import Drawing, Ending, Numbers, Recorded, Simulated, Simulator
 from tachk.model.network import Network
-from tachk.runtime.trace import Trace, Values
+from tachk.runtime.trace import LARGEST_TICK, Trace, Values
 from tachk.semantics.timed_trace import Transition
 from tachk.simulation.columns import Column, observed
 from tachk.time_limit import check_time
@@ -48,7 +49,7 @@ class Runs:
         """What was observed in a run."""
         name = f"run {run.number}"
         rows = run.observed[:, : len(self.columns)]
-        return recording(self.network, self.columns, name, run.times, rows, int(run.end), TICKS_PER_UNIT)
+        return recording(self.network, self.columns, name, run.times, rows, int(run.end), run.ticks_per_unit)
 
     def counts(self, run: Simulated) -> list[int]:
         """The counters at the end of a run that was observed."""
@@ -58,9 +59,9 @@ class Runs:
 def steps_of(run: Simulated) -> Iterator[tuple[Fraction, Transition | None]]:
     """The transitions of a run whose actions are recorded, with their times; None where only time passes."""
     for time, transition in zip(run.times[1:].tolist(), run.actions, strict=True):
-        yield Fraction(time, TICKS_PER_UNIT), transition
+        yield Fraction(time, run.ticks_per_unit), transition
     if run.end > int(run.times[-1]) and run.ending is Ending.HORIZON:
-        yield Fraction(run.end, TICKS_PER_UNIT), None
+        yield Fraction(run.end, run.ticks_per_unit), None
 
 
 def recording(
@@ -78,8 +79,14 @@ def recording(
         times: of the states, in ticks.
         rows: the values of the columns in each state.
         ticks: how many are a unit of time.
+
+    Raises UsageError for times that do not fit.
     """
     unit, factor = _unit(network)
+    while end * factor > LARGEST_TICK and factor % 10 == 0 and ticks % 10 == 0:
+        factor, ticks = factor // 10, ticks // 10
+    if end * factor >= 2**63:
+        raise UsageError(f"{name}: its times are too long to be counted in {unit}", "simulate a shorter time")
     instants = np.asarray(times, dtype=np.int64)
     known = np.asarray(rows, dtype=np.int64).reshape(len(times), len(columns))
     last = np.append(np.diff(instants) > 0, True)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.trace import Trace
+from tachk.runtime.trace import LARGEST_TICK, Trace
 from tachk.time_units import NANOSECONDS
 
 RUN = "{run}"
@@ -28,7 +28,9 @@ _VCD_TIMES = {
     "h": ("1 ns", 3600, 1),
     "d": ("1 ns", 24 * 3600, 1),
 }
-"""For each unit the unit of a dump, and how many of these are a tick of 1e-9 units: a fraction. No unit: seconds."""
+"""For each unit the unit of a dump, and how many of these are 1e-9 units: a fraction. No unit: seconds."""
+
+_VCD_SCALES = [f"{number} {unit}" for unit in ("fs", "ps", "ns", "us", "ms", "s") for number in (1, 10, 100)]
 
 _ROW_GROUP = 100_000
 """Rows of Parquet that are written together: so many are held until then."""
@@ -165,7 +167,7 @@ def _vcd(path: Path) -> Iterator[Writer]:
 def _write_vcd(trace: Trace, out: TextIO) -> None:
     from vcd import VCDWriter
 
-    scale, numerator, denominator = _VCD_TIMES[trace.unit or "s"]
+    scale, tick = _vcd_scale(trace)
     with VCDWriter(out, timescale=scale, date="", comment=trace.name) as dump:
         variables = {}
         for name, values in _columns(trace):
@@ -175,8 +177,18 @@ def _write_vcd(trace: Trace, out: TextIO) -> None:
         kept = dict(_columns(trace))
         for row, time in enumerate(trace.times.tolist()):
             for name, variable in variables.items():
-                dump.change(variable, time * numerator // denominator, kept[name][row])
-        dump.close(trace.end * numerator // denominator)
+                dump.change(variable, int(time * tick), kept[name][row])
+        dump.close(int(trace.end * tick))
+
+
+def _vcd_scale(trace: Trace) -> tuple[str, Fraction]:
+    """The unit of a dump, and how many of these are a tick: a coarser one where a run is too long."""
+    scale, numerator, denominator = _VCD_TIMES[trace.unit or "s"]
+    tick = Fraction(numerator * 10**9, denominator * trace.ticks_per_unit)
+    number = _VCD_SCALES.index(scale)
+    while trace.end * tick > LARGEST_TICK and number + 1 < len(_VCD_SCALES):
+        number, tick = number + 1, tick / 10
+    return _VCD_SCALES[number], tick
 
 
 def _vcd_kind(trace: Trace, name: str) -> tuple[str, int]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT
+from tachk.engines.simulation.simulator import LATEST_END, Horizon, horizon
 from tachk.time_units import NANOSECONDS, length_of
 
 
-def ticks_of(written: str, time_unit: str, name: str = "--until") -> int:
-    """A time in ticks: a number of units of the model, or a duration such as ``3 min``.
+def horizon_of(written: str, time_unit: str, name: str = "--until") -> Horizon:
+    """A time up to which runs go on: a number of units of the model, or a duration such as ``3 min``.
 
     Args:
         time_unit: of the model; empty if it has none.
@@ -34,4 +34,4 @@ def ticks_of(written: str, time_unit: str, name: str = "--until") -> int:
         time = time * NANOSECONDS[unit] / length
     if not 0 < time <= LATEST_END:
         raise UsageError(f"{name} {written}: runs last more than 0 and at most {int(LATEST_END)} time units")
-    return int(time * TICKS_PER_UNIT)
+    return horizon(time)

@@ -15,7 +15,7 @@ from tachk.compiler.lower import lower_simulation
 from tachk.compiler.program import Chances, Program
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Span
-from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending
+from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending, horizon
 from tachk.engines.simulation.trials import Answered, Asked, Reach, Trials, Trier
 from tachk.model.connectives import both, either, negation
 from tachk.model.expressions import (
@@ -60,6 +60,7 @@ class Sample:
     """What came of the runs so far.
 
     Attributes:
+        ticks_per_unit: how finely their times are counted.
         hits: on how many the goal is reached.
         unknown: how many ended before that was known.
         endings: how many ended how, before the goal was reached.
@@ -67,6 +68,7 @@ class Sample:
         values: what was measured on each run; not a number where a run is unknown.
     """
 
+    ticks_per_unit: int = TICKS_PER_UNIT
     runs: int = 0
     hits: int = 0
     unknown: int = 0
@@ -91,7 +93,7 @@ class Sample:
     @property
     def all_times(self) -> NDArray[np.float64]:
         """The moments at which the goal was reached, in units of time, in the order of the runs."""
-        return np.concatenate([np.empty(0, dtype=np.int64), *self.times]) / TICKS_PER_UNIT
+        return np.concatenate([np.empty(0, dtype=np.int64), *self.times]) / self.ticks_per_unit
 
     @property
     def all_values(self) -> NDArray[np.float64]:
@@ -105,7 +107,7 @@ class Sampler:
         self._trier = trier
         self._asked = asked
         self._source = source
-        self.sample = Sample()
+        self.sample = Sample(asked.reach.ticks_per_unit)
 
     @property
     def largest_reset(self) -> int:
@@ -196,10 +198,11 @@ def reach_of(bound: Bound, network: Network, program: Program) -> Reach:
         return Reach(steps=int(bound.limit))
     if bound.limit > LATEST_END:
         raise UsageError(f"runs last at most {int(LATEST_END)} time units")
-    ticks = int(bound.limit * TICKS_PER_UNIT)
+    limit = horizon(bound.limit)
     if bound.clock is None:
-        return Reach(until=ticks)
-    return Reach(clock=clock_number(bound.clock, network, program), value=ticks)
+        return Reach(until=limit.ticks, ticks_per_unit=limit.ticks_per_unit)
+    number = clock_number(bound.clock, network, program)
+    return Reach(clock=number, value=limit.ticks, ticks_per_unit=limit.ticks_per_unit)
 
 
 def clock_number(clock: Expression, network: Network, program: Program) -> int:

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tachk.compiler.program import Program
-from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
+from tachk.engines.simulation.simulator import (
+    LATEST_TICK,
+    TICKS_PER_UNIT,
+    Drawing,
+    Ending,
+    Horizon,
+    Recorded,
+    Simulated,
+)
 from tachk.engines.simulation.trials import Answered
 from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
@@ -71,7 +80,10 @@ def trajectories(network: Network, asked: Asked, source: Source, numbers: Sequen
     recorded = Recorded(observed=True, clocks=len(discrete) < len(asked.values))
     return tuple(
         Trajectory(
-            run.number, run.ending, run.end / TICKS_PER_UNIT, tuple(_lines(run, asked.values, network, runs.program))
+            run.number,
+            run.ending,
+            run.end / run.ticks_per_unit,
+            tuple(_lines(run, asked.values, network, runs.program)),
         )
         for drawing, first, last in _drawings(network, asked, source, numbers, runs.program)
         for run in runs.draw(drawing, range(first, last), recorded)
@@ -85,11 +97,13 @@ def _drawings(
     if asked.bound.scale is Scale.CLOCK:
         for number in numbers:
             end = _end(network, asked, replace(source, first=number))
-            yield Drawing(source.seed, end, steps=source.most_steps, threads=1), number, number + 1
+            drawing = Drawing(source.seed, end.ticks, steps=source.most_steps, ticks_per_unit=end.ticks_per_unit)
+            yield drawing, number, number + 1
         return
     reach = reach_of(asked.bound, network, program)
     steps = source.most_steps if reach.steps is None else reach.steps
-    drawing = Drawing(source.seed, reach.until or 2**58, steps=steps, threads=source.threads)
+    until = reach.until or LATEST_TICK
+    drawing = Drawing(source.seed, until, steps=steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit)
     first = 0
     for place in range(1, len(numbers) + 1):
         if place == len(numbers) or numbers[place] != numbers[place - 1] + 1:
@@ -97,12 +111,12 @@ def _drawings(
             first = place
 
 
-def _end(network: Network, asked: Asked, source: Source) -> int:
-    """When the run with the first number reaches a bound that is a clock, in ticks."""
-    beyond = asked.bound.beyond
-    if beyond is None:
-        return int(path_sampler(network, Path(asked.bound, None, False, Constant(0)), source).draw(1).ends[0])
-    return int(path_sampler(network, Path(Bound(Scale.TIME, LATEST_END), None, False, beyond), source).draw(1).ends[0])
+def _end(network: Network, asked: Asked, source: Source) -> Horizon:
+    """When the run with the first number reaches a bound that is a clock."""
+    beyond, latest = asked.bound.beyond, Bound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
+    path = Path(asked.bound, None, False, Constant(0)) if beyond is None else Path(latest, None, False, beyond)
+    sampler = path_sampler(network, path, source)
+    return Horizon(int(sampler.draw(1).ends[0]), sampler.sample.ticks_per_unit)
 
 
 def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, program: Program) -> list[Line]:
@@ -117,12 +131,12 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
             runs_on = ends - run.times
             if program.has_stopwatches:
                 runs_on = np.where(np.append(begins[1:], begins[-1]) == begins, 0, runs_on)
-            first, last = begins / TICKS_PER_UNIT, (begins + runs_on) / TICKS_PER_UNIT
+            first, last = begins / run.ticks_per_unit, (begins + runs_on) / run.ticks_per_unit
         else:
             cells = np.ascontiguousarray(run.observed[:, column])
             first = last = cells.view(np.float64) if value.type == DOUBLE else cells.astype(np.float64)
             column += 1
-        times = np.column_stack((run.times, ends)).reshape(-1) / TICKS_PER_UNIT
+        times = np.column_stack((run.times, ends)).reshape(-1) / run.ticks_per_unit
         lines.append(_settled(value.span.text, times, np.column_stack((first, last)).reshape(-1)))
     return lines
 

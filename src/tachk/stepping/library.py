@@ -18,7 +18,7 @@ from tachk.runtime.trace import Trace
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.simulation.columns import columns_for
 from tachk.simulation.library import Simulation, drawn_runs
-from tachk.simulation.times import ticks_of
+from tachk.simulation.times import horizon_of
 from tachk.stepping.files import check_determined, read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
@@ -108,7 +108,8 @@ def simulate(
         raise UsageError(f"there is no policy {policy!r}", f"one of {', '.join(Policy)}")
     if runs < 1 or first < 0 or threads < 1:
         raise UsageError("runs and threads are at least 1, and first at least 0")
-    drawing = Drawing(seed, ticks_of(str(until), network.time_unit, "until"), Policy(policy), max_steps, threads)
+    end = horizon_of(str(until), network.time_unit, "until")
+    drawing = Drawing(seed, end.ticks, Policy(policy), max_steps, threads, end.ticks_per_unit)
     orders = [fault] if isinstance(fault, str) else list(fault)
     return drawn_runs(network, drawing, range(first, first + runs), tuple(record), orders)
 

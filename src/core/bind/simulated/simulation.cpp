@@ -43,24 +43,7 @@ std::vector<tachk::RunRecord> run_interruptibly(const tachk::Simulation& simulat
   }
 }
 
-}  // namespace
-
-void bind_simulation(nb::module_& m) {
-  nb::enum_<tachk::Policy>(m, "Policy")
-      .value("STOCHASTIC", tachk::Policy::stochastic)
-      .value("UNIFORM", tachk::Policy::uniform)
-      .value("EARLIEST", tachk::Policy::earliest)
-      .value("LATEST", tachk::Policy::latest);
-  nb::enum_<tachk::Ending>(m, "Ending")
-      .value("HORIZON", tachk::Ending::horizon)
-      .value("DEADLOCK", tachk::Ending::deadlock)
-      .value("TIME_LOCK", tachk::Ending::time_lock)
-      .value("ZENO", tachk::Ending::zeno)
-      .value("STEPS", tachk::Ending::steps)
-      .value("FAULT", tachk::Ending::fault)
-      .value("INITIAL", tachk::Ending::initial);
-  m.def("ticks_per_unit", [] { return tachk::ticks_per_unit; }, "How finely simulated time is counted.");
-  m.def("latest_end", [] { return tachk::latest_end; }, "The longest run, in ticks.");
+void bind_run_record(nb::module_& m) {
   nb::class_<tachk::RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
       .def_ro("ending", &tachk::RunRecord::ending)
       .def_ro("end", &tachk::RunRecord::end)
@@ -83,6 +66,29 @@ void bind_simulation(nb::module_& m) {
       .def(
           "clocks", [](const tachk::RunRecord& self) { return as_array(std::vector(self.clocks)); },
           "The values of the clocks, row by row.");
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& m) {
+  nb::enum_<tachk::Policy>(m, "Policy")
+      .value("STOCHASTIC", tachk::Policy::stochastic)
+      .value("UNIFORM", tachk::Policy::uniform)
+      .value("EARLIEST", tachk::Policy::earliest)
+      .value("LATEST", tachk::Policy::latest);
+  nb::enum_<tachk::Ending>(m, "Ending")
+      .value("HORIZON", tachk::Ending::horizon)
+      .value("DEADLOCK", tachk::Ending::deadlock)
+      .value("TIME_LOCK", tachk::Ending::time_lock)
+      .value("ZENO", tachk::Ending::zeno)
+      .value("STEPS", tachk::Ending::steps)
+      .value("FAULT", tachk::Ending::fault)
+      .value("INITIAL", tachk::Ending::initial)
+      .value("END_OF_TIME", tachk::Ending::end_of_time);
+  m.def("finest_ticks", [] { return tachk::finest_ticks; }, "How many ticks are a unit of time where a run is short.");
+  m.def("coarsest_ticks", [] { return tachk::coarsest_ticks; }, "How many they are at least.");
+  m.def("latest_end", [] { return tachk::latest_end; }, "The longest run, in ticks.");
+  bind_run_record(m);
   nb::class_<tachk::Simulation>(m, "Simulation", "Runs of a program with their probabilities.")
       .def(nb::new_([](const std::vector<std::int64_t>& image, const std::vector<std::int64_t>& chances) {
              return std::make_unique<tachk::Simulation>(tachk::decode_program(image), chances);
@@ -91,16 +97,17 @@ void bind_simulation(nb::module_& m) {
       .def(
           "run",
           [](const tachk::Simulation& self, tachk::Policy policy, std::uint64_t seed, std::uint64_t first,
-             std::uint64_t runs, tachk::Ticks until, std::uint64_t steps, unsigned threads, bool actions, bool observed,
-             bool clocks, double seconds) {
+             std::uint64_t runs, tachk::Ticks until, tachk::Ticks ticks_per_unit, std::uint64_t steps, unsigned threads,
+             bool actions, bool observed, bool clocks, double seconds) {
             tachk::RunLimits limits;
             limits.until = until;
             limits.steps = steps;
-            return run_interruptibly(self, {seed, first, runs, threads, policy, limits, {actions, observed, clocks}},
-                                     seconds);
+            return run_interruptibly(
+                self, {seed, first, runs, threads, policy, limits, ticks_per_unit, {actions, observed, clocks}},
+                seconds);
           },
           nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"), nb::arg("runs"), nb::arg("until"),
-          nb::arg("steps"), nb::arg("threads"), nb::arg("actions"), nb::arg("observed"), nb::arg("clocks"),
-          nb::arg("seconds"),
+          nb::arg("ticks_per_unit"), nb::arg("steps"), nb::arg("threads"), nb::arg("actions"), nb::arg("observed"),
+          nb::arg("clocks"), nb::arg("seconds"),
           "The runs of these numbers, in order; none if that takes more seconds, where these are not negative.");
 }

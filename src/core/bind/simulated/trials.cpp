@@ -55,6 +55,9 @@ void bind_asked(nb::module_& m) {
       .def_prop_rw(
           "bound_value", [](const tachk::Asked& self) { return self.bound.value; },
           [](tachk::Asked& self, tachk::Ticks value) { self.bound.value = value; })
+      .def_prop_rw(
+          "ticks_per_unit", [](const tachk::Asked& self) { return self.bound.ticks_per_unit; },
+          [](tachk::Asked& self, tachk::Ticks ticks) { self.bound.ticks_per_unit = ticks; })
       .def_rw("goal", &tachk::Asked::goal)
       .def_rw("lost", &tachk::Asked::lost)
       .def_rw("observed", &tachk::Asked::observed)

@@ -2,6 +2,7 @@
 #include <cctype>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -25,6 +26,7 @@ using tachk::fmi::Type;
 struct Unit : Instance {
   using Instance::Instance;
   double start = 0;
+  std::optional<double> stop;
   double last = 0;    // where the last step ended
   bool over = false;  // nothing can happen any more
 };
@@ -92,15 +94,17 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type kind, fmi2String guid, f
 
 void fmi2FreeInstance(fmi2Component component) { delete static_cast<Unit*>(static_cast<Instance*>(component)); }
 
-fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean, fmi2Real, fmi2Real start, fmi2Boolean, fmi2Real) {
+fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean, fmi2Real, fmi2Real start, fmi2Boolean stops,
+                               fmi2Real stop) {
   return guard(component, [&](Unit& unit) {
     unit.require(Mode::instantiated, "SetupExperiment");
     unit.start = start;
+    unit.stop = stops != fmi2False ? std::optional(stop) : std::nullopt;
   });
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
-  return guard(component, [](Unit& unit) { unit.initialize(unit.start); });
+  return guard(component, [](Unit& unit) { unit.initialize(unit.start, unit.stop); });
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
@@ -177,7 +181,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
   return guard(component, [&](Unit& unit) {
     unit.restore(*static_cast<Snapshot*>(state));
     unit.over = unit.course().ending().has_value();
-    unit.last = unit.blueprint().scale.seconds(unit.course().start() + unit.course().now());
+    unit.last = unit.course().scale().seconds(unit.course().start() + unit.course().now());
   });
 }
 
@@ -215,7 +219,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real size, fmi
     const Advance done = unit.advance(time, size, false, true);
     if (done.event) throw std::invalid_argument("time cannot pass before the inputs change");
     unit.over = over = done.over;
-    unit.last = done.over ? unit.blueprint().scale.seconds(unit.course().start() + done.end) : time + size;
+    unit.last = done.over ? unit.course().scale().seconds(unit.course().start() + done.end) : time + size;
   });
   return status == fmi2OK && over ? fmi2Discard : status;
 }

@@ -1,6 +1,7 @@
 // The functions of FMI 3.0 that a unit for co-simulation has. `fmi3_refused.cpp` has those that it does not.
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -88,9 +89,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3Strin
 
 void fmi3FreeInstance(fmi3Instance instance) { delete static_cast<Unit*>(static_cast<Instance*>(instance)); }
 
-fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64, fmi3Float64 start, fmi3Boolean,
-                                       fmi3Float64) {
-  return guard(instance, [&](Unit& unit) { unit.initialize(start); });
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64, fmi3Float64 start,
+                                       fmi3Boolean stops, fmi3Float64 stop) {
+  return guard(instance, [&](Unit& unit) { unit.initialize(start, stops ? std::optional(stop) : std::nullopt); });
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
@@ -248,7 +249,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* again, f
     *nominals_changed = false;
     *states_changed = false;
     *known = next < tachk::never;
-    *next_time = *known ? unit.blueprint().scale.seconds(course.start() + next) : 0.0;
+    *next_time = *known ? unit.course().scale().seconds(course.start() + next) : 0.0;
   });
 }
 
@@ -256,8 +257,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 size,
                       fmi3Boolean* over, fmi3Boolean* early, fmi3Float64* last) {
   return guard(instance, [&](Unit& unit) {
     const Advance done = unit.advance(time, size, unit.event_mode && unit.early_return, !unit.event_mode);
-    const double end = unit.blueprint().scale.seconds(unit.course().start() + done.end);
-    const bool whole = done.end == unit.blueprint().scale.ticks(time + size) - unit.course().start();
+    const double end = unit.course().scale().seconds(unit.course().start() + done.end);
+    const bool whole = done.end == unit.course().scale().ticks(time + size) - unit.course().start();
     *event = done.event && unit.event_mode;
     *over = done.over;
     *early = !whole && unit.early_return;

@@ -21,9 +21,11 @@ from tachk.records import dataclass
 from tachk.semantics.timed_trace import Transition
 from tachk.time_limit import OutOfTimeError, time_left
 
-TICKS_PER_UNIT = _core.ticks_per_unit()
-"""How finely simulated time is counted."""
-LATEST_END = Fraction(_core.latest_end(), TICKS_PER_UNIT)
+TICKS_PER_UNIT = _core.finest_ticks()
+"""How finely simulated time is counted, unless a run is too long for that."""
+LATEST_TICK = _core.latest_end()
+"""Runs end there, however long a tick is."""
+LATEST_END = Fraction(LATEST_TICK, _core.coarsest_ticks())
 """The longest run, in units of time."""
 
 Numbers = NDArray[np.int64]
@@ -45,9 +47,31 @@ class Ending(StrEnum):
     FAULT = "run-time error"
     INITIAL = "no initial state"
     """The initial state violates an invariant."""
+    END_OF_TIME = "end of time"
+    """It has no bound on time, and lasts longer than can be counted."""
 
 
 _ENDINGS = {ending: Ending[ending.name] for ending in _core.Ending}
+
+
+@dataclass(frozen=True, slots=True)
+class Horizon:
+    """A time up to which runs go on.
+
+    Attributes:
+        ticks_per_unit: as many as fit, a power of ten: times are exact multiples of a tick.
+    """
+
+    ticks: int
+    ticks_per_unit: int
+
+
+def horizon(units: Fraction) -> Horizon:
+    """A time in the finest ticks in which it can be counted; it is at most `LATEST_END`."""
+    per_unit = TICKS_PER_UNIT
+    while units * per_unit > LATEST_TICK:
+        per_unit //= 10
+    return Horizon(int(units * per_unit), per_unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +80,7 @@ class Simulated:
 
     Attributes:
         number: of the run; with the seed it determines the run.
+        ticks_per_unit: how finely its times are counted.
         end: in ticks.
         times: of the initial state and of the states after each transition, in ticks; empty if nothing was recorded.
         observed: a row for each of these states; floating point numbers as their bits.
@@ -64,6 +89,7 @@ class Simulated:
     """
 
     number: int
+    ticks_per_unit: int
     ending: Ending
     end: int
     transitions: int
@@ -89,6 +115,7 @@ class Drawing:
 
     Attributes:
         until: when they end, in ticks.
+        ticks_per_unit: how finely times are counted, see `horizon`.
         steps: how many transitions they may have; None: any number.
         threads: they make no difference to the runs.
     """
@@ -98,6 +125,7 @@ class Drawing:
     policy: Policy = Policy.STOCHASTIC
     steps: int | None = None
     threads: int = 1
+    ticks_per_unit: int = TICKS_PER_UNIT
 
 
 class Simulator:
@@ -117,6 +145,7 @@ class Simulator:
             first=numbers.start,
             runs=len(numbers),
             until=drawing.until,
+            ticks_per_unit=drawing.ticks_per_unit,
             steps=2**63 if drawing.steps is None else drawing.steps,
             threads=drawing.threads,
             actions=recorded.actions,
@@ -127,19 +156,20 @@ class Simulator:
         if not found and numbers:
             raise OutOfTimeError
         for number, record in zip(numbers, found, strict=True):
-            yield self._simulated(number, record, recorded)
+            yield self._simulated(number, drawing.ticks_per_unit, record, recorded)
 
-    def _simulated(self, number: int, record: _core.RunRecord, recorded: Recorded) -> Simulated:
+    def _simulated(self, number: int, per_unit: int, record: _core.RunRecord, recorded: Recorded) -> Simulated:
         ending = _ENDINGS[record.ending]
         fault = None
         if ending is Ending.FAULT:
             kind, position = record.fault
             fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
         if not (recorded.actions or recorded.observed or recorded.clocks):
-            return Simulated(number, ending, record.end, record.transitions, _NONE, _NONE, _NONE, fault=fault)
+            return Simulated(number, per_unit, ending, record.end, record.transitions, _NONE, _NONE, _NONE, fault=fault)
         times = record.times()
         return Simulated(
             number,
+            per_unit,
             ending,
             record.end,
             record.transitions,

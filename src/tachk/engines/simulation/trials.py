@@ -13,7 +13,7 @@ from tachk.diagnostics.span import Span
 from tachk.engines.core_search import site_of
 from tachk.engines.program_image import encode
 from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import Ending, chances_image
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Ending, chances_image
 from tachk.model.fault import RuntimeErrorKind
 from tachk.records import dataclass
 from tachk.time_limit import OutOfTimeError, time_left
@@ -28,17 +28,23 @@ class Answered(IntEnum):
     NO = 0
     YES = 1
     UNKNOWN = 2
-    """It ended too early: by a run-time error, too many transitions, or a million of them at one instant."""
+    """It ended too early: by a run-time error, too many transitions, a million of them at one instant, or where times
+    can no longer be counted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """How far runs are looked at: up to a moment in ticks, a number of transitions, or a value of a clock in ticks."""
+    """How far runs are looked at: up to a moment in ticks, a number of transitions, or a value of a clock in ticks.
+
+    Attributes:
+        ticks_per_unit: see `horizon`.
+    """
 
     until: int | None = None
     steps: int | None = None
     clock: int = 0
     value: int = 0
+    ticks_per_unit: int = TICKS_PER_UNIT
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +132,7 @@ def core_asked(asked: Asked) -> _core.Asked:
         result.until = reach.until
     if reach.steps is not None:
         result.steps = reach.steps
+    result.ticks_per_unit = reach.ticks_per_unit
     result.bound_clock, result.bound_value = reach.clock, reach.value
     result.goal, result.lost = asked.goal, asked.lost
     result.observed, result.clock, result.largest = asked.observed, asked.clock, asked.largest

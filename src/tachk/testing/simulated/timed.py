@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Recorded, Simulated
+from tachk.engines.simulation.simulator import Recorded, Simulated
 from tachk.model.network import Network
 from tachk.model.types import leaves
 from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace
@@ -32,7 +32,9 @@ def timed_trace(network: Network, run: Simulated, cells: int | None = None) -> T
         clocks = run.clocks[row].tolist() if len(run.clocks) else []
         discrete = DiscreteState(tuple(values[:processes]), tuple(values[processes:][:cells]))
         states.append(
-            TimedState(discrete, tuple(Fraction(c, TICKS_PER_UNIT) for c in clocks), Fraction(time, TICKS_PER_UNIT))
+            TimedState(
+                discrete, tuple(Fraction(c, run.ticks_per_unit) for c in clocks), Fraction(time, run.ticks_per_unit)
+            )
         )
     steps = (
         TimedStep(after.time - before.time, action, after)

@@ -21,7 +21,7 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.policy import SCRIPT, Policy
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
+from tachk.engines.simulation.simulator import Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
 from tachk.monitoring.formulas import NamedFormula
 from tachk.report.statistics.text import times_text
@@ -30,7 +30,7 @@ from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import decimal_time
-from tachk.simulation.times import ticks_of
+from tachk.simulation.times import horizon_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class _Tally:
 
     Attributes:
         endings: how many runs end so.
-        examples: the first run of each ending, and when it ends in ticks.
+        examples: the first run of each ending, and when it ends.
         truths: for each formula how many runs have each verdict.
         violating: for each formula the runs on which it is false.
         done, missed: how often each ordered fault happened, and how often the model did not allow it.
@@ -81,7 +81,7 @@ class _Tally:
 
     transitions: int = 0
     endings: Counter[Ending] = field(default_factory=Counter)
-    examples: dict[Ending, tuple[int, int]] = field(default_factory=dict)
+    examples: dict[Ending, tuple[int, str]] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     truths: dict[str, Counter[Truth]] = field(default_factory=dict)
     violating: dict[str, list[int]] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class _Tally:
     def add(self, run: Simulated) -> None:
         self.transitions += run.transitions
         self.endings[run.ending] += 1
-        self.examples.setdefault(run.ending, (run.number, run.end))
+        self.examples.setdefault(run.ending, (run.number, decimal_time(run.end, run.ticks_per_unit)))
         if run.fault is not None and not self.faults:
             kind, span = run.fault
             self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
@@ -118,11 +118,11 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
     formulas = formulas_for(asked.formulas, definitions)
-    until = ticks_of(asked.until, network.time_unit)
+    until = horizon_of(asked.until, network.time_unit)
     columns = columns_with(network, asked.record, formulas)
     wanted = ordered(network, orders_of(asked.faults))
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
-    drawing = Drawing(asked.seed, until, Policy(asked.policy), asked.steps, asked.threads)
+    drawing = Drawing(asked.seed, until.ticks, Policy(asked.policy), asked.steps, asked.threads, until.ticks_per_unit)
     observed = asked.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
     tally = _Tally()
     file = asked.runs_file
@@ -166,9 +166,7 @@ def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterabl
     print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
     for ending, count in tally.endings.most_common():
         number, end = tally.examples[ending]
-        where = (
-            "" if ending is Ending.HORIZON else f", the first is run {number} at {decimal_time(end, TICKS_PER_UNIT)}"
-        )
+        where = "" if ending is Ending.HORIZON else f", the first is run {number} at {end}"
         print(f"{count:8} end with: {ending}{where}")
     for written, done in tally.done.items():
         missed = tally.missed[written]
