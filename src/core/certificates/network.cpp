@@ -136,12 +136,12 @@ void Network::find_steps(Situation& here, const Zone& zone) {
   steps_.clear();
   Slots& slots = here.slots;
   Part room;
-  bool committed = false;
-  for (std::size_t p = 0; p < program.processes.size(); ++p) committed |= location(p, slots).committed;
+  most_ = 0;
+  for (std::size_t p = 0; p < program.processes.size(); ++p) most_ = std::max(most_, location(p, slots).commitment());
   for (std::size_t p = 0; p < program.processes.size(); ++p)
     for (const std::uint32_t number : leaving(p, slots)) {
       const Edge& edge = program.edges[number];
-      const bool free = !committed || location(p, slots).committed;
+      const bool free = location(p, slots).may_go(most_);
       if (edge.internal() ? !free : !edge.sends) continue;
       taking_part.assign(1, number);
       const Zone* guarded = where(edge, slots, zone, room);
@@ -161,7 +161,7 @@ void Network::add_partner(Slots& slots, std::int32_t used, const Zone& zone, boo
   for (const std::size_t q : listeners_[static_cast<std::size_t>(used)])
     for (const std::uint32_t number : leaving(q, slots)) {
       const Edge& edge = program.edges[number];
-      if (q == sender || edge.sends || !edge.may_name(used) || (!free && !location(q, slots).committed)) continue;
+      if (q == sender || edge.sends || !edge.may_name(used) || (!free && !location(q, slots).may_go(most_))) continue;
       const Zone* guarded = where(edge, slots, zone, room);
       if (guarded == nullptr || !hears(edge, used, slots)) continue;
       taking_part.push_back(number);
@@ -184,7 +184,7 @@ void Network::add_receivers(Slots& slots, std::size_t listener, std::int32_t use
       const Zone* guarded = where(edge, slots, zone, part);
       if (guarded == nullptr || !hears(edge, used, slots)) continue;
       taking_part.push_back(number);
-      add_receivers(slots, listener + 1, used, *guarded, free || location(q, slots).committed);
+      add_receivers(slots, listener + 1, used, *guarded, free || location(q, slots).may_go(most_));
       taking_part.pop_back();
       if (!std::exchange(some, true) && guarded != &zone) staying = {zone};
       staying = without(staying, part.guard);

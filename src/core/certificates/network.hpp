@@ -100,7 +100,8 @@ class Network final {
   std::vector<std::vector<std::uint32_t>> listeners_;             // of each channel, the processes that may receive
   std::vector<std::uint32_t> metas_;
   bool has_urgent_channels_ = false;
-  Steps steps_;  // under construction
+  int most_ = 0;  // the largest commitment where steps are looked for
+  Steps steps_;   // under construction
 };
 
 }  // namespace tachk::certificates

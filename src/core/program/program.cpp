@@ -164,6 +164,7 @@ class Decoder {
     result.has_invariant = !result.invariant.trivial();
     result.urgent = in_.flag();
     result.committed = in_.flag();
+    result.observes = in_.flag();
     result.stopped = in_.sequence([this] {
       const std::uint16_t c = clock();
       return Location::Stop{c, code()};

@@ -108,6 +108,7 @@ struct Location {
   Condition invariant;
   bool urgent;
   bool committed;
+  bool observes;
   struct Stop {
     std::uint16_t clock;
     std::int32_t code;
@@ -116,6 +117,11 @@ struct Location {
   std::vector<ClockBound> lower;
   std::vector<ClockBound> upper;
   bool has_invariant;
+
+  // The committed rule: a transition is possible where a participant may go before what is the most committed place.
+  // An observer goes whatever others have to do, and first of all where it is committed itself.
+  int commitment() const { return committed ? 1 + static_cast<int>(observes) : 0; }
+  bool may_go(int most) const { return observes || commitment() >= most; }
 };
 
 struct Edge {

@@ -2,6 +2,7 @@
 // and zone. The semantics is that of docs/semantics.md.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -154,7 +155,7 @@ class Semantics {
     return guard.code == no_code || machine_.value(guard.code, slots) != 0;
   }
   template <class Visit>
-  void broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, bool committed, bool participates,
+  void broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
                  std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit);
   template <class Visit>
   void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, ConstZoneRef zone, std::size_t level,
@@ -187,14 +188,14 @@ template <class Visit, class Skips>
 void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit, Skips&& skips) {
   const std::size_t processes = program_.processes.size();
   listeners_.clear();
-  bool committed = false;
+  int most = 0;
   if (has_committed_locations_)
-    for (std::size_t p = 0; p < processes; ++p) committed |= location(p, slots).committed;
+    for (std::size_t p = 0; p < processes; ++p) most = std::max(most, location(p, slots).commitment());
 
   for (std::size_t p = 0; p < processes; ++p) {
-    const bool from_committed = location(p, slots).committed;
+    const bool goes = location(p, slots).may_go(most);
     const Outgoing& out = outgoing(p, slots);
-    if ((!committed || from_committed) && !skips(p)) {
+    if (goes && !skips(p)) {
       for (const std::uint32_t number : out.internal) {
         const Edge& edge = program_.edges[number];
         if (!offers(number, slots)) continue;
@@ -212,12 +213,12 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
       if (!sent) continue;
       const std::int32_t channel = channel_of(sender, slots);
       if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
-        broadcast(partners, channel, committed, from_committed, slots, sent, 1, visit);
+        broadcast(partners, channel, most, goes, slots, sent, 1, visit);
         continue;
       }
       const std::size_t sender_atoms = action_.guard.size();
       for (const std::uint32_t q : partners) {
-        if (committed && !from_committed && !location(q, slots).committed) continue;
+        if (!goes && !location(q, slots).may_go(most)) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
           if (!may_hear(other, channel, slots)) continue;
           const Edge& partner = program_.edges[other];
@@ -234,11 +235,11 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
 
 // Extends the broadcast action by those of the receivers, which are processes, that take part. A process with an
 // enabled receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the
-// guards so far leave, so combinations that exclude each other are given up at once. `participates`: a participant
-// leaves a committed location.
+// guards so far leave, so combinations that exclude each other are given up at once. `participates`: the committed rule
+// lets a participant go.
 template <class Visit>
-void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, bool committed,
-                          bool participates, std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit) {
+void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
+                          std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit) {
   const std::size_t first = listeners_.size();
   bool must_join = false;  // some listener asks nothing of the clocks
   std::uint32_t receiver = 0;
@@ -254,11 +255,11 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
   }
   const std::size_t last = listeners_.size();
   if (first == last) {
-    if (!committed || participates) visit(std::as_const(action_), zone);
+    if (participates) visit(std::as_const(action_), zone);
     return;
   }
   const std::size_t atoms = action_.guard.size();
-  const bool joined = participates || location(receiver, slots).committed;
+  const bool joined = participates || location(receiver, slots).may_go(most);
   std::vector<std::vector<Atom>> guards;
   for (std::size_t n = first; n < last; ++n) {
     const std::uint32_t number = listeners_[n];
@@ -266,13 +267,13 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
     const ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
     if (!must_join)
       guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
-    if (rest) broadcast(receivers, channel, committed, joined, slots, rest, level + 1, visit);
+    if (rest) broadcast(receivers, channel, most, joined, slots, rest, level + 1, visit);
     action_.edges.pop_back();
     action_.guard.resize(atoms);
   }
   if (!must_join)
     stay_out(guards, 0, zone, level, [&](ConstZoneRef rest, std::size_t next_level) {
-      broadcast(receivers, channel, committed, participates, slots, rest, next_level, visit);
+      broadcast(receivers, channel, most, participates, slots, rest, next_level, visit);
     });
   listeners_.resize(first);
 }

@@ -236,7 +236,8 @@ class _Lowering:
                 if slot is None:
                     raise rate_of_computed_clock(place.span)
                 stopped.append((self.layout.slots[slot].initial, code))
-        return ProgramLocation(invariant, location.urgent, location.committed, tuple(stopped)), ranges
+        kinds = location.urgent, location.committed, location.observes
+        return ProgramLocation(invariant, *kinds, tuple(stopped)), ranges
 
     def _rate_code(self, rate: Expression, known: Known) -> int | None:
         """Code for a rate that may be 0; None if it is always 1."""

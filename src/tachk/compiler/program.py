@@ -120,6 +120,7 @@ class ProgramLocation:
     invariant: Condition = Condition()
     urgent: bool = False
     committed: bool = False
+    observes: bool = False
     stopped: tuple[tuple[int, int], ...] = ()
     lower: tuple[tuple[int, int], ...] = ()
     upper: tuple[tuple[int, int], ...] = ()

@@ -58,7 +58,7 @@ def _goal(goal: Goal) -> Iterator[int]:
 
 def _location(location: ProgramLocation) -> Iterator[int]:
     yield from _condition(location.invariant)
-    yield from (int(location.urgent), int(location.committed))
+    yield from (int(location.urgent), int(location.committed), int(location.observes))
     for pairs in (location.stopped, location.lower, location.upper):
         yield len(pairs)
         for pair in pairs:

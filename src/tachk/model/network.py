@@ -27,6 +27,8 @@ class Location:
         0 (stopped) or 1.
     exponential_rate: of the time that the process waits here where no invariant ends it; None: 1.
     hybrid_rates: pairs (hybrid clock, floating point expression): how fast it changes while control is here.
+    observes: the process is no part of what the network describes: committed locations of others do not keep it from
+        acting, and where it is committed itself it alone acts.
     """
 
     name: str
@@ -38,6 +40,16 @@ class Location:
     span: Span = NOWHERE
     exponential_rate: Chance | None = None
     hybrid_rates: tuple[tuple[Expression, Expression], ...] = ()
+    observes: bool = False
+
+    @property
+    def commitment(self) -> int:
+        """How far the process has to go first here."""
+        return 1 + self.observes if self.committed else 0
+
+    def may_go(self, most: int) -> bool:
+        """Whether the committed rule lets the process go where this is the largest commitment of all."""
+        return self.observes or self.commitment >= most
 
 
 @dataclass(frozen=True, slots=True)

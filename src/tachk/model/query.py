@@ -26,6 +26,7 @@ class Observer:
         process: to be added to the network behind all others.
         bad: the location that is reachable if and only if a finite run violates the formula.
         endings: the locations that a run without end violates the formula by never leaving.
+        entries: where it gets into them.
         formula: the formula with its bounds as numbers, as text.
         triggers: for each implication that the formula demands always, its left side as text, and what must be true
             in some state so that the left side ever is.
@@ -35,6 +36,7 @@ class Observer:
     bad: int
     formula: str
     endings: tuple[int, ...] = ()
+    entries: tuple[int, ...] = ()
     triggers: tuple[tuple[str, Expression], ...] = ()
 
 

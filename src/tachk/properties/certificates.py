@@ -213,8 +213,6 @@ def _descent(
 ) -> Cover | str:
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
-    if query.again:
-        return "there are no certificates yet of what does not happen again and again"
     if query.non_zeno:
         return "there are no certificates yet where only runs count in which time diverges"
     stops = any(location.rates for process in network.processes for location in process.locations)
@@ -222,7 +220,10 @@ def _descent(
         return "there are no certificates of what runs meet where clocks stop and `deadlock` is asked for"
     program, goal, trigger = lower_obligation(network, avoided, begins)
     program = _with_groups(program, groups)
-    return find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits, progress)
+    found = find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits, progress)
+    if query.again and isinstance(found, str):
+        return "there are no certificates yet of what does not happen again and again"
+    return found
 
 
 def check_proof(network: Network, query: Query, certificate: CertificateReader, checker: Checker) -> Objection | None:

@@ -5,17 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from typing import assert_never
 
 from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
 from tachk.compiler.lower import lower_obligation, lower_recurrence
 from tachk.diagnostics.diagnostic import InternalError
+from tachk.engines.exact.concretise import discrete_run
 from tachk.engines.lasso import lasso
 from tachk.engines.liveness import find_avoiding_run, find_recurring_run
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import (
     TIME_LIMIT,
+    AvoidingRun,
     LivenessOutcome,
     LivenessStatus,
     Obligation,
@@ -25,6 +28,7 @@ from tachk.engines.outcome import (
 )
 from tachk.model.connectives import either
 from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
+from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.traversal import asks_deadlock, clock_in
@@ -40,7 +44,8 @@ from tachk.reduction.beats import DoubledNetwork, with_beats
 from tachk.reduction.symmetry.tables import with_symmetry
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import PreparedNetwork, prepare
-from tachk.semantics.timed_trace import TimedTrace
+from tachk.semantics.step import satisfies
+from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 from tachk.words import QueryKind
 
@@ -77,7 +82,10 @@ def _verdict(
     left = limits.after(time.monotonic() - started)
     if reduced == model.network:
         return _of_network(model, task, options, left, progress, trace)
-    verdict = _of_network(prepare(reduced), task, options, left, progress, trace=False)
+    # What is left out may be what meets something again and again: a run that does not need it decides nothing there.
+    weaker = replace(task, query=replace(task.query, again=(), ends=None))
+    verdict = _of_network(prepare(reduced), weaker, options, left, progress, trace=False)
+    verdict = replace(verdict, query=task.query)
     no_run = verdict.answer is answers_of(task.query)[1]
     if no_run or (verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact):
         return replace(verdict, unexamined=unexamined(model.network, reduced) if no_run else ())
@@ -87,7 +95,7 @@ def _verdict(
 
 def _reduced(network: Network, query: Query) -> Network:
     """The network without what nobody notices, where any run that avoids the goal counts."""
-    if query.again or query.non_zeno:
+    if query.non_zeno:
         return network
     return without_unobtrusive(network, [one for one in (query.avoided, query.begins) if one is not None])
 
@@ -140,6 +148,8 @@ def _searched(
     ends = first.run is not None and first.run.end is not RunEnd.LOOP
     if first.run is None or not (query.again or (query.non_zeno and not ends)):
         return _Searched(first, obligation)
+    if not (query.non_zeno and not ends) and _counts(model, first.run, obligation):
+        return _Searched(first, obligation)
     if not query.non_zeno:
         second = _recurring(model.network, obligation, options, limits.after(time.monotonic() - started), progress)
         return _Searched(_after(first, second), obligation)
@@ -153,6 +163,25 @@ def _searched(
         if second.reason != _STATE_LIMIT:
             break
     return searched
+
+
+def _counts(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> bool:
+    """Whether a run that avoids the goal meets what it has to meet again and again, or ends where it may.
+
+    What is asked speaks of locations and variables only.
+    """
+    states, _ = discrete_run(model, [*run.stem, *run.loop])
+
+    def satisfied(state: DiscreteState, predicate: Expression) -> bool:
+        return satisfies(model, TimedState(state, (Fraction(0),) * (model.dimension - 1), Fraction(0)), predicate)
+
+    try:
+        if run.end is not RunEnd.LOOP:
+            return obligation.ends is None or satisfied(states[-1], obligation.ends)
+        rounds = states[len(run.stem) + 1 :]
+        return all(any(satisfied(state, predicate) for state in rounds) for predicate in obligation.again)
+    except EvaluationFault:
+        return False
 
 
 def _after(first: LivenessOutcome, second: LivenessOutcome) -> LivenessOutcome:

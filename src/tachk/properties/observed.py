@@ -72,8 +72,8 @@ def without_observer(network: Network, trace: TimedTrace) -> tuple[TimedTrace, t
             loop_start = len(steps)
         waited += step.delay
         if step.transition is None or _is_own(step.transition, observer):
-            if step.transition is not None:
-                location = process.locations[step.state.discrete.locations[observer]]
+            location = process.locations[step.state.discrete.locations[observer]]
+            if step.transition is not None and not location.committed:
                 moves.append(ObserverMove(step.state.time, location.name))
             continue
         steps.append(TimedStep(waited, step.transition, own(step.state)))

@@ -102,7 +102,7 @@ def _alone(search: Search, task: Task) -> Search:
 def _anywhere(query: Query, observer: Observer, process: int) -> Query:
     """The query whether a run can stay in the endings, whatever their conditions."""
     places: list[Expression] = [
-        LocationTest(process, place, span=query.span) for place in (observer.bad, *observer.endings)
+        LocationTest(process, place, span=query.span) for place in (observer.bad, *observer.endings, *observer.entries)
     ]
     there = reduce(lambda one, other: Binary(BinaryOperator.OR, one, other, BOOL, query.span), places)
-    return replace(query, predicate=there, operands=(Unary(UnaryOperator.NOT, there, BOOL, query.span),))
+    return replace(query, operands=(Unary(UnaryOperator.NOT, there, BOOL, query.span),))

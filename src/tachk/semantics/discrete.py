@@ -152,14 +152,13 @@ def bind_selects(model: PreparedNetwork, participant: Participant, scratch: Envi
 @by_state
 def initiators(model: PreparedNetwork, discrete: DiscreteState) -> tuple[Participant, ...]:
     """The edges that can begin a transition: senders, and the internal edges that the committed rule admits."""
-    committed = _committed(model, discrete)
-    free = not any(committed)
+    admitted = _admitted(model, discrete)
     found = []
     for process, location in enumerate(discrete.locations):
         for participant in model.instances[process][location]:
             synchronisation = model.edge(participant).synchronisation
             if synchronisation is None:
-                if committed[process] or free:
+                if admitted[process]:
                     found.append(participant)
             elif synchronisation.direction is Direction.SEND:
                 found.append(participant)
@@ -180,11 +179,11 @@ def listeners(
     model: PreparedNetwork, discrete: DiscreteState, sender: Participant, channel: int
 ) -> tuple[tuple[Participant, ...], ...]:
     """For each other process the receiving edges that may name a channel and that the committed rule admits."""
-    committed = _committed(model, discrete)
-    free = model.channels[channel][0].broadcast or not any(committed) or committed[sender.process]
+    admitted = _admitted(model, discrete)
+    free = model.channels[channel][0].broadcast or admitted[sender.process]
     return tuple(
         tuple(p for p in model.instances[process][location] if may_hear(model, p, channel))
-        if process != sender.process and (free or committed[process])
+        if process != sender.process and (free or admitted[process])
         else ()
         for process, location in enumerate(discrete.locations)
     )
@@ -232,20 +231,23 @@ def transitions_with(
     if not model.channels[channel][0].broadcast:
         yield from (Transition((sender, receiver)) for of_process in hearing for receiver in of_process)
         return
-    committed = _committed(model, discrete)
+    admitted = _admitted(model, discrete)
     choices: list[list[tuple[Participant, ...]]] = []
     for receivers in hearing:
         joins: list[tuple[Participant, ...]] = [(receiver,) for receiver in receivers]
         choices.append(joins + ([()] if may_abstain(receivers) else []))
     for chosen in product(*choices):
         participants = (sender, *(p for join in chosen for p in join))
-        if not any(committed) or any(committed[p.process] for p in participants):
+        if any(admitted[p.process] for p in participants):
             yield Transition(participants)
 
 
 @by_state
-def _committed(model: PreparedNetwork, discrete: DiscreteState) -> tuple[bool, ...]:
-    return tuple(location.committed for location in model.current(discrete))
+def _admitted(model: PreparedNetwork, discrete: DiscreteState) -> tuple[bool, ...]:
+    """Which processes the committed rule lets go."""
+    locations = tuple(model.current(discrete))
+    most = max((location.commitment for location in locations), default=0)
+    return tuple(location.may_go(most) for location in locations)
 
 
 @by_state

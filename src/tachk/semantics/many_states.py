@@ -104,7 +104,7 @@ class ManyStates:
         self.moves: list[Move] = []
         self.invalid: list[int] = []
         self.states: States = np.zeros((0, len(ranges)), self._type)
-        self._committed = np.zeros((0, self.processes), bool)
+        self._admitted = np.zeros((0, self.processes), bool)  # which processes the committed rule lets go
         self.limits, self.waits, self.stands = np.zeros(0, np.int64), np.zeros(0, bool), np.zeros((0, 0), bool)
 
     @property
@@ -142,10 +142,12 @@ class ManyStates:
         self.stands = np.concatenate((self.stands.reshape(-1, model.dimension), stands))
         self.limits = np.concatenate((self.limits, np.ones(len(added), np.int64)))
         self.waits = np.concatenate((self.waits, np.ones(len(added), bool)))
-        self._committed = np.concatenate((self._committed, np.zeros((len(added), self.processes), bool)))
+        commitment = np.zeros((len(added), self.processes), np.int8)
+        observes = np.zeros((len(added), self.processes), bool)
         for p, process in enumerate(model.network.processes):
             here = new[:, p].astype(np.int64)
-            self._committed[known:, p] = np.array([location.committed for location in process.locations])[here]
+            commitment[:, p] = np.array([location.commitment for location in process.locations])[here]
+            observes[:, p] = np.array([location.observes for location in process.locations])[here]
             urgent = np.array([location.committed or location.urgent for location in process.locations])
             self.waits[known:] &= ~urgent[here]
             for number, location in enumerate(process.locations):
@@ -160,7 +162,8 @@ class ManyStates:
                 if location.invariant is not None:
                     asked = rows[(self.limits[rows] > 0) & ~np.isin(rows, self.invalid)]
                     self._limit(asked, partial(conditional_constraints, location.invariant))
-        self._free = np.count_nonzero(self._committed, axis=1) == 0
+        admitted = observes | (commitment >= commitment.max(axis=1, initial=0, keepdims=True))
+        self._admitted = np.concatenate((self._admitted, admitted))
         return added
 
     def ask(self, rows: Numbers, question: Callable[[Environment], T]) -> Iterator[tuple[Numbers, T | EvaluationFault]]:
@@ -284,7 +287,7 @@ class ManyStates:
                 for participant in participants if len(here) else ():
                     synchronisation = self.model.edge(participant).synchronisation
                     if synchronisation is None:
-                        yield here[self._free[here] | self._committed[here, p]], participant
+                        yield here[self._admitted[here, p]], participant
                     elif synchronisation.direction is Direction.SEND:
                         yield here, participant
 
@@ -332,7 +335,7 @@ class ManyStates:
     ) -> Iterator[Joint]:
         p = sender[0].process
         for q, by_location in self._listeners(channel):
-            free = rows[self._free[rows] | self._committed[rows, p] | self._committed[rows, q]]
+            free = rows[self._admitted[rows, p] | self._admitted[rows, q]]
             for location, hearing in by_location if q != p else ():
                 for receiver in hearing:
                     here = free[self.states[free, q] == location]
@@ -345,8 +348,8 @@ class ManyStates:
     ) -> Iterator[Joint]:
         """Each process that can hear a broadcast does, by one of its edges, from the listener of that number on."""
         if listener == len(self._listeners(channel)) or not len(rows):
-            joined = np.count_nonzero(self._committed[rows][:, [p.process for p in chosen]], axis=1) > 0
-            yield rows[self._free[rows] | joined], chosen, guard, channel
+            joined = self._admitted[rows][:, [p.process for p in chosen]].any(axis=1)
+            yield rows[joined], chosen, guard, channel
             return
         staying = [(rows, guard)]
         q, by_location = self._listeners(channel)[listener]

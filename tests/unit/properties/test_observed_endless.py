@@ -35,7 +35,7 @@ property Assumed : G !P.W -> G P.A;
         pytest.param(
             """init location A { invariant x <= 1; to W; } location W { invariant x <= 2; to Q; }
             location Q { invariant x <= 3; to A { guard x >= 3; assign x = 0; } }""",
-            set(),
+            {"Assumed"},
             id="goes round",
         ),
         pytest.param(
@@ -63,6 +63,96 @@ def test_runs_without_end(locations: str, failing: set[str], answers: Answers) -
     found = answers(f"process P() {{ clock x; {locations} }} system P; {PROPERTIES}")
     assert {name for name, answer in found.items() if answer == "fails"} == failing
     assert {answer for name, answer in found.items() if name not in failing} <= {"holds"}
+
+
+@pytest.mark.parametrize(
+    ("declarations", "locations", "formulas"),
+    [
+        pytest.param(
+            "",
+            "init location A { invariant x <= 1; to B { guard x >= 1; } } "
+            "committed location B { to A { assign x = 0; } } location C;",
+            {
+                "G (P.A -> F P.C)": "fails",
+                "F P.C": "fails",
+                "G F P.C": "fails",
+                "G (rise(P.A) -> F P.C)": "fails",
+                "F P.A -> F P.C": "fails",
+                "G (P.A -> (P.A U P.C))": "fails",
+                "whenever P.A, eventually P.C must be true.": "fails",
+                "G (P.A -> F P.B)": "holds",
+                "G F P.A": "holds",
+            },
+            id="what asks lapses in a committed location only",
+        ),
+        pytest.param(
+            "",
+            "init committed location A; location B;",
+            {"G F P.B": "fails", "F G P.B": "fails", "F P.B": "fails", "G (P.A -> F P.B)": "fails", "F G P.A": "holds"},
+            id="ends in a committed location",
+        ),
+        pytest.param(
+            "",
+            "init committed location A { to A; } location B;",
+            {"G F P.B": "fails", "F G P.B": "fails", "F P.B": "fails", "G (P.A -> F P.B)": "fails", "F G P.A": "holds"},
+            id="takes steps for ever in a committed location",
+        ),
+        pytest.param(
+            "chan c;",
+            "init location Idle { invariant x <= 1; to Send { guard x >= 1; } } "
+            "committed location Send { to Done { sync c!; } } location Done { to Idle { assign x = 0; } }",
+            {
+                "G F P.Idle": "fails",
+                "F G P.Idle": "fails",
+                "whenever P.Send, eventually P.Done must be true.": "fails",
+                "F P.Send": "holds",
+            },
+            id="ends in a committed location without a partner",
+        ),
+        pytest.param("", "init location A { to B; } location B;", {"F P.A": "holds"}, id="is there at first"),
+        pytest.param(
+            "",
+            "init location A { invariant x <= 1; to Q { guard x >= 1; } } committed location Q { to R; } location R;",
+            {"F P.Q": "holds", "G (P.A -> F P.Q)": "holds", "F P.A -> F P.Q": "holds", "F G P.Q": "fails"},
+            id="is there for no time",
+        ),
+        pytest.param(
+            "",
+            "init location A { invariant x <= 3; to Q { guard x >= 3; } } "
+            "committed location Q { to A2; } committed location A2 { to R; } location R;",
+            {"G (P.A || P.A2 -> F P.Q)": "holds"},
+            id="what asked lasted before, and is there for no time behind the answer",
+        ),
+        pytest.param(
+            "",
+            "init urgent location A { to B; } location B; location C;",
+            {"G (P.A -> F P.C)": "holds", "G (P.A -> F false)": "holds"},
+            id="what asks is there for no time",
+        ),
+        pytest.param(
+            "",
+            "init urgent location A; location B;",
+            {"G (P.A -> F P.B)": "fails", "G (P.A -> F false)": "fails", "G !P.A": "holds"},
+            id="what asks is there when nothing can happen any more",
+        ),
+        pytest.param(
+            "",
+            "init committed location A { to B; } committed location B { to A; } location C;",
+            {"G (P.A -> F P.C)": "fails", "G (P.A -> F P.B)": "holds", "F G P.A": "fails", "G F P.C": "fails"},
+            id="what asks comes again and again at one instant",
+        ),
+        pytest.param(
+            "",
+            "init location A { to Q; } committed location Q { to A; } location C;",
+            {"F P.Q -> F P.C": "fails", "F P.C -> F P.Q": "holds", "G P.A -> F P.C": "fails"},
+            id="an assumption about what is there for no time",
+        ),
+    ],
+)
+def test_where_no_time_passes(declarations: str, locations: str, formulas: dict[str, str], answers: Answers) -> None:
+    properties = "\n".join(f"property p{number} : {formula};" for number, formula in enumerate(formulas))
+    found = answers(f"{declarations} process P() {{ clock x; {locations} }} system P; {properties}")
+    assert found == {f"p{number}": answer for number, answer in enumerate(formulas.values())}
 
 
 def test_what_is_there_for_no_time_counts_as_for_the_query_and_is_noted() -> None:
@@ -125,10 +215,16 @@ property Assumed : (G (P.W -> F P.Q)) -> F P.Q;
             id="goes round",
         ),
         pytest.param(
-            """init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0; } to Q; }
-            committed location Q { to A; } location W;""",
+            """init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0; } to Q { guard x >= 1; } }
+            committed location Q { to A { assign x = 0; } } location W;""",
             {"Leaves", "Assumed"},
             id="is elsewhere for no time",
+        ),
+        pytest.param(
+            """init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0; } to Q; }
+            committed location Q { to A; } location W;""",
+            {"Settles", "Leaves", "Stable", "Assumed"},
+            id="is elsewhere again and again without time",
         ),
         pytest.param(
             """init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0; } to Q { guard x >= 1; } }

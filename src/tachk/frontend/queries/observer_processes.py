@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
@@ -12,7 +13,7 @@ from tachk.frontend.expressions.typed_expressions import condition, integral
 from tachk.frontend.queries.formula_durations import resolve_durations
 from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
-from tachk.logic.observer.construction import BAD, NoObserver, build_observer
+from tachk.logic.observer.construction import BAD, Ending, NoObserver, build_observer
 from tachk.logic.sentences import meaning
 from tachk.logic.triggers import demanded_implications, needed_state
 from tachk.model.connectives import both, either
@@ -53,44 +54,65 @@ def elaborate_temporal(
     process, _ = elaborate_process(
         built.template, own_name, Scope(scope), Declared(own_name), ChannelTable(set()), context
     )
+    if built.endings:
+        process = replace(process, locations=tuple(replace(each, observes=True) for each in process.locations))
     places = {location.name: number for number, location in enumerate(process.locations)}
-    observer = _processes(scope)
-    bad = LocationTest(observer, places[BAD], span=node.span)
-    shown: Expression = bad
-    again: list[Expression] = [bad] * len(built.endings[0].again if built.endings else ())
-    ends: Expression = bad
-    for ending in built.endings:
-        here: Expression = LocationTest(observer, places[ending.location], span=node.span)
-        shown = either(shown, both(here, _asked(ending.condition, scope, context)))
-        met = [None if each is None else both(here, _asked(each, scope, context)) for each in ending.again]
+    number = _processes(scope)
+    observer = Observer(
+        process,
+        places[BAD],
+        print_formula(formula),
+        tuple(places[e.location] for e in built.endings),
+        tuple(places[e.entry] for e in built.endings if e.entry is not None),
+        tuple(_triggers(formula, scope, context)),
+    )
+    query = Query(name, QueryKind.INVARIANTLY, None, (), node.sentence or node.span.text, title, expectation, node.span)
+    query = replace(query, observer=observer)
+    if built.endings:
+        return _endless(query, number, places, built.endings, partial(_asked, scope=scope, context=context))
+    bad = LocationTest(number, places[BAD], span=node.span)
+    return replace(query, predicate=Unary(UnaryOperator.NOT, bad, BOOL, node.span))
+
+
+def _endless(
+    query: Query,
+    observer: int,
+    places: Mapping[str, int],
+    endings: Sequence[Ending],
+    asked: Callable[[ast.Expression], Expression],
+) -> Query:
+    """The query whether no run gets into an ending and stays, in all its states, where what the ending asks is true."""
+
+    def at(name: str) -> Expression:
+        return LocationTest(observer, places[name], span=query.span)
+
+    bad = at(BAD)
+    begun = shown = ends = bad
+    again: list[Expression] = [bad] * len(endings[0].again)
+    for ending in endings:
+        here = there = at(ending.location)
+        if ending.entry is not None:
+            begun = either(begun, at(ending.entry))
+            there = either(here, at(ending.entry))
+        shown = either(shown, both(there, asked(ending.condition)))
+        met: list[Expression | None] = [None if each is None else both(here, asked(each)) for each in ending.again]
         again = [old if new is None else either(old, new) for old, new in zip(again, met, strict=True)]
         if None not in met:
             for each in met:
                 here = both(each, here)
             ends = either(ends, here)
-    absent = Unary(UnaryOperator.NOT, shown, BOOL, node.span)
-    return Query(
-        name,
-        QueryKind.LEADS_TO if built.endings else QueryKind.INVARIANTLY,
-        shown if built.endings else absent,
-        (absent,) if built.endings else (),
-        node.sentence or node.span.text,
-        title,
-        expectation,
-        node.span,
-        Observer(
-            process,
-            places[BAD],
-            print_formula(formula),
-            tuple(places[e.location] for e in built.endings),
-            tuple(_triggers(formula, scope, context)),
-        ),
+    absent = Unary(UnaryOperator.NOT, shown, BOOL, query.span)
+    return replace(
+        query,
+        kind=QueryKind.LEADS_TO,
+        predicate=begun,
+        operands=(absent,),
         again=tuple(again),
         ends=ends if again else None,
     )
 
 
-def _asked(text: ast.Expression, scope: Scope, context: Context) -> Expression:
+def _asked(text: ast.Expression, *, scope: Scope, context: Context) -> Expression:
     found = condition(text, scope, context)
     assert found is not None
     return found

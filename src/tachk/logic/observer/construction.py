@@ -9,7 +9,7 @@ does not count. docs/logic.md describes the construction.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from tachk.diagnostics.span import Span
@@ -17,7 +17,7 @@ from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negat
 from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
 from tachk.logic.observer.past_windows import looking_ahead
-from tachk.logic.observer.states import SHOWN, State, answered_in, is_endless
+from tachk.logic.observer.states import SHOWN, State, answered_in, binds, is_endless
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
 from tachk.operators import BinaryOperator, PrefixOperator
@@ -39,15 +39,17 @@ _CLOCKS = ("x", "y", "z", "u", "v", "w")
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """A location that a run violates the formula by never leaving.
+    """A location that a run violates the formula by never leaving, or that leads to such ones.
 
     Attributes:
-        condition: what holds there while time passes.
+        entry: where a run gets into the ending from elsewhere, and is for one step of the observer; None: it does not.
+        condition: what holds in every state there.
         again: the same number at all endings: conditions each of which such a run must meet again and again, in one
             ending or the other. None: it is not met here. A run that ends must end where it meets all.
     """
 
     location: str
+    entry: str | None
     condition: ast.Expression
     again: tuple[ast.Expression | None, ...] = ()
 
@@ -55,7 +57,7 @@ class Ending:
 @dataclass(frozen=True, slots=True)
 class BuiltObserver:
     """``template``: without parameters and with a location ``Bad``; ``endings``: empty where each violation is seen
-    in a finite run."""
+    in a finite run. Where there are some, the observer must be able to act in every state (`Location.observes`)."""
 
     template: ast.Template
     endings: tuple[Ending, ...] = ()
@@ -108,6 +110,8 @@ class _Writer:
         idle = self.tableau.idle
         self.idle = idle if idle in self.automaton.steps else None
         self.names = location_names(self.automaton.states, self.idle, used)
+        self.has_endings = any(map(is_endless, self.automaton.states))
+        self.entries = self._entry_names({*used, *self.names.values()})
         self.bad = BAD
         self.passed = fresh_name("Passed", used)
         self.gives_up = False
@@ -121,12 +125,26 @@ class _Writer:
             names.append(fresh_name(_CLOCKS[number], used | set(names)))
         return names
 
+    def _entry_names(self, used: set[str]) -> dict[State, str]:
+        """A location for each state that binds and is reached from one that does not, or is there from the start."""
+        reached = {state for state, _ in self.initial}
+        for source, steps in self.automaton.steps.items():
+            if not binds(source):
+                reached |= {step.target for step in steps}
+        names: dict[State, str] = {}
+        for state in self.automaton.states:
+            if self.has_endings and state in reached and binds(state):
+                names[state] = fresh_name("Entry", used)
+                used.add(names[state])
+        return names
+
     # ---- the template -----------------------------------------------------------------------------------------------
 
     def template(self) -> ast.Template:
         locations = [self._location(state) for state in self.automaton.states]
+        locations += [self._entry(state) for state in self.entries]
         if self.start is None and self.initial:
-            locations.insert(0, self._beginning())
+            locations = [*self._beginning(), *locations]
         hopeless = not locations and self.start is None
         if self.gives_up or hopeless:
             locations.append(self._plain(self.passed, initial=hopeless))
@@ -136,15 +154,28 @@ class _Writer:
         )
 
     def endings(self) -> tuple[Ending, ...]:
-        endless = [state for state in self.automaton.states if is_endless(state)]
+        if not self.has_endings:
+            return ()
+        binding = [state for state in self.automaton.states if binds(state)]
+        endless = list(filter(is_endless, binding))
         answered = sorted({task.goal for state in endless for task in answered_in(state)}, key=repr)
+        # That nothing is left to be seen once, and that what is claimed is so, is one more thing to be met.
+        settles = endless != binding or any(map(self.tableau.settled, endless))
+
+        def again(state: State) -> Iterator[ast.Expression | None]:
+            if settles:
+                yield all_of(self.tableau.settled(state), self.span) if is_endless(state) else None
+            for goal in answered:
+                yield self.tableau.meets(state, goal) if is_endless(state) else None
+
         return tuple(
             Ending(
                 self.names[state],
+                self.entries.get(state),
                 all_of(self.tableau.lasting(state), self.span),
-                tuple(self.tableau.meets(state, goal) for goal in answered),
+                tuple(again(state)),
             )
-            for state in endless
+            for state in binding
         )
 
     def _declarations(self) -> tuple[ast.VariableDeclaration, ...]:
@@ -171,16 +202,55 @@ class _Writer:
     def _plain(self, name: str, initial: bool = False) -> ast.LocationDeclaration:
         return ast.LocationDeclaration(self.span, self._identifier(name), initial=initial)
 
-    def _beginning(self) -> ast.LocationDeclaration:
-        """An urgent location: what the run begins with is guessed before time passes."""
-        edges = [
-            self._edge(self._name_of(state), self._guard((), condition), [], urgent=False)
+    def _beginning(self) -> list[ast.LocationDeclaration]:
+        """What the run begins with is guessed before time passes; where it need not settle first and an ending counts
+        from the first state on, before anything happens."""
+        used = {*self.names.values(), *self.entries.values(), self.channel, *self.clocks, self.passed}
+        start = fresh_name("Start", used)
+        edges = {
+            state: self._edge(self._name_of(state, entering=True), self._guard((), condition), [], urgent=False)
             for state, condition in self.initial
+        }
+        at_once = [edges[state] for state, condition in self.initial if not condition]
+        settling = [edges[state] for state, condition in self.initial if condition]
+        if not at_once:
+            settling.append(self._edge(self._fallback(), None, [], urgent=False))
+        if not self.entries or not at_once:
+            return [self._chooser(start, [*at_once, *settling], initial=True)]
+        if not settling:
+            return [self._chooser(start, at_once, initial=True, committed=True)]
+        later = fresh_name("Settling", {*used, start})
+        settling.append(self._edge(self._fallback(), None, [], urgent=False))
+        at_once.append(self._edge(later, None, [], urgent=False))
+        return [
+            self._chooser(start, at_once, initial=True, committed=True),
+            self._chooser(later, settling, initial=False),
         ]
-        if all(condition for _, condition in self.initial):
-            edges.append(self._edge(self._fallback(), None, [], urgent=False))
-        name = fresh_name("Start", {*self.names.values(), self.channel, *self.clocks, self.passed})
-        return ast.LocationDeclaration(self.span, self._identifier(name), initial=True, urgent=True, edges=tuple(edges))
+
+    def _chooser(
+        self, name: str, edges: list[ast.EdgeDeclaration], initial: bool, committed: bool = False
+    ) -> ast.LocationDeclaration:
+        return ast.LocationDeclaration(
+            self.span,
+            self._identifier(name),
+            initial=initial,
+            urgent=not committed,
+            committed=committed,
+            edges=tuple(edges),
+        )
+
+    def _entry(self, state: State) -> ast.LocationDeclaration:
+        """Where a state that binds is entered. The observer goes on at once, so that what is awaited from then on is
+        awaited from this state of the run on."""
+        limits = [self._compare(*at, BinaryOperator.LESS_EQUAL) for at in sorted(self.tableau.deadlines(state))]
+        return ast.LocationDeclaration(
+            self.span,
+            self._identifier(self.entries[state]),
+            all_of(limits, self.span) if limits else None,
+            initial=state == self.start,
+            committed=True,
+            edges=(self._edge(self.names[state], None, [], urgent=False),),
+        )
 
     def _location(self, state: State) -> ast.LocationDeclaration:
         requirement = self.tableau.requirement(state)
@@ -191,12 +261,12 @@ class _Writer:
             edges.append(self._edge(self._fallback(), guard, self._forgotten(state, None), urgent=True))
         limits = []
         for (clock, value), target in sorted(self.tableau.deadlines(state).items(), key=lambda entry: entry[0]):
-            limits.append(self._compare(clock, BinaryOperator.LESS_EQUAL, value))
+            limits.append(self._compare(clock, value, BinaryOperator.LESS_EQUAL))
             where = self._fallback() if target is None else self._name_of(target)
             edges.append(
                 self._edge(
                     where,
-                    self._compare(clock, BinaryOperator.GREATER_EQUAL, value),
+                    self._compare(clock, value, BinaryOperator.GREATER_EQUAL),
                     self._forgotten(state, target),
                     False,
                 )
@@ -205,7 +275,7 @@ class _Writer:
             self.span,
             self._identifier(self.names[state]),
             all_of(limits, self.span) if limits else None,
-            initial=state == self.start,
+            initial=state == self.start and state not in self.entries,
             edges=tuple(edges),
             doc=self._doc(requirement),
         )
@@ -224,14 +294,15 @@ class _Writer:
         )
 
     def _step(self, step: Step) -> ast.EdgeDeclaration:
-        clocks = [self._compare(guard.clock, guard.operator, guard.value) for guard in step.clocks]
+        clocks = [self._compare(guard.clock, guard.value, guard.operator) for guard in step.clocks]
         updates = []
         if step.reset is not None and step.target != SHOWN and step.reset < len(self.clocks):
             updates.append(self._assign(self.clocks[step.reset], self._number(0)))
         if step.saved is not None:
             updates.append(self._assign(self.saved[step.saved], step.saved))
         updates += self._forgotten(step.source, step.target)
-        return self._edge(self._name_of(step.target), self._guard(clocks, step.condition), updates, step.forced)
+        target = self._name_of(step.target, entering=not binds(step.source))
+        return self._edge(target, self._guard(clocks, step.condition), updates, step.forced)
 
     def _forgotten(self, source: State, target: State | None) -> list[ast.Expression]:
         """Updates that set saved values back that nobody looks at any more, so that states are not told apart."""
@@ -241,9 +312,11 @@ class _Writer:
     def _saved_in(self, state: State) -> set[str]:
         return {name for name in names_in(tuple(self.tableau.requirement(state))) if name in self.saved.values()}
 
-    def _name_of(self, state: State) -> str:
+    def _name_of(self, state: State, entering: bool = False) -> str:
         if state == SHOWN:
             return self.bad
+        if entering and state in self.entries:
+            return self.entries[state]
         return self.names.get(state) or self._fallback()
 
     def _fallback(self) -> str:
@@ -271,7 +344,7 @@ class _Writer:
             result = part if result is None else self._binary(BinaryOperator.AND, result, part)
         return None if result == truth(True, self.span) else result
 
-    def _compare(self, clock: int, operator: BinaryOperator, value: int) -> ast.Expression:
+    def _compare(self, clock: int, value: int, operator: BinaryOperator) -> ast.Expression:
         return self._binary(operator, ast.NameExpression(self.span, self.clocks[clock]), self._number(value))
 
     def _binary(self, operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> ast.Expression:

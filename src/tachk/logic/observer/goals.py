@@ -148,10 +148,15 @@ class Sometime:
 
 @dataclass(frozen=True, slots=True)
 class Throughout:
-    """At every instant of the window."""
+    """At every instant of the window.
+
+    ``strict``, without an end of the window: in every state, too, in which no time passes. What is promised to come
+    some time need not last.
+    """
 
     window: Window
     condition: ast.Expression
+    strict: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,10 +133,20 @@ def answered_in(state: State) -> Iterator[Task]:
     return (item for item in state if isinstance(item, Task) and isinstance(item.goal, Answered))
 
 
+def is_strict(item: Item) -> bool:
+    """Whether what the item requires must hold in every state, too, in which no time passes."""
+    return isinstance(item, Task) and isinstance(item.goal, Throughout) and item.goal.strict and item.phase == "on"
+
+
 def is_endless(state: State) -> bool:
     """Whether a run that never leaves the state violates the formula."""
     tasks = [item for item in state if isinstance(item, Task)]
     return bool(tasks) and all(map(lasts_for_ever, tasks))
+
+
+def binds(state: State) -> bool:
+    """Whether it matters in every state of a run from here on what holds."""
+    return is_endless(state) or any(map(is_strict, state))
 
 
 def waits_for_ever(state: State) -> bool:

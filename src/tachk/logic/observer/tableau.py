@@ -42,6 +42,8 @@ from tachk.logic.observer.states import (
     at_most,
     implies_positive,
     inside,
+    is_endless,
+    is_strict,
     is_there_initially,
     may_pass,
     numbered,
@@ -113,8 +115,13 @@ class Tableau:
 
     def lasting(self, state: State) -> Conjunction:
         """What must hold at every moment in a state that is never left, whether time passes or not."""
-        answered = frozenset(answered_in(state))
-        return conjunction(part for item in state - answered for part in self._requirement(item))
+        return conjunction(part for item in state if is_strict(item) for part in self._requirement(item))
+
+    def settled(self, state: State) -> Conjunction:
+        """What else must hold where a run ends in a state that is never left, and again and again if it takes steps
+        for ever at one instant."""
+        others = (item for item in state - frozenset(answered_in(state)) if not is_strict(item))
+        return conjunction(part for item in others for part in self._requirement(item))
 
     def meets(self, state: State, goal: Lasting) -> ast.Expression | None:
         """Under which condition a state is one of those that are met again and again where answers are; None: never."""
@@ -259,8 +266,10 @@ class Tableau:
         ends = not tasks and not now
         if open_ is not None and not ends and not any(implies_positive(clock, open_.clock) for clock in clocks):
             kept = self._settling(open_.conditions | now, FRESH if now else open_.clock)
-            condition = conjunction((*condition, *open_.conditions))
-            yield from self._made(state, (*after, *pasts, *kept), clocks, condition, None)
+            target: State = frozenset((*after, *pasts, *kept))
+            if not is_endless(target):  # else both may be met again and again at one instant, in turn
+                condition = conjunction((*condition, *open_.conditions))
+            yield from self._made(state, target, clocks, condition, None)
 
     def _made(
         self,

@@ -253,7 +253,10 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
     span = node.span
     match goal:
         case Holds(condition=condition):
-            return goal if condition == truth(True, span) else Throughout(window, condition)
+            if condition == truth(True, span) and window.high is not None:
+                return goal
+            promised = isinstance(node, formula.Eventually | formula.Until)
+            return Throughout(window, condition, strict=promised and window.high is None)
         case Both(parts=parts):
             return both(tuple(_always(node, window, part) for part in parts))
         case Throughout(window=inner, condition=condition):

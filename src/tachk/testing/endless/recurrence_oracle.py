@@ -46,7 +46,7 @@ def answers_for_ever(network: Network, asked: Answering, states: int) -> bool | 
     budget = Budget(Limits(states=states))
     try:
         reached = build([graph.normal(initial_state(graph.model))], lambda state: list(graph.everything(state)), budget)
-        begun = graph.starts(reached, budget)
+        begun = graph.starts(reached)
         return (
             _exists(begun, graph.all_steps, graph.end, graph.is_answered, budget)
             or _exists(build(begun, graph.all_steps, budget).came, graph.instant_steps, _nowhere, graph.answers, budget)
@@ -101,12 +101,8 @@ class _Answers:
         if later is not None:
             yield None, self.normal(later)
 
-    def starts(self, reached: Graph[TimedState], budget: Budget) -> list[Node]:
-        start = next(iter(reached.came))
-        begun = list(reached.came)
-        if self.asked.from_start:
-            # What the run begins with is what is there when time first passes.
-            begun = list(build([start], self._at_once, budget).came)
+    def starts(self, reached: Graph[TimedState]) -> list[Node]:
+        begun = list(reached.came)[:1] if self.asked.from_start else list(reached.came)
         if self.asked.after is not None:
             begun = [
                 after
@@ -116,9 +112,6 @@ class _Answers:
                 if transition is None
             ]
         return [(state, False) for state in begun if self.holds(state, self.asked.kept)]
-
-    def _at_once(self, state: TimedState) -> list[tuple[Transition | None, TimedState]]:
-        return [step for step in self.everything(state) if step[0] is not None]
 
     def all_steps(self, node: Node) -> list[tuple[Transition | None, Node]]:
         return list(self.steps(node))
