@@ -123,7 +123,8 @@ struct Group {
     return told(found);
   }
 
-  // As `update`; a column that is no contiguous array of float64, uint8 or bool, or not finite, is a `not_a_value`.
+  // As `update`; a column that is no contiguous array of float64, bool, or uint8 of 0 and 1, or lacks a number, is a
+  // `not_a_value`.
   nb::object push(nb::handle given_times, nb::handle columns, std::int64_t factor) {
     TickArray times;
     if (!nb::try_cast(given_times, times, false)) return told(RowFault::not_a_time);
@@ -144,9 +145,13 @@ struct Group {
       if (nb::try_cast(nb::handle(value), numbers, false)) {
         length = numbers.shape(0);
         views[n] = {numbers.data(), nullptr};
-        if (!tachk::all_finite(numbers.data(), length)) return told(RowFault::not_a_value);
+        if (!tachk::all_finite(numbers.data(), length) &&
+            std::any_of(numbers.data(), numbers.data() + length, [](double number) { return std::isnan(number); }))
+          return told(RowFault::not_a_value);
       } else if (nb::try_cast(nb::handle(value), bytes, false)) {
         length = bytes.shape(0);
+        if (std::any_of(bytes.data(), bytes.data() + length, [](std::uint8_t byte) { return byte > 1; }))
+          return told(RowFault::not_a_value);
         views[n] = {nullptr, bytes.data()};
       } else if (nb::try_cast(nb::handle(value), flags, false)) {
         length = flags.shape(0);
@@ -157,7 +162,9 @@ struct Group {
       if (length != count) return told(RowFault::not_a_value);
     }
     // The dictionary holds the arrays while they are read.
-    return told(group.push(times.data(), factor, views, count, faulty_row));
+    const RowFault found = group.push(times.data(), factor, views, count, faulty_row);
+    faulty_column = group.faulty_column();
+    return told(found);
   }
 
   nb::object advance(nb::handle time) {

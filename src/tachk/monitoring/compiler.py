@@ -38,7 +38,7 @@ LAST_TICK = 2**58
 RELATIONS = {each: Relation[each.name] for each in COMPARISONS}
 ARITHMETIC = {each: ValueOperator[each.name] for each in BinaryOperator if each.name in ValueOperator.__members__}
 EXTREMES = {"min": ValueOperator.MINIMUM, "max": ValueOperator.MAXIMUM}
-_NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
+COLUMN_NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
 
 
 def compile(
@@ -89,9 +89,9 @@ def _names(node: object) -> Iterator[str]:
     """Members and elements count as a whole, so that `P.loc` does not name `P`."""
     inside: set[int] = set()
     inside.update(id(call.function) for call in nodes_of_kind(node, ast.CallExpression))
-    for expression in nodes_of_kind(node, *_NAMES):
+    for expression in nodes_of_kind(node, *COLUMN_NAMES):
         if id(expression) not in inside:
-            inside.update(id(part) for part in nodes_of_kind(expression, *_NAMES))
+            inside.update(id(part) for part in nodes_of_kind(expression, *COLUMN_NAMES))
             yield column_name(expression)
 
 
@@ -197,10 +197,14 @@ class _Compiler:
                 self._refuse_chain(expression, left, right)
                 return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
             case _:
-                return self._atom(MonitorAtom(Relation.TRUTH, self._value(expression), (), text))
+                value = self._value(expression)
+                if not isinstance(expression, (*COLUMN_NAMES, ast.IntegerLiteral)):
+                    help_ = f"compare it, as in `{text} > 0`"
+                    raise self._report("E0902", f"`{text}` is a number, not a condition", expression.span, help_)
+                return self._atom(MonitorAtom(Relation.TRUTH, value, (), text))
 
     def _is_text(self, expression: ast.Expression) -> bool:
-        if isinstance(expression, _NAMES):
+        if isinstance(expression, COLUMN_NAMES):
             return self.texts is not None and column_name(expression) in self.texts.columns
         return isinstance(expression, ast.StringLiteral)
 
@@ -218,9 +222,9 @@ class _Compiler:
             labels = () if self.texts is None else self.texts.labels
             number = labels.index(side.value) if side.value in labels else -1
             return (ValueInstruction(ValueOperator.CONSTANT, float(number)),)
-        if isinstance(side, _NAMES) and (self.texts is None or self._is_text(side)):
+        if isinstance(side, COLUMN_NAMES) and (self.texts is None or self._is_text(side)):
             return (ValueInstruction(ValueOperator.COLUMN, float(self._column(side))),)
-        if isinstance(side, _NAMES):
+        if isinstance(side, COLUMN_NAMES):
             self._column(side)  # reported if it is not there at all
         message = f"`{print_expression(side)}` is compared with a text, but holds none"
         raise self._report("E0902", message, side.span, "texts are compared with texts")
@@ -245,7 +249,9 @@ class _Compiler:
         )
 
     def _may_be_boolean(self, expression: ast.Expression) -> bool:
-        return isinstance(expression, _NAMES) and (self.booleans is None or column_name(expression) in self.booleans)
+        return isinstance(expression, COLUMN_NAMES) and (
+            self.booleans is None or column_name(expression) in self.booleans
+        )
 
     def _refuse_chain(self, whole: ast.Expression, left: ast.Expression, right: ast.Expression) -> None:
         for side in (left, right):

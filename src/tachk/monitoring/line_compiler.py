@@ -11,14 +11,13 @@ from collections.abc import Collection, Iterator
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.monitoring.compiler import ARITHMETIC, EXTREMES, RELATIONS, column_name, is_condition
+from tachk.monitoring.compiler import ARITHMETIC, COLUMN_NAMES, EXTREMES, RELATIONS, column_name, is_condition
 from tachk.operators import CONNECTIVES, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.walk import nodes_of_kind
 
-_NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
 _OTHER = {
     BinaryOperator.LESS: BinaryOperator.LESS_EQUAL,
     BinaryOperator.GREATER: BinaryOperator.GREATER_EQUAL,
@@ -57,7 +56,7 @@ class _Checker:
 
     def moves(self, expression: ast.Expression) -> bool:
         """Whether the value of an expression depends on a column that moves."""
-        return any(column_name(name) in self._moving for name in nodes_of_kind(expression, *_NAMES))
+        return any(column_name(name) in self._moving for name in nodes_of_kind(expression, *COLUMN_NAMES))
 
     def not_linear(self, expression: ast.Expression) -> Iterator[Diagnostic]:
         for node in nodes_of_kind(expression, ast.BinaryExpression):
@@ -141,7 +140,7 @@ def _no_first_instant(expression: ast.Expression, becomes: str, other: str | Non
 def _reads(expression: ast.Expression) -> bool:
     """Whether an expression reads a column: any name but those of functions."""
     functions = {id(call.function) for call in nodes_of_kind(expression, ast.CallExpression)}
-    return any(id(name) not in functions for name in nodes_of_kind(expression, *_NAMES))
+    return any(id(name) not in functions for name in nodes_of_kind(expression, *COLUMN_NAMES))
 
 
 def _constant(expression: ast.Expression) -> Fraction | None:

@@ -12,10 +12,13 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
+import numpy as np
+
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.compiler import ticks_needed
+from tachk.monitoring.conditions import condition_findings
 from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, names_file, read_formulas
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
@@ -163,6 +166,13 @@ def prepare(
     formulas_in_units = [formula for formula, _ in resolved]
     labels = Texts(trace.texts, trace.labels)
     programs = tuple(_program(formula, known, trace.ticks_per_unit, booleans, labels) for formula in formulas_in_units)
+    unfit = [
+        finding
+        for formula, program in zip(formulas_in_units, programs, strict=True)
+        for finding in condition_findings(formula, program, trace)
+    ]
+    if unfit:
+        raise InputError(unfit)
     if interpolation is Interpolation.LINEAR:
         _check_lines(formulas_in_units, programs, trace)
     return trace, programs
@@ -194,8 +204,12 @@ def _program(
 
 
 def _check_lines(formulas: Sequence[Formula], programs: Sequence[MonitorProgram], trace: Trace) -> None:
-    """Raises InputError for what has no meaning on lines."""
+    """Raises InputError and UsageError for what has no meaning on lines."""
     moving = [column for column in trace.columns if trace.moves(column)]
+    for column in moving:
+        if not np.isfinite(trace.columns[column]).all():
+            message = f"{trace.name}: column {column!r} has an infinite value, to which no straight line leads"
+            raise UsageError(message, "leave out the linear interpolation")
     found: list[Diagnostic] = []
     for formula, program in zip(formulas, programs, strict=True):
         found += line_findings(formula, moving)

@@ -18,6 +18,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.compiler import ticks_needed
+from tachk.monitoring.conditions import no_condition
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
@@ -163,7 +164,11 @@ class Monitor:
             truth = self._push(times, columns, factor)
         if truth is None:
             row = self._group.fault()[2]
-            self._refuse(Fraction(int(times[row]), 10**decimals) if len(times) else 0, lambda name: columns[name], row)
+            self._refuse(
+                Fraction(int(times[row]), 10**decimals) if len(times) else 0,
+                lambda name: np.asarray(columns[name])[row],
+                row,
+            )
             truth = self._look()
         if self._watch is not None:
             self._watch.push(times, columns, factor)
@@ -341,12 +346,12 @@ class Monitor:
                 )
             case RowFault.NOT_A_TIME:
                 raise UsageError(f"{place}: the time {time} is not a number that can be counted")
-            case RowFault.INFINITE | RowFault.NOT_A_VALUE | RowFault.MISSING:
+            case RowFault.NO_TRUTH | RowFault.NOT_A_VALUE | RowFault.MISSING:
                 pass
         column = self.columns[number]
         match fault:
-            case RowFault.INFINITE:
-                raise UsageError(f"{place}: the value {given(column)!r} of column {column!r} is not finite")
+            case RowFault.NO_TRUTH:
+                raise no_condition(place, column, given(column))
             case RowFault.NOT_A_VALUE:
                 raise UsageError(
                     f"{place}: the value {given(column)!r} of column {column!r} is not a number",

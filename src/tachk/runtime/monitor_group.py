@@ -25,7 +25,7 @@ class RowFault(IntEnum):
     MERGED = 4
     NOT_A_TIME = 5
     MISSING = 6
-    INFINITE = 7
+    NO_TRUTH = 7
     NOT_A_VALUE = 8
 
 

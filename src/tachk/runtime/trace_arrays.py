@@ -272,9 +272,6 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
         raise _no_numbers(column, name) from None
     if known is not None or not _core.all_finite(numbers):
         known = ~np.isnan(numbers) if known is None else known & ~np.isnan(numbers)
-        infinite = np.isinf(numbers)
-        if infinite.any():
-            raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(infinite.argmax())}")
         numbers = np.asarray(_hold(numbers, known, column, name, before), dtype=np.float64)
     return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
 

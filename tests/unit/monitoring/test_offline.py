@@ -396,6 +396,8 @@ def test_rows_that_are_looked_over_while_they_are_judged(row: int, change: str, 
             report = tachk.monitor(formulas, open_table(arrays).read(columns) if first else arrays)
         except UsageError as error:
             told.append((str(error), error.help))
+        except InputError as error:
+            told.append(str(error))
         else:
             report = pickle.loads(pickle.dumps(report))
             told.append((report.to_dict(), report.record.trace.times.tolist()))
@@ -436,3 +438,84 @@ def test_a_robustness_of_0_leaves_the_truth_open(formula: str, truth: str) -> No
 def test_what_is_no_formula_is_refused(given: Any) -> None:
     with pytest.raises(UsageError, match="a formula cannot be a int"):
         tachk.monitor(given, {"time": [0], "x": [1]})
+
+
+def refused(formula: str, values: list[float], **given: str) -> str:
+    with pytest.raises(InputError) as refusal:
+        tachk.monitor(formula, {"time": range(len(values)), "ok": values, "x": [1] * len(values)}, **given)
+    (found,) = refusal.value.diagnostics
+    assert (found.code, found.span.text) == ("E0902", "ok")
+    return found.message
+
+
+@pytest.mark.parametrize("values", [[1, 0.5, -1], [2, 2, 2], [0, 1, 3], [0, 1, math.inf]])
+@pytest.mark.parametrize("formula", ["G ok", "F !ok", "G (x < 5 -> ok)", "G (ok && x > 0)", "rise(ok)"])
+def test_only_a_column_of_0_and_1_is_a_condition(values: list[float], formula: str) -> None:
+    assert refused(formula, values).startswith("`ok` is not a condition: it has the value ")
+    assert tachk.monitor("G (ok > 0 || ok <= 0)", {"time": range(3), "ok": values}).truth is tachk.Truth.TRUE
+    assert tachk.monitor("F change(ok)", {"time": range(3), "ok": values}).truth is not tachk.Truth.UNDETERMINED
+
+
+def test_the_first_value_that_is_no_truth_value_is_named() -> None:
+    assert refused("G (x > 3 -> ok)", [1, 0.5, -1], unit="ms") == (
+        "`ok` is not a condition: it has the value 0.5 at 1 ms"
+    )
+
+
+@pytest.mark.parametrize("formula", ["G (x + 1)", "G abs(x)", "F (-x)", "G 2.5"])
+def test_a_number_is_no_condition(formula: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        tachk.monitor(formula, {"time": [0, 1], "x": [1, 1]})
+    assert refusal.value.diagnostics[0].message.endswith("is a number, not a condition")
+
+
+INFINITE = {"time": [0, 1, 2], "x": [1, -math.inf, 3], "y": [math.inf, math.inf, -math.inf]}
+
+
+@pytest.mark.parametrize("online", [False, True])
+@pytest.mark.parametrize(
+    ("formula", "truth", "robustness"),
+    [
+        ("G (x < 5)", "true", 2),
+        ("G (x > -5)", "false", -math.inf),
+        ("F (x < -5)", "true", math.inf),
+        ("G[0, 1] (y > x)", "true", math.inf),
+        # Both sides are plus infinity.
+        ("y < y", "false", -math.inf),
+        ("y <= y", "true", math.inf),
+        ("y == y", "true", math.inf),
+        ("y != y", "false", -math.inf),
+        # The difference has no value, so no comparison but != is true.
+        ("y - y < 3", "false", -math.inf),
+        ("y - y >= 3", "false", -math.inf),
+        ("y - y != 3", "true", math.inf),
+        ("G (abs(y) > 5)", "true", math.inf),
+        ("F (min(x, y) < 0)", "true", math.inf),
+        ("F[1, 1] change(x)", "true", math.inf),
+    ],
+)
+def test_infinite_values_are_values(formula: str, truth: str, robustness: float, online: bool) -> None:
+    if online:
+        monitor = tachk.Monitor(formula, robustness=True)
+        for time, x, y in zip(*INFINITE.values(), strict=True):
+            monitor.update(time, x=x, y=y)
+        (verdict,) = monitor.finish()
+        pushed = tachk.Monitor(formula, robustness=True)
+        pushed.push(np.arange(3), {"x": np.array(INFINITE["x"]), "y": np.array(INFINITE["y"])}, 0)
+        assert pushed.finish()[0].robustness == verdict.robustness
+        assert (verdict.truth.word, verdict.robustness) == (truth, (robustness, robustness))
+        return
+    report = tachk.monitor(formula, INFINITE)
+    assert (report[0].truth.word, report[0].robustness) == (truth, (robustness, robustness))
+    assert "nan" not in report.to_text().lower()
+
+
+def test_no_line_leads_to_an_infinite_value() -> None:
+    with pytest.raises(UsageError, match="'x' has an infinite value, to which no straight line leads"):
+        tachk.monitor("G (x < 5)", INFINITE, interpolation="linear")
+
+
+def test_infinite_values_are_drawn(tmp_path: Path) -> None:
+    report = tachk.monitor("G (x > -5 || y > x)", INFINITE)
+    report.plot(tmp_path / "a.svg", robustness=True)
+    tachk.monitor("G (y > 5)", {"time": [0, 1], "y": [math.inf, math.inf]}).plot(tmp_path / "b.svg")

@@ -10,6 +10,18 @@ namespace {
 // Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits.
 constexpr std::int64_t furthest = largest_tick / 2;
 
+bool is_truth(double value) { return value == 0.0 || value == 1.0; }
+
+// Notes the columns that are conditions of their own: `ok`, but not `x > 3` or `change(x)`.
+void note_conditions(const MonitorGroup::Watched& watched, std::vector<std::uint8_t>& conditions) {
+  for (const MonitorNode& node : watched.program.nodes) {
+    if (node.kind != NodeKind::atom) continue;
+    const MonitorAtom& atom = watched.program.atoms[node.atom];
+    if (atom.relation == Relation::truth && atom.left.size() == 1 && atom.left[0].operation == ValueOperator::column)
+      conditions[watched.places[atom.left[0].column]] = 1;
+  }
+}
+
 template <class Value>
 void drop(std::vector<Value>& values, std::size_t count) {
   values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
@@ -21,6 +33,7 @@ MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bo
                            const TickScale& scale, std::int64_t reach, std::size_t most_kept)
     : held_{std::vector<double>(columns), false},
       row_(columns),
+      conditions_(columns),
       goes_on_(quantitative || all_violations),
       scale_(scale),
       open_(watched.size()) {
@@ -28,6 +41,7 @@ MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bo
   kept_.reach = reach;
   kept_.most = most_kept;
   for (Watched& each : watched) {
+    note_conditions(each, conditions_);
     Member member;
     member.monitor = std::make_unique<OnlineMonitor>(std::move(each.program), quantitative, all_violations);
     member.places = std::move(each.places);
@@ -57,11 +71,13 @@ RowFault MonitorGroup::update(int128 tick, std::optional<double> time, std::span
   if (const RowFault fault = check(tick); fault != RowFault::none) return fault;
   for (std::size_t n = 0; n < values.size(); ++n) {
     double value = values[n];
-    if (!std::isfinite(value)) {
+    if (std::isnan(value)) {
       faulty_column_ = n;
-      if (std::isinf(value)) return RowFault::infinite;
       if (!held_.known) return RowFault::missing;
       value = held_.values[n];
+    } else if (conditions_[n] != 0 && !is_truth(value)) {
+      faulty_column_ = n;
+      return RowFault::no_truth;
     }
     row_[n] = value;
   }
@@ -94,6 +110,14 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
   row = 0;
   decided_some_ = false;
   if (count == 0) return RowFault::none;
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    const double* const numbers = columns[n].numbers;
+    if (conditions_[n] == 0 || numbers == nullptr) continue;
+    row = static_cast<std::size_t>(std::find_if_not(numbers, numbers + count, is_truth) - numbers);
+    faulty_column_ = n;
+    if (row < count) return RowFault::no_truth;
+    row = 0;
+  }
   const auto tick = [&](std::size_t n) { return int128{times[n]} * factor; };
   if (const RowFault fault = check(tick(0)); fault != RowFault::none) return fault;
   const int128 origin = progress_.begun ? progress_.origin : tick(0);

@@ -25,7 +25,7 @@ enum class RowFault {
   merged,       // another time than that of the row before, but the same tick
   not_a_time,   // not finite, or not to be counted at all
   missing,      // the column has no value yet
-  infinite,     // the value of the column is infinite
+  no_truth,     // the column is used as a condition, and its value is neither 0 nor 1
   not_a_value,  // the value of the column is no number
 };
 
@@ -43,9 +43,9 @@ class MonitorGroup {
   MonitorGroup(const MonitorGroup&) = delete;
   MonitorGroup& operator=(const MonitorGroup&) = delete;
 
-  // One row at an instant in ticks of the clock. Values are finite, or NaN where the one before stays.
+  // One row at an instant in ticks of the clock. Values are numbers, or NaN where the one before stays.
   RowFault update(int128 tick, std::optional<double> time, std::span<const double> values);
-  // Many rows; the columns are those of the group and finite. Each time is `factor` ticks. `row` is that of the fault.
+  // Many rows; the columns are those of the group, and of numbers. Each time is `factor` ticks. `row` is that of the fault.
   RowFault push(const std::int64_t* times, std::int64_t factor, std::span<const Column> columns, std::size_t count,
                 std::size_t& row);
   // Nothing has changed before this instant.
@@ -124,6 +124,7 @@ class MonitorGroup {
   std::vector<Member> watched_;
   Held held_;
   std::vector<double> row_;
+  std::vector<std::uint8_t> conditions_;  // whether a formula uses a column as a condition
   std::vector<std::int64_t> ticks_;
   bool goes_on_;  // with formulas that are decided
   TickScale scale_;

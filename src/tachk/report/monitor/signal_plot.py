@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
@@ -19,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.figure_files import svg_of, write_figure
@@ -143,11 +145,13 @@ def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Stretch, verdicts: 
     moves = trace.moves(name)
     times, values = (line if moves else steps)(trace, name, span.begin, span.end)
     levels = thresholds(verdicts, name)
-    if max(map(abs, (*levels, values.min(), values.max()))) > _LARGEST:
+    finite = values[np.isfinite(values)]
+    if max((*map(abs, levels), np.abs(finite).max(initial=0))) > _LARGEST:
         raise UsageError(
             f"`{name}` cannot be drawn: there are numbers beyond {_LARGEST:g}",
             "draw a part of the trace, with --from and --to, or divide the numbers",
         )
+    values = _within_picture(values, [*levels, *([finite.min(), finite.max()] if len(finite) else [])])
     (curve,) = axis.plot(times, values, drawstyle="default" if moves else "steps-post", color=_SIGNAL, linewidth=1.2)
     curve.set_gid(f"signal-{name}")
     for level in levels:
@@ -155,6 +159,13 @@ def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Stretch, verdicts: 
     axis.set_ylabel(_label(name, _TICKS), rotation=0, ha="right", va="center", fontsize=_LABEL)
     axis.margins(y=0.12)
     axis.locator_params(axis="y", nbins=3)
+
+
+def _within_picture(values: NDArray[np.float64], finite: Sequence[float]) -> NDArray[np.float64]:
+    """Values with infinite ones a little beyond the finite numbers that are drawn."""
+    low, high = (min(finite), max(finite)) if finite else (0.0, 0.0)
+    beyond = 0.2 * (high - low) or 1.0
+    return np.clip(values, low - beyond, high + beyond)
 
 
 def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Stretch) -> None:

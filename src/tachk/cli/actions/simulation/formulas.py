@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from tachk.model.network import Network
+from tachk.monitoring.conditions import with_numbers_as_conditions
 from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.monitoring.offline import Judging, judge
 from tachk.runtime.node_signal import Truth
@@ -30,5 +32,6 @@ def truths_on(trace: Trace, formulas: tuple[NamedFormula, ...]) -> dict[str, Tru
     """The verdict of each formula."""
     if not formulas:
         return {}
-    verdicts = judge(formulas, open_trace(trace), Judging(robustness=False)).verdicts
+    conditions = [replace(each, formula=with_numbers_as_conditions(each.formula)) for each in formulas]
+    verdicts = judge(conditions, open_trace(trace), Judging(robustness=False)).verdicts
     return {verdict.name: verdict.truth for verdict in verdicts}
