@@ -197,11 +197,11 @@ class _Compiler:
                 self._refuse_chain(expression, left, right)
                 return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
             case _:
-                value = self._value(expression)
+                code = self._value(expression)
                 if not isinstance(expression, (*COLUMN_NAMES, ast.IntegerLiteral)):
                     help_ = f"compare it, as in `{text} > 0`"
                     raise self._report("E0902", f"`{text}` is a number, not a condition", expression.span, help_)
-                return self._atom(MonitorAtom(Relation.TRUTH, value, (), text))
+                return self._atom(MonitorAtom(Relation.TRUTH, code, (), text))
 
     def _is_text(self, expression: ast.Expression) -> bool:
         if isinstance(expression, COLUMN_NAMES):

@@ -19,7 +19,9 @@ from tachk.logic.constant_values import value_of, whole_quotient
 from tachk.logic.durations import resolve, scaled
 from tachk.logic.sentences import meaning
 from tachk.monitoring import compiler as monitoring
+from tachk.monitoring.constant_lines import ConstantReader, doubled_units
 from tachk.monitoring.given_constants import constants_by_name
+from tachk.monitoring.references import expanded, references
 from tachk.operators import PrefixOperator
 from tachk.runtime.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
@@ -32,16 +34,17 @@ from tachk.syntax.source_files import is_xml, read_source
 from tachk.syntax.walk import nodes_of_kind
 from tachk.time_units import length_of
 
+_UNIT = "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
+
 FORMULA_SUFFIXES = (".stl",)
 MODEL_SUFFIXES = (".ta", ".xta", ".xml")
 
 _NEVER_FORMULAS = tuple(suffix for suffix in TRACE_SUFFIXES if suffix != ".txt")
 """Formulas may stand in a plain text file, as traces may."""
 
-_CONSTANT = re.compile(r"const\s+(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<value>-?\d+(?:\.\d+)?)\s*;?")
-"""A line of a file of formulas that gives a name a value."""
-
-_LINE = re.compile(r"(?P<name>[A-Za-z_]\w*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
+_LINE = re.compile(r"(?P<name>\w+(?:[.\-/]+\w+)*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
+_NO_NAME = re.compile(r"[^\"`:()\[\]{}<>=&|!]*:(?!:)")
+"""What was meant as a name, and is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,8 @@ class NamedFormula:
     unit: what a bound without unit is measured in, such as ``10 ms``; empty: the unit of the trace.
     constants: of the model or the file that states it; a column of such a name comes first.
     given: what somebody who monitors gives constants; a column of such a name is an error.
+    durations: as ``constants``, those with a unit, in nanoseconds.
+    siblings: formulas of the same file that it may name.
     """
 
     name: str
@@ -62,6 +67,33 @@ class NamedFormula:
     unit: str = ""
     constants: Mapping[str, Fraction | int] | None = None
     given: Mapping[str, Fraction] | None = None
+    durations: Mapping[str, Fraction] | None = None
+    siblings: Mapping[str, Formula] | None = None
+
+    def beside(self, columns: Collection[str]) -> NamedFormula:
+        """The formula where there are these columns: a name of one of them is no formula."""
+        left = {name: each for name, each in (self.siblings or {}).items() if name not in columns}
+        return replace(self, siblings=left or None) if self.siblings else self
+
+    @property
+    def named_formulas(self) -> frozenset[str]:
+        """The names in it that mean other formulas of its file."""
+        return references(self.formula, self.siblings or {})
+
+    def within(self, columns: Collection[str]) -> NamedFormula:
+        """The formula over these columns, with other formulas in place of their names; the text is lost."""
+        if not self.siblings:
+            return self
+        return replace(self, formula=expanded(self.formula, self.siblings, columns), siblings=None)
+
+    def numbers(self, unit: str) -> dict[str, Fraction | int]:
+        """The values of all constants where times are measured in a unit. Raises UsageError if nobody says which."""
+        length = length_of(unit)
+        if self.durations and length is None:
+            name = next(iter(self.durations))
+            raise UsageError(f"the constant `{name}` has a unit, but the length of one unit of time is unknown", _UNIT)
+        durations = {name: value / length for name, value in (self.durations or {}).items() if length is not None}
+        return {**(self.constants or {}), **durations, **(self.given or {})}
 
     @property
     def text(self) -> str:
@@ -87,7 +119,7 @@ class NamedFormula:
     @property
     def constant_names(self) -> frozenset[str]:
         """The names that are constants where no column has them."""
-        return frozenset((*(self.constants or {}), *(self.given or {})))
+        return frozenset((*(self.constants or {}), *(self.durations or {}), *(self.given or {})))
 
 
 # One formula often judges many traces: what it alone tells is kept.
@@ -115,7 +147,7 @@ def read_formulas(
             raise _exchanged(path)
         if path.suffix.lower() in MODEL_SUFFIXES:
             return _model_formulas(path, definitions or {})
-        return defined(_file_formulas(path), definitions or {})
+        return _defined_in_file(_file_formulas(path, definitions or {}), definitions or {})
     return defined(_text_formulas(str(given)), definitions or {})
 
 
@@ -133,6 +165,14 @@ def defined(formulas: tuple[NamedFormula, ...], definitions: Mapping[str, str | 
         except (ValueError, ZeroDivisionError):
             raise UsageError(f"-D {name}={text}: expected a number", "such as -D T=2.5") from None
     return tuple(replace(named, given={**(named.given or {}), **values}) for named in formulas)
+
+
+def _defined_in_file(formulas: tuple[NamedFormula, ...], definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
+    """The formulas of a file, whose constants have these values already."""
+    names = {name for named in formulas for name in named.names}
+    numbers, durations = formulas[0].constants or {}, formulas[0].durations or {}
+    done = {name for name in definitions if name in durations or (name in numbers and name not in names)}
+    return defined(formulas, {name: text for name, text in definitions.items() if name not in done})
 
 
 @lru_cache(maxsize=256)
@@ -162,10 +202,9 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
     clash = next((name for name in named.given or {} if name in columns), None)
     if clash is not None:
         raise UsageError(f"-D {clash}: the trace has a column of this name", "rename the constant in the formula")
-    constants = {n: v for n, v in (named.constants or {}).items() if n not in columns} | dict(named.given or {})
     own = named.unit or unit
-    remedy = "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
-    formula = resolve(named.formula, constants_by_name(constants), own, remedy)
+    constants = {name: value for name, value in named.numbers(own).items() if name not in columns}
+    formula = resolve(named.formula, constants_by_name(constants), own, _UNIT)
 
     def change(node: Any) -> Any:
         match node:
@@ -214,14 +253,14 @@ def _checked(read: list[NamedFormula | tuple[Diagnostic, ...]], what: str) -> tu
 # ---- files of formulas --------------------------------------------------------------------------------------------
 
 
-def _file_formulas(path: Path) -> tuple[NamedFormula, ...]:
+def _file_formulas(path: Path, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
     source = read_source(path)
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     names: dict[str, Span] = {}
-    constants: dict[str, Fraction | int] = {}
+    named: dict[str, Formula] = {}
+    constants = ConstantReader(definitions)
     for span in _entries(source):
-        if (constant := _CONSTANT.fullmatch(span.text)) is not None:
-            constants[constant["name"]] = Fraction(constant["value"])
+        if constants.take(span):
             continue
         match = _LINE.match(source.text, span.start, span.end)
         name = match["name"] if match else f"p{len(read) + 1}"
@@ -231,10 +270,34 @@ def _file_formulas(path: Path) -> tuple[NamedFormula, ...]:
             read.append((Diagnostic("E0202", f"the formula `{name}` is there twice", span),))
             continue
         names[name] = span
+        if match is None and (no_name := _NO_NAME.match(source.text, span.start, span.end)) is not None:
+            read.append((_not_a_name(Span(source, span.start, no_name.end() - 1)),))
+            continue
         read.append(_read(name, title, Span(source, start, span.end)))
-    if constants:
-        read = [replace(each, constants=constants) if isinstance(each, NamedFormula) else each for each in read]
-    return _checked(read, str(path))
+        if match is not None and isinstance(read[-1], NamedFormula):
+            named[name] = read[-1].formula
+    complete = list(_with_constants(read, constants, named))
+    return _checked([tuple(constants.found), *complete], str(path))
+
+
+def _with_constants(
+    read: Iterable[NamedFormula | tuple[Diagnostic, ...]], reader: ConstantReader, named: Mapping[str, Formula]
+) -> Iterator[NamedFormula | tuple[Diagnostic, ...]]:
+    """The formulas of a file with its constants and names."""
+    values = reader.values()
+    for each in read:
+        if not isinstance(each, NamedFormula):
+            yield each
+        elif doubled := tuple(doubled_units(each.formula, values.durations)):
+            yield doubled
+        else:
+            siblings = named if len(named) > 1 and _columns_read(each.formula) & named.keys() else None
+            yield replace(each, constants=values.numbers or None, durations=values.durations or None, siblings=siblings)
+
+
+def _not_a_name(span: Span) -> Diagnostic:
+    help_ = "a name consists of letters, digits and _, with - . / between them: REQ-1.2"
+    return Diagnostic("E0101", f"`{span.text.strip()}` is not a name of a formula", span, help_)
 
 
 def _entries(source: Source) -> Iterator[Span]:

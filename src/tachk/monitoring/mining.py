@@ -81,7 +81,11 @@ def mine(
         names = ", ".join(named.name for named in formulas)
         raise UsageError(f"one formula at a time, not {len(formulas)}: {names}", "choose one with --property")
     if len(over) != 1:
-        raise UsageError("one parameter at a time", "give the others values with -D")
+        names = ", ".join(over) or "none"
+        raise UsageError(
+            f"one parameter is mined at a time, not {len(over)}: {names}",
+            "give the others values with -D, as in -D C=5, and mine again for each of them",
+        )
     ((name, (least, greatest)),) = over.items()
     low, high = Fraction(str(least)), Fraction(str(greatest))
     if not low < high:
@@ -90,8 +94,10 @@ def mine(
         raise UsageError("there is no trace", "the traces follow the formula")
     if name not in formulas[0].names:
         raise UsageError(f"the formula has no name {name!r}", "write it in place of a bound or of a number")
-    loaded = [_loaded(open_trace(trace, time, unit), formulas[0], name) for trace in traces]
-    search = _Search(formulas[0], name, low, high, tuple(loaded), ending_of(end))
+    recordings = [open_trace(trace, time, unit) for trace in traces]
+    named = formulas[0].within({column for recording in recordings for column in recording.columns})
+    loaded = [_loaded(recording, named, name) for recording in recordings]
+    search = _Search(named, name, low, high, tuple(loaded), ending_of(end))
     return search.run(None if step is None else Fraction(str(step)))
 
 
@@ -262,7 +268,7 @@ def _bound(duration: syntax.Duration, named: NamedFormula, unit: str, parameter:
     scale = Fraction(1) if first is None or second is None else first / second
     if isinstance(duration.value, Fraction):
         return duration.value * scale
-    constants = {**(named.constants or {}), **(named.given or {}), **parameter}
+    constants = {**named.numbers(named.unit or unit), **parameter}
     return value_of(duration.value, constants_by_name(constants)) * scale
 
 

@@ -149,6 +149,7 @@ def prepare(
 ) -> tuple[Trace, tuple[MonitorProgram, ...]]:
     """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
     known = recording.columns
+    formulas = [named.within(known) for named in formulas]
     wanted = {name for named in formulas for name in named.columns}.intersection(known)
     resolved = []
     found: list[Diagnostic] = []
@@ -180,7 +181,7 @@ def prepare(
 
 def _resolved(named: NamedFormula, columns: tuple[str, ...], unit: str) -> tuple[Formula, int]:
     """The formula in units of a trace with these columns, and the ticks of a unit that it needs. Raises InputError."""
-    if named.constants is None and named.given is None:
+    if named.constants is None and named.given is None and named.durations is None:
         return _plainly_resolved(named, columns, unit)
     return _newly_resolved(named, columns, unit)
 

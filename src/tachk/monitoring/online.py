@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -102,8 +102,10 @@ class Monitor:
         self._robust = robustness
         self._packets = packets
         formulas = selected(formulas_of(formula, constants), select)
-        self.columns = _columns(formulas)
-        resolved = _resolved(formulas, self.columns, self._unit)
+        whole = [named.within(()) for named in formulas]
+        self._named = frozenset(name for named in formulas for name in named.named_formulas)
+        self.columns = _columns(whole)
+        resolved = _resolved(whole, self.columns, self._unit)
         self._texts = TextNumbers(resolved)
         self.decimals = usual_decimals(self._unit) if decimals is None else decimals
         if not 0 <= self.decimals <= 18:
@@ -138,6 +140,8 @@ class Monitor:
         without a value, for what is not a number, for a time before the one given last, and for a time that differs
         from that of the row before by too little to be counted. The monitor has then changed nothing.
         """
+        if self._named:
+            self._check_names({**(values or {}), **more})
         if self._texts.columns:
             values, more = self._texts.in_row({**(values or {}), **more}, self.rows), {}
         truth = self._update(time, values, more)
@@ -156,6 +160,8 @@ class Monitor:
         Returns and raises the same as `update`.
         """
         factor = self._factors.get(decimals) or self._factor(decimals)
+        if self._named:
+            self._check_names(columns)
         if self._texts.columns:
             columns = self._texts.in_rows(columns, f"in what was pushed behind row {self.rows}")
         truth = self._push(times, columns, factor)
@@ -291,6 +297,11 @@ class Monitor:
             )
         self._factors[decimals] = self._scale // 10**decimals
         return self._factors[decimals]
+
+    def _check_names(self, given: Collection[str]) -> None:
+        """Raises UsageError for a column that has the name of a formula which another one names."""
+        for name in self._named.intersection(given):
+            raise UsageError(f"`{name}` is a column and a formula of the file", "rename the formula")
 
     def _whole_numbers(self, times: Any) -> Ticks:
         array = np.asarray(times)

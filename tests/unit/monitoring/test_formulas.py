@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -221,3 +222,136 @@ def test_constants_of_a_model_can_be_changed_with_what_is_computed_from_them(tmp
     assert tachk.monitor(path, trace, constants={"N": 2}).truth is Truth.TRUE
     with pytest.raises(UsageError, match="no such constant"):
         tachk.monitor(path, trace, constants={"M": 2})
+
+
+TRACE = {"time": [0, 1, 3, 10], "p": [0, 1, 0, 0], "q": [0, 0, 1, 0], "x": [1, 6, 2, 2]}
+
+
+def truths(tmp_path: Path, text: str, unit: str = "s", scale: int = 1, **given: Any) -> dict[str, str]:
+    """The verdicts of a file on the trace, whole and row by row, which are the same."""
+    file = tmp_path / "a.stl"
+    file.write_text(text, encoding="utf-8")
+    times = [scale * time for time in TRACE["time"]]
+    whole = tachk.monitor(str(file), {**TRACE, "time": times}, unit=unit, **given)
+    found = {each.name: each.truth.word for each in whole}
+    monitor = tachk.Monitor(str(file), unit=unit, **given)
+    for row, time in enumerate(times):
+        monitor.update(time, {name: TRACE[name][row] for name in "pqx"})
+    assert {each.name: each.truth.word for each in monitor.finish()} == found
+    return found
+
+
+def test_formulas_name_each_other_in_any_order(tmp_path: Path) -> None:
+    text = "a: b && G (x < 9)\nb: G (p -> F[0, 2] q)\nc: !b || `R-1`\nR-1: G !b\n"
+    assert truths(tmp_path, text) == {"a": "true", "b": "true", "c": "false", "R-1": "false"}
+    assert read_formulas(str(tmp_path / "a.stl"))[0].text == "b && G (x < 9)"
+
+
+def test_a_column_comes_before_a_formula_of_its_name(tmp_path: Path) -> None:
+    # `q` occurs in the formula of this name, so it is a column everywhere.
+    assert truths(tmp_path, "q: G (p -> q)\na: F q\n") == {"q": "false", "a": "true"}
+    file = tmp_path / "b.stl"
+    file.write_text("q: G (p -> x > 5)\na: G q\n", encoding="utf-8")
+    assert [each.truth.word for each in tachk.monitor(str(file), TRACE, unit="s")] == ["true", "false"]
+    # Row by row the columns are not known beforehand, so nothing is taken for the other in silence.
+    with pytest.raises(UsageError, match="`q` is a column and a formula of the file"):
+        tachk.Monitor(str(file)).update(0, p=0, x=1, q=1)
+    trace = tmp_path / "a.csv"
+    trace.write_text("time,p,x,q\n0,0,1,0\n1,1,6,0\n3,0,2,1\n", encoding="utf-8")
+    for more in ([], ["--online"]):
+        assert CliRunner().invoke(app, ["monitor", str(file), str(trace), *more]).exit_code == 10
+
+
+@pytest.mark.parametrize("text", ["a: b\nb: a\n", "a: G a\n", "a: b\nb: c\nc: F b\n"])
+def test_a_circle_of_names_has_no_meaning(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as refusal:
+        tachk.monitor(str(file), TRACE)
+    assert {found.code for found in refusal.value.diagnostics} == {"E0901"}
+
+
+@pytest.mark.parametrize(
+    ("lines", "bound", "unit"),
+    [
+        ("const T = 2 s", "T", "s"),
+        ("const T = 2 s", "T", "ms"),
+        ("const T = 2000ms;", "T", "s"),
+        ("const T = 1.0 seconds\nconst U = 2 * T", "U", "s"),
+        ("const U = T + 500 * M\nconst T = 1.5 s\nconst M = 1 ms", "U", "s"),
+        ("const N = 1/2\nconst T = 4 * N", "T", "s"),
+        ("const T = (3 - 1) s", "T", "s"),
+        ("const R = U / T\nconst T = 3 s\nconst U = 6 s", "R", "s"),
+        ("const double T = 2", "T s", "s"),
+    ],
+)
+def test_constants_have_units_and_are_computed_from_each_other(
+    lines: str, bound: str, unit: str, tmp_path: Path
+) -> None:
+    text = f"{lines}\na: G (rise(p) -> F[0, {bound}] q)\nb: G (rise(p) -> F[0, {bound}) q)\n"
+    assert truths(tmp_path, text, unit, 1000 if unit == "ms" else 1) == {"a": "true", "b": "false"}
+
+
+def test_a_constant_with_a_unit_is_a_number_of_units_of_the_trace_in_conditions(tmp_path: Path) -> None:
+    text = "const T = 6 ms\na: G (x <= T)\nb: G (x < T)\n"
+    assert truths(tmp_path, text, unit="ms") == {"a": "true", "b": "false"}
+    assert truths(tmp_path, text, unit="us") == {"a": "true", "b": "true"}
+
+
+def test_definitions_change_what_is_computed_from_them(tmp_path: Path) -> None:
+    text = "const T = 1 s\nconst U = T * 2\na: G (rise(p) -> F[0, U] q)\n"
+    assert truths(tmp_path, text) == {"a": "true"}
+    assert truths(tmp_path, text, constants={"T": 0.5}) == {"a": "false"}
+    assert truths(tmp_path, text, constants={"U": 1}) == {"a": "false"}
+    with pytest.raises(UsageError, match="no formula has this name"):
+        truths(tmp_path, text, constants={"V": 1})
+
+
+@pytest.mark.parametrize(
+    ("lines", "code"),
+    [
+        ("const T = 2 parsecs", "E0135"),
+        ("const T = U", "E0201"),
+        ("const T = U\nconst U = T", "E0602"),
+        ("const T = 2 s\nconst T = 3 s", "E0202"),
+        ("const T = 2 s\nconst U = T + 1", "E0134"),
+        ("const T = 2 s\nconst U = T * T", "E0134"),
+        ("const T = 2 s\nconst U = T s", "E0602"),
+        ("const T = 1 / 0", "E0602"),
+        ("const T = (p && q)", "E0602"),
+        ("const T = ", "E0101"),
+        ("const T = 2 s\nb: F[0, T s] p", "E0134"),
+    ],
+)
+def test_constants_that_have_no_value(lines: str, code: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    file.write_text(f"{lines}\na: G p\n", encoding="utf-8")
+    with pytest.raises(InputError) as refusal:
+        read_formulas(str(file))
+    assert code in {found.code for found in refusal.value.diagnostics}
+
+
+def test_a_constant_with_a_unit_needs_that_of_the_trace(tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    file.write_text("const T = 2 s\na: G (p -> F[0, T] q)\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="the constant `T` has a unit") as refusal:
+        tachk.monitor(str(file), TRACE)
+    assert "--unit s" in str(refusal.value.help)
+
+
+@pytest.mark.parametrize("name", ["REQ-1", "REQ-1.2", "REQ_1.2", "1.2", "SYS/REQ-7", "a", "F"])
+def test_names_of_requirements(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    file.write_text(f'{name}: G (p -> q)\n{name}.b "a title": F q\n', encoding="utf-8")
+    assert [(each.name, each.title) for each in read_formulas(str(file))] == [(name, ""), (f"{name}.b", "a title")]
+    assert [each.name for each in tachk.monitor(str(file), TRACE, select=[name])] == [name]
+
+
+def test_what_is_no_name_is_said_to_be_none(tmp_path: Path) -> None:
+    file = tmp_path / "a.stl"
+    file.write_text("REQ 1: G (p -> q)\n", encoding="utf-8")
+    with pytest.raises(InputError) as refusal:
+        read_formulas(str(file))
+    (found,) = refusal.value.diagnostics
+    assert (found.span.text, found.message) == ("REQ 1", "`REQ 1` is not a name of a formula")
+    assert "REQ-1.2" in str(found.help)

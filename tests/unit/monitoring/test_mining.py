@@ -9,8 +9,10 @@ from random import Random
 
 import jsonschema
 import pytest
+from click.testing import CliRunner
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import read_formulas
 from tachk.monitoring.monotone import Effect, joint_effect, occurrences
@@ -213,3 +215,15 @@ def test_columns_of_texts(tmp_path: Path) -> None:
     log.write_text("time,mode,speed,note\n0,idle,0,begins\n100,run,1.5,\n300,stop,0.2,done\n", encoding="utf-8")
     found = tachk.mine('G (mode == "run" -> F[0, T] speed < 1)', [log], {"T": (0, 500)})
     assert (found.value, found.attained) == (200, True)
+
+
+def test_one_parameter_is_mined_at_a_time(tmp_path: Path) -> None:
+    trace = tmp_path / "a.csv"
+    trace.write_text("time,p,x\n0,0,1\n1,1,6\n3,0,2\n", encoding="utf-8")
+    formula = "G (rise(p) -> F[0, T] (x < C))"
+    both = CliRunner().invoke(app, ["mine", formula, str(trace), "--over", "T=0..20", "--over", "C=0..10"])
+    assert (both.exit_code, both.stdout) == (2, "")
+    assert "one parameter is mined at a time, not 2: T, C" in both.stderr
+    twice = CliRunner().invoke(app, ["mine", formula, str(trace), "--over", "T=0..20", "--over", "T=0..10"])
+    assert (twice.exit_code, "--over T is given twice" in twice.stderr) == (2, True)
+    assert CliRunner().invoke(app, ["mine", formula, str(trace), "--over", "T=0..20", "-D", "C=5"]).exit_code == 0

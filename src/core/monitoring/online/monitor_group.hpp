@@ -45,7 +45,8 @@ class MonitorGroup {
 
   // One row at an instant in ticks of the clock. Values are numbers, or NaN where the one before stays.
   RowFault update(int128 tick, std::optional<double> time, std::span<const double> values);
-  // Many rows; the columns are those of the group, and of numbers. Each time is `factor` ticks. `row` is that of the fault.
+  // Many rows; the columns are those of the group, and of numbers. Each time is `factor` ticks. `row` is that of the
+  // fault.
   RowFault push(const std::int64_t* times, std::int64_t factor, std::span<const Column> columns, std::size_t count,
                 std::size_t& row);
   // Nothing has changed before this instant.

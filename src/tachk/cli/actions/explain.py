@@ -51,6 +51,7 @@ def _message(code: str) -> str:
 def _lines(named: NamedFormula) -> list[str]:
     lines = [f"sentence  {named.sentence}"] if named.sentence else []
     lines.append(f"formula   {named.text}")
+    named = named.within(())
     formula = named.formula
     if (simpler := simplify(formula)) != formula:
         lines.append(f"simpler   {print_formula(simpler)}")
@@ -94,8 +95,8 @@ def _resolved(named: NamedFormula) -> tuple[Formula, str]:
     unit = named.unit
     if not unit:
         given = {bound.unit for bound in nodes_of_kind(named.formula, Duration) if bound.value != 0}
-        unit = next(iter(given)) if len(given) == 1 else "s" if "" not in given else ""
-    formula = resolve(named.formula, constants_by_name(named.constants or {}), unit)
+        unit = next(iter(given)) if len(given) == 1 else "s" if "" not in given or named.durations else ""
+    formula = resolve(named.formula, constants_by_name(named.numbers(unit or "s" if named.durations else unit)), unit)
     return formula, unit
 
 

@@ -70,6 +70,8 @@ def run_online(
     recording = _open(judged, rows)
     if isinstance(recording, LivePackets):
         formulas = without_hindsight(formulas, bool(judged.names))
+    if not isinstance(recording, LivePackets):
+        formulas = tuple(named.beside(recording.columns) for named in formulas)
     monitor = Monitor(
         formulas,
         unit=recording.unit,

@@ -19,6 +19,7 @@ from tachk.runtime.conventions import Ending
     "--over",
     metavar="NAME=LOW..HIGH",
     required=True,
+    multiple=True,
     help="The name in the formula whose value is looked for, and the values that it may have.",
 )
 @click.option("step", "--step", metavar="NUMBER", help="Try multiples of this number only.")

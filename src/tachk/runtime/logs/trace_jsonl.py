@@ -70,6 +70,11 @@ class JsonStream:
         return "" if event is None else event.unit
 
     @property
+    def columns(self) -> tuple[str, ...]:
+        """Those of the first line; later ones may have others."""
+        return tuple(column for event in _events([self.first], self.name, self.time) for column in event.values)
+
+    @property
     def dates(self) -> bool:
         """The times are dates."""
         return any(event.unit for event in _events([self.first], self.name, self.time))

@@ -25,7 +25,7 @@ class Asked:
 
     formula: str
     traces: tuple[str, ...]
-    over: str
+    over: tuple[str, ...]
     step: str | None = None
     definitions: tuple[str, ...] = ()
     name: str | None = None
@@ -36,16 +36,21 @@ class Asked:
 
 def run_mine(asked: Asked, reporting: Reporting = Reporting()) -> ExitStatus:
     """Finds the tightest value of a parameter."""
-    match = _OVER.fullmatch(asked.over)
-    if match is None:
-        raise UsageError(f"--over {asked.over}: expected NAME=LOW..HIGH", "for example --over T=0..200")
+    ranges: dict[str, tuple[str, str]] = {}
+    for over in asked.over:
+        match = _OVER.fullmatch(over)
+        if match is None:
+            raise UsageError(f"--over {over}: expected NAME=LOW..HIGH", "for example --over T=0..200")
+        if match["name"] in ranges:
+            raise UsageError(f"--over {match['name']} is given twice")
+        ranges[match["name"]] = (match["low"], match["high"])
     if asked.step is not None and re.fullmatch(r"\d*\.?\d+", asked.step) is None:
         raise UsageError(f"--step {asked.step}: expected a positive number")
     check_order(asked.formula, asked.traces[0])
     found = mine(
         asked.formula,
         asked.traces,
-        {match["name"]: (match["low"], match["high"])},
+        ranges,
         step=asked.step,
         time=asked.time,
         unit=asked.unit,

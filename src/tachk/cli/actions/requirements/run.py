@@ -37,7 +37,7 @@ def run_requirements(
     """
     named = read_formulas(file, parse_definitions(definitions))
     unit = _unit(named)
-    formulas = [in_trace_units(each, (), unit) for each in named]
+    formulas = [in_trace_units(each.within(()), (), unit) for each in named]
     scale = _scale(formulas)
     whole = [(each.name, scaled(formula, Fraction(scale))) for each, formula in zip(named, formulas, strict=True)]
     analysis = analyse(whole, Limits(seconds=seconds))
@@ -55,7 +55,8 @@ def run_requirements(
 def _unit(named: tuple[NamedFormula, ...]) -> str:
     """The unit in which times are told: that of the first bound which has one; empty if none has."""
     bounds = (bound.unit for each in named for bound in nodes_of_kind(each.formula, Duration) if bound.value != 0)
-    return next((unit for unit in bounds if unit), "")
+    timed = any(each.durations for each in named)
+    return next((unit for unit in bounds if unit), "s" if timed else "")
 
 
 def _scale(formulas: list[Formula]) -> int:

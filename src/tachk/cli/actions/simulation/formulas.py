@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.model.network import Network
 from tachk.monitoring.conditions import with_numbers_as_conditions
 from tachk.monitoring.formulas import NamedFormula, read_formulas
@@ -25,7 +27,18 @@ def formulas_for(given: str | None, definitions: Mapping[str, str]) -> tuple[Nam
 
 def columns_with(network: Network, record: Sequence[str], formulas: Iterable[NamedFormula]) -> tuple[Column, ...]:
     """What is recorded: the chosen columns, and those that the formulas read."""
-    return columns_for(network, record, (name for f in formulas for name in f.columns - f.constant_names))
+    read = [each.beside(_of_model(network, each.named_formulas)).within(()) for each in formulas]
+    return columns_for(network, record, (name for f in read for name in f.columns - f.constant_names))
+
+
+def _of_model(network: Network, names: Iterable[str]) -> list[str]:
+    """The names that the model has."""
+    known = []
+    for name in names:
+        with suppress(InputError, UsageError):
+            columns_for(network, (), [name])
+            known.append(name)
+    return known
 
 
 def truths_on(trace: Trace, formulas: tuple[NamedFormula, ...]) -> dict[str, Truth]:
