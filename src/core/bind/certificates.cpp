@@ -23,6 +23,7 @@
 #include "arrays.hpp"
 #include "certificates/closed_set.hpp"
 #include "reachability/cover_search.hpp"
+#include "searching/patiently.hpp"
 
 namespace nb = nanobind;
 
@@ -97,8 +98,8 @@ void bind_certificates(nb::module_& m) {
              return std::make_unique<tachk::CoverSearch>(tachk::decode_program(image), options, limits, hulls);
            }),
            nb::arg("image"), nb::arg("options"), nb::arg("limits"), nb::kw_only(), nb::arg("hulls"))
-      .def("run", &tachk::CoverSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
-           "Explores up to this many states.")
+      .def("run", &run_patiently<tachk::CoverSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def("reached", &tachk::CoverSearch::reached, "Whether a goal is reached, and there is no such set.")
       .def(
           "statistics",

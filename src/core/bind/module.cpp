@@ -21,6 +21,7 @@
 #include "reachability/explorer.hpp"
 #include "searching/liveness.hpp"
 #include "searching/localtime.hpp"
+#include "searching/patiently.hpp"
 #include "simulated/simulation.hpp"
 
 namespace nb = nanobind;
@@ -58,6 +59,7 @@ void bind_enumerations(nb::module_& m) {
       .value("STATE_LIMIT", tachk::Status::state_limit)
       .value("MEMORY_LIMIT", tachk::Status::memory_limit)
       .value("DEPTH_LIMIT", tachk::Status::depth_limit)
+      .value("TIME_LIMIT", tachk::Status::time_limit)
       .value("FAULT", tachk::Status::fault)
       .value("CONSTANT_LIMIT", tachk::Status::constant_limit);
   nb::enum_<tachk::FaultKind>(m, "FaultKind")
@@ -134,8 +136,8 @@ NB_MODULE(_core, m) {
   bind_options(m);
   nb::class_<tachk::Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
-      .def("run", &tachk::Explorer::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
-           "Explores up to this many states.")
+      .def("run", &run_patiently<tachk::Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",
           [](const tachk::Explorer& self) {

@@ -383,7 +383,8 @@ bool LivenessSearch::gets_stuck(const Path& actions, std::size_t begins) {
 // ---- how it is asked for --------------------------------------------------------------------------------------------
 
 Status LivenessSearch::run(std::uint64_t steps) {
-  return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); });
+  return overview_.pieces(
+      [&] { return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); }); });
 }
 
 std::uint64_t LivenessSearch::stored() const {

@@ -32,6 +32,7 @@
 #include "reachability/explorer.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
+#include "zones/patience.hpp"
 
 namespace tachk {
 
@@ -75,6 +76,7 @@ class LivenessSearch final {
     std::uint32_t next = 0;         // the next one that is looked at
     bool attempts = false;          // reaching: whether the step at hand is one depth first
     bool met = false;               // whether p holds in one of the reached states
+    InPieces pieces = {};
   };
   // An action that leads back to an open state.
   struct Closing {

@@ -289,7 +289,8 @@ void RecurrenceSearch::found_loop(State entrance) {
 // ---- how it is asked for --------------------------------------------------------------------------------------------
 
 Status RecurrenceSearch::run(std::uint64_t steps) {
-  return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); });
+  return way_.pieces(
+      [&] { return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); }); });
 }
 
 // The way to the state whose successors are being made.

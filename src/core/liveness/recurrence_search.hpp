@@ -23,6 +23,7 @@
 #include "reachability/explorer.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
+#include "zones/patience.hpp"
 
 namespace tachk {
 
@@ -73,6 +74,7 @@ class RecurrenceSearch final {
     std::vector<State> steps;
     State expanded = no_node;  // the state that is being expanded
     bool complete = true;      // whether the limit on depth has left nothing out
+    InPieces pieces = {};
   };
   struct Step {
     State state;

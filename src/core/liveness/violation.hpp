@@ -37,6 +37,7 @@ struct StateFault : ModelFault {
 };
 
 // What `search` comes to; a run-time error it meets is kept in `fault`, behind the path that `path_so_far` gives.
+// Throws GivenUp.
 template <typename Search, typename PathSoFar>
 Status keeping_faults(std::optional<LivenessFault>& fault, Search search, PathSoFar path_so_far) {
   if (fault) return Status::fault;

@@ -45,13 +45,15 @@ LocalExplorer::LocalExplorer(Program program, const Options& options, const Limi
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
 Status LocalExplorer::run(std::uint64_t expansions) {
-  try {
-    return search(expansions);
-  } catch (const ModelFault&) {
-    return Status::fault;
-  } catch (const ConstantOverflow&) {
-    return Status::constant_limit;
-  }
+  return in_pieces_([&] {
+    try {
+      return search(expansions);
+    } catch (const ModelFault&) {
+      return Status::fault;
+    } catch (const ConstantOverflow&) {
+      return Status::constant_limit;
+    }
+  });
 }
 
 Status LocalExplorer::search(std::uint64_t expansions) {

@@ -19,6 +19,7 @@
 #include "reachability/goals.hpp"
 #include "reachability/options.hpp"
 #include "states/store.hpp"
+#include "zones/patience.hpp"
 
 namespace tachk {
 
@@ -95,6 +96,7 @@ class LocalExplorer final {
   std::uint64_t explored_ = 0;
   std::uint64_t transitions_ = 0;
   bool started_ = false;
+  InPieces in_pieces_;
 };
 
 }  // namespace tachk

@@ -14,6 +14,7 @@
 #include "reachability/options.hpp"
 #include "symbolic/successor.hpp"
 #include "symbolic/zone_graph.hpp"
+#include "zones/patience.hpp"
 #include "zones/zone_buffer.hpp"
 
 namespace tachk {
@@ -57,6 +58,7 @@ class LocalGraph final {
     Semantics& semantics = ordinary_.semantics();
     semantics.for_each_action(slots, anything_.get(), [&](const Action& action, ConstZoneRef) {
       target_ = zone;
+      Patience::check();  // an action takes the time of many looks
       if (!fire(action) || !semantics.apply(action.edges, slots, effect_)) return;
       const bool sorts = symmetry_.active();
       if (!sorts) expect(std::as_const(effect_));

@@ -81,13 +81,15 @@ Status CoverSearch::search(std::uint64_t expansions) {
 }
 
 Status CoverSearch::run(std::uint64_t expansions) {
-  try {
-    return search(expansions);
-  } catch (const ModelFault&) {
-    return node_ != no_node && refine(node_) ? Status::running : Status::fault;
-  } catch (const ConstantOverflow&) {
-    return Status::constant_limit;
-  }
+  return in_pieces_([&] {
+    try {
+      return search(expansions);
+    } catch (const ModelFault&) {
+      return node_ != no_node && refine(node_) ? Status::running : Status::fault;
+    } catch (const ConstantOverflow&) {
+      return Status::constant_limit;
+    }
+  });
 }
 
 void CoverSearch::expand(std::uint32_t number) {

@@ -21,6 +21,7 @@
 #include "reachability/options.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
+#include "zones/patience.hpp"
 
 namespace tachk {
 
@@ -86,6 +87,7 @@ class CoverSearch final {
   std::uint64_t transitions_ = 0;
   bool reached_ = false;
   CoverParts parts_;
+  InPieces in_pieces_;
 };
 
 }  // namespace tachk

@@ -45,6 +45,9 @@ bool looks_at_actions_only(const Program& program) {
   return true;
 }
 
+// The limit is met in the midst of a state.
+struct TooMuchMemory : std::exception {};
+
 }  // namespace
 
 Explorer::Explorer(Program program, const Options& options, const Limits& limits)
@@ -113,13 +116,16 @@ Status Explorer::search(std::uint64_t expansions) {
   }
   while (!goals_.settled()) {
     if (expansions-- == 0) return Status::running;
-    const std::uint32_t node = next();
-    if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
-    look_ahead(node, expansions);
-    expand(node);
-    waiting_.consider(graph_.program(), passed_);
+    if (passing_.next(source_)) {
+      pass();
+    } else {
+      const std::uint32_t node = next();
+      if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
+      look_ahead(node, expansions);
+      expand(node);
+    }
     if (passed_.stored() > limits_.states) return Status::state_limit;
-    if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
+    if (needs_too_much_memory()) return Status::memory_limit;
   }
   return Status::finished;
 }
@@ -149,8 +155,24 @@ void Explorer::expand_alone(std::uint32_t number) {
   passing_.begin(!deadlocks_.open());
   for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
   deadlocks_.end(number, source_);
-  for (; passing_.next(source_); ++work_.explored) graph_.expand(source_, Storing{*this});
+  end_of_expansion();
+}
+
+// Expands a state that is passed through, on the way from the stored state that was expanded last.
+void Explorer::pass() {
+  ++work_.explored;
+  graph_.expand(source_, Storing{*this});
+  end_of_expansion();
+}
+
+void Explorer::end_of_expansion() {
+  if (passing_.any()) return;
   waiting_.close();
+  waiting_.consider(graph_.program(), passed_);
+}
+
+bool Explorer::needs_too_much_memory() const {
+  return limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes;
 }
 
 bool Explorer::covers(std::uint32_t discrete, const Successor& successor) {
@@ -189,6 +211,8 @@ void Explorer::store(const Successor& successor, std::uint32_t discrete, bool ma
   merging_.stored(number);
   partial_order_.leads_to(number);
   enlist(number, parent, successor, may_meet);
+  constexpr std::uint32_t seldom = 256;  // one state may have very many successors
+  if (number % seldom == seldom - 1 && needs_too_much_memory()) throw TooMuchMemory{};
 }
 
 void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet) {
@@ -244,7 +268,7 @@ void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
   count(expansion->transitions);
   for (const std::size_t goal : expansion->stuck) goals_.settle(goal, number);
   if (expansion->failure) std::rethrow_exception(expansion->failure);
-  waiting_.close();
+  end_of_expansion();
 }
 
 // What is known of a successor holds unless a state has been stored that was taken to be covered.
@@ -309,12 +333,17 @@ bool Explorer::meets_a_goal(const Successor& successor) {
 
 Status Explorer::run(std::uint64_t expansions) {
   if (fault_) return Status::fault;
+  if (work_.is_full) return Status::memory_limit;
   struct Resting {
     std::optional<Ahead>& ahead;
     ~Resting() {
       if (ahead) ahead->rest();
     }
   } const resting{work_.ahead};
+  return work_.pieces([&] { return search_keeping_faults(expansions); });
+}
+
+Status Explorer::search_keeping_faults(std::uint64_t expansions) {
   try {
     return search(expansions);
   } catch (const FaultReport& report) {
@@ -325,12 +354,16 @@ Status Explorer::run(std::uint64_t expansions) {
     fault_ = FaultReport{fault.kind, fault.position, node_, passing_.actions(), {}};
   } catch (const ConstantOverflow&) {
     return Status::constant_limit;
+  } catch (const TooMuchMemory&) {
+    work_.is_full = true;
+    return Status::memory_limit;
   }
   return Status::fault;
 }
 
 Statistics Explorer::statistics() const {
-  return {work_.explored, passed_.stored(), work_.transitions, passed_.bytes() + waiting_.bytes() + merging_.bytes()};
+  return {work_.explored, passed_.stored(), work_.transitions,
+          passed_.bytes() + waiting_.bytes() + merging_.bytes() + passing_.bytes()};
 }
 
 std::vector<std::uint32_t> Explorer::taken() const {

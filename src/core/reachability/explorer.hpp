@@ -26,6 +26,7 @@
 #include "states/store.hpp"
 #include "stubborn/partial_order.hpp"
 #include "symbolic/zone_graph.hpp"
+#include "zones/patience.hpp"
 
 namespace tachk {
 
@@ -36,6 +37,7 @@ enum class Status {
   memory_limit,
   depth_limit,     // finished, but some states were too deep to be explored
   fault,           // the model has a run-time error
+  time_limit,      // given up in the midst of a state: this search cannot go on
   constant_limit,  // without extrapolation: clock values beyond what a bound can hold
 };
 
@@ -60,7 +62,7 @@ class Explorer final {
   Explorer(const Explorer&) = delete;
   Explorer& operator=(const Explorer&) = delete;
 
-  // Explores at most `expansions` stored states. `running` asks for another call.
+  // Explores at most `expansions` states. `running` asks for another call. Throws GivenUp.
   Status run(std::uint64_t expansions);
 
   const Program& program() const { return graph_.program(); }
@@ -99,6 +101,8 @@ class Explorer final {
   // What has been done so far.
   struct Work {
     bool started = false;
+    InPieces pieces = {};
+    bool is_full = false;  // the limit on memory was met in the midst of a state
     std::uint64_t explored = 0;
     std::uint64_t transitions = 0;
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
@@ -108,9 +112,13 @@ class Explorer final {
   };
 
   Status search(std::uint64_t expansions);
+  Status search_keeping_faults(std::uint64_t expansions);
   std::uint32_t next();
   void expand(std::uint32_t node);
   void expand_alone(std::uint32_t node);
+  void pass();
+  void end_of_expansion();
+  bool needs_too_much_memory() const;
   // Lets other threads look for the successors of this node and of those behind it, if that pays.
   void look_ahead(std::uint32_t node, std::uint64_t expansions);
   void take(std::uint32_t node, const Ahead::Result& result);

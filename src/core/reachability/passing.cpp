@@ -11,6 +11,17 @@ bool PassingStates::will_be_left(const std::int32_t* slots) const {
   return committed == 1;
 }
 
+void PassingStates::add(const Successor& successor) {
+  const std::size_t slots = graph_.program().state_slots * sizeof(std::int32_t);
+  std::string key(reinterpret_cast<const char*>(successor.slots), slots);
+  key.append(reinterpret_cast<const char*>(successor.zone.bytes), graph_.operations().bytes);
+  bytes_each_ = 2 * key.size();  // the state that waits has as much, until it is its turn
+  const auto [known, is_new] = seen_.try_emplace(std::move(key), actions_.size());
+  if (!is_new && known->second <= actions_.size()) return;
+  known->second = actions_.size();
+  waiting_.push_back({graph_.copy(successor), actions_to(successor)});
+}
+
 bool PassingStates::next(SymbolicState& state) {
   if (waiting_.empty()) {
     actions_.clear();

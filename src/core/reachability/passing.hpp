@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "symbolic/zone_graph.hpp"
@@ -19,6 +21,7 @@ class PassingStates final {
   void begin(bool allowed) {
     waiting_.clear();
     actions_.clear();
+    seen_.clear();
     allowed_ = allowed && most_ != 0;
   }
 
@@ -26,7 +29,10 @@ class PassingStates final {
   bool passes(const Successor& successor) const {
     return allowed_ && !successor.edges.empty() && actions_.size() < most_ && will_be_left(successor.slots);
   }
-  void add(const Successor& successor) { waiting_.push_back({graph_.copy(successor), actions_to(successor)}); }
+  // Unless it has been added before, with as few actions.
+  void add(const Successor& successor);
+  bool any() const { return !waiting_.empty(); }
+  std::size_t bytes() const { return seen_.size() * bytes_each_; }
 
   // Moves one of those that have been added into `state`, to be expanded next; false if there is none.
   bool next(SymbolicState& state);
@@ -47,6 +53,8 @@ class PassingStates final {
   std::uint32_t most_;
   bool allowed_ = false;
   std::vector<Passing> waiting_;
+  std::unordered_map<std::string, std::size_t> seen_;  // states, and with how few actions
+  std::size_t bytes_each_ = 0;
   Path actions_;
 };
 

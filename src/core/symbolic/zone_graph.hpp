@@ -18,6 +18,7 @@
 #include "symbolic/successor.hpp"
 #include "symbolic/twins.hpp"
 #include "zones/federation.hpp"
+#include "zones/patience.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
@@ -135,6 +136,11 @@ class ZoneGraph final {
   bool enter(ConstZoneRef guarded, const Effect& effect);
   // Lets time pass in `target_`.
   void delay(Effect& effect);
+  // Throws GivenUp, now and then asked whether to.
+  void look_at_the_time() {
+    constexpr std::uint32_t seldom = 64;
+    if (++actions_ % seldom == 0) Patience::check();
+  }
   template <Receiver R>
   void expand_by_priority(SymbolicState& source, R& receiver);
   template <Receiver R>
@@ -156,6 +162,7 @@ class ZoneGraph final {
   Twins twins_;
   Effect effect_;
   ZoneBuffer target_;
+  std::uint32_t actions_ = 0;  // that have been told, for the next look at the time
 };
 
 // ---- the templates --------------------------------------------------------------------------------------------------
@@ -177,6 +184,7 @@ void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
   if constexpr (requires { receiver.counts(); }) counts = receiver.counts();
   if (sorts) twins_.find(slots, source.zone.get());
   const auto visit = [&](const Action& action, ConstZoneRef guarded) {
+    look_at_the_time();
     if constexpr (requires { receiver.admits(action.edges); })
       if (!receiver.admits(action.edges)) return;
     const bool repeats = sorts && twins_.repeats(action.edges);
@@ -202,6 +210,7 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
   std::int32_t* slots = source.slots.data();
   std::vector<Ranked> actions;
   semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, ConstZoneRef guarded) {
+    look_at_the_time();
     Ranked ranked{action.edges, ZoneBuffer(operations_), action.guard, {}, {}};
     ranked.guarded.assign(guarded);
     if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, ranked.effect); })) return;
@@ -216,6 +225,7 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
     for (const Ranked& other : actions)
       if (other.priority > action.priority) first.subtract(other.possible);
     for (std::size_t piece = 0; piece < first.size(); ++piece) {
+      look_at_the_time();
       Effect effect = action.effect;
       follow(action.edges, first[piece], effect, receiver);
     }

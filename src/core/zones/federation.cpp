@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "zones/patience.hpp"
+
 namespace tachk {
 
 void Federation::add(ConstZoneRef zone) {
@@ -11,7 +13,9 @@ void Federation::add(ConstZoneRef zone) {
 
 void Federation::subtract(const std::vector<Atom>& atoms) {
   // From the back, so that a zone that takes the place of one used up has been dealt with.
+  constexpr std::size_t many = 32;
   for (std::size_t number = count_; number-- > 0;) {
+    if (number % many == many - 1) Patience::check();
     if (!operations_.meets_each(zones_[number].get(), dimension_, atoms.data(), atoms.size())) continue;
     for (const Atom& atom : atoms) {
       if (operations_.entry(zones_[number].get(), dimension_, atom.left, atom.right) <= atom.raw) continue;

@@ -26,6 +26,7 @@ EXPLORED_IN_ONE_ORDER = 5_000
 FIRST_IN_ONE_ORDER = 256
 """After so many states it is looked at whether one order of actions was enough in a quarter of them."""
 _STEP = 64
+_ENDED_FROM_OUTSIDE = (_core.Status.RUNNING, _core.Status.TIME_LIMIT)
 
 
 class Stretch:
@@ -35,12 +36,13 @@ class Stretch:
         self._search, self._stored, self._left = search, stored, explored
         self._to_look = 0
 
-    def run(self, expansions: int) -> _core.Status:
+    def run(self, expansions: int, seconds: float | None = None) -> _core.Status:
+        end = None if seconds is None else time.perf_counter() + seconds
         while expansions > 0:
             if self._left == 0 or self._is_full():
                 return _core.Status.STATE_LIMIT
             step = min(self._to_look, expansions, *(() if self._left is None else (self._left,)))
-            status = self._search.run(step)
+            status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0))
             if status is not _core.Status.RUNNING:
                 return status
             expansions -= step
@@ -86,7 +88,7 @@ def in_one_order(
         stretch = Stretch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
         status, reason = run_in_slices(stretch, time.perf_counter(), left, progress)
     decided = status is _core.Status.FINISHED and not explorer.any_failure()
-    return explorer if decided else None, reason if status is _core.Status.RUNNING else ""
+    return explorer if decided else None, reason if status in _ENDED_FROM_OUTSIDE else ""
 
 
 def depth_first(
@@ -104,4 +106,4 @@ def depth_first(
     explorer = _core.Explorer(encode(apart, goals), core_options(deep), core_limits(limits))
     status, reason = run_in_slices(Stretch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
     reached = all(explorer.reached(number) is not None for number, goal in enumerate(goals) if goal.decides)
-    return explorer if reached else None, reason if status is _core.Status.RUNNING else ""
+    return explorer if reached else None, reason if status in _ENDED_FROM_OUTSIDE else ""

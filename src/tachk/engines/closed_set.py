@@ -15,7 +15,7 @@ from tachk.engines.program_image import encode
 from tachk.semantics.timed_trace import DiscreteState
 from tachk.time_limit import check_time
 
-_STATES_AT_ONCE = 2000
+_STATES_AT_ONCE = 100
 
 
 def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns]) -> Objection | None:

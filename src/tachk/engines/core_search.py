@@ -21,6 +21,7 @@ from tachk.semantics.timed_trace import Participant, Transition
 _OPTION_NAMES = [name for name in vars(_core.Options) if not name.startswith("_")]
 _REASONS = {
     _core.Status.STATE_LIMIT: STATE_LIMIT,
+    _core.Status.TIME_LIMIT: TIME_LIMIT,
     _core.Status.MEMORY_LIMIT: "memory limit",
     _core.Status.DEPTH_LIMIT: "depth limit",
     _core.Status.FAULT: "run-time error",
@@ -33,7 +34,7 @@ _SLICE_SECONDS = 0.1
 class RunningSearch(Protocol):
     """A search of the core, whatever it looks for."""
 
-    def run(self, expansions: int) -> _core.Status: ...
+    def run(self, expansions: int, seconds: float | None = None) -> _core.Status: ...
     def statistics(self) -> tuple[int, int, int, int]: ...
 
 
@@ -53,7 +54,7 @@ def core_options(options: Options) -> _core.Options:
 
 
 def core_limits(limits: Limits) -> _core.Limits:
-    """What the core takes of the limits: time is watched from outside."""
+    """What the core takes of the limits; each piece of a search is told of the time that is left."""
     taken = _core.Limits()
     if limits.states is not None:
         taken.states = min(limits.states, taken.states)
@@ -81,7 +82,7 @@ def run_in_slices(
     while True:
         begun = time.perf_counter()
         try:
-            status = search.run(slice_size)
+            status = search.run(slice_size, _seconds_left(limits, start))
         except KeyboardInterrupt:
             return _core.Status.RUNNING, INTERRUPTED
         except MemoryError:
@@ -100,6 +101,11 @@ def run_in_slices(
             slice_size *= 2
         elif now - begun > 2 * _SLICE_SECONDS:
             slice_size = max(slice_size // 2, 1)
+
+
+def _seconds_left(limits: Limits, start: float) -> float | None:
+    """The seconds that remain of those since a start."""
+    return None if limits.seconds is None else max(limits.seconds - (time.perf_counter() - start), 0.0)
 
 
 def statistics_of(search: RunningSearch, start: float) -> Statistics:

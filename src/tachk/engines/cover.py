@@ -15,7 +15,7 @@ from tachk.engines.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Op
 from tachk.engines.outcome import Progress
 from tachk.engines.program_image import encode
 from tachk.records import dataclass
-from tachk.time_limit import check_time
+from tachk.time_limit import check_time, time_left
 
 ZONES_IN_A_BLOCK = 4096
 
@@ -85,12 +85,16 @@ class _TwoSearches:
         self._covers: list[Cover] = []
         self._most: float = math.inf
 
-    def run(self, expansions: int) -> _core.Status:
+    def run(self, expansions: int, seconds: float | None = None) -> _core.Status:
         """Explores so many states or some more, as far as there are any. FINISHED also if a goal is reached;
         then there is no cover."""
+        end = None if seconds is None else time.perf_counter() + seconds
         for _ in range(expansions // _TURN + 1):
             for search in tuple(self._all):
-                status = search.run(_TURN) if search in self._running else _core.Status.RUNNING
+                left = None if end is None else max(end - time.perf_counter(), 0.0)
+                status = search.run(_TURN, left) if search in self._running else _core.Status.RUNNING
+                if status is _core.Status.TIME_LIMIT:
+                    return status
                 if status is not _core.Status.RUNNING and self._ends(search, status):
                     return status
             self._running = [search for search in self._running if self._is_hopeful(search)]
@@ -150,7 +154,7 @@ def _single(program: Program, goal: Goal, options: Options, best: Cover, explore
     search = _core.CoverSearch(encode(program, [goal]), core_options(exact), core_limits(Limits()), hulls=True)
     for _ in range(min(_STEPS_FOR_A_ZONE * best.zones, max(_SHORT, explored)) // _TURN + 1):
         check_time()
-        status = search.run(_TURN)
+        status = search.run(_TURN, time_left())
         if status is not _core.Status.RUNNING:
             return _told(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
     return None

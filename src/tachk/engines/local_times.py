@@ -28,6 +28,9 @@ from tachk.engines.program_image import encode
 
 _FIRST_LOOK = 500
 """How many states both searches explore before one is chosen."""
+_STEP = 10
+_MUCH_MEMORY = 256 << 20
+"""A zone over the local times of 100 processes, of which all are kept that wait, takes hundreds of kilobytes."""
 _FEW_ZONES = 2.0
 """With fewer zones for each discrete state there are few orders to be saved."""
 _WORTH_IT = 3.0
@@ -72,19 +75,20 @@ def explore_locally(
 def _chosen(
     program: Program, goals: Sequence[Goal], ordinary: _core.Explorer, options: Options, limits: Limits
 ) -> _core.LocalExplorer | None:
+    end = None if limits.seconds is None else time.perf_counter() + limits.seconds
     counts_steps = options.shortest or limits.depth is not None
     if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
     look = options.local_times is LocalTimes.AUTO
-    if look and not _goes_on(ordinary):
-        return None
+    if look and _first_look(ordinary, end) is not _core.Status.RUNNING:
+        return None  # what stops it now stops it again when it goes on
     image = encode(program, goals)
     if obstacle(image) is not None:
         return None
     if look:
         if ordinary.has_merged():  # which hides how many orders there are
             ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
-            if not _goes_on(ordinary):
+            if _first_look(ordinary, end) is not _core.Status.RUNNING:
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:
             return None
@@ -92,18 +96,32 @@ def _chosen(
         # With LU a state may be covered by others that can do more: it may be stuck where they are not.
         options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
-    if look and _goes_on(search):
-        if _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
+    if look:
+        status = _first_look(search, end)
+        if status in _IMPATIENT:
+            return None
+        if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
             return None
     return search
 
 
-def _goes_on(search: _core.Explorer | _core.LocalExplorer) -> bool:
-    """Whether there is more to explore after a first look. What stops it now stops it again when it goes on."""
-    try:
-        return search.run(_FIRST_LOOK) is _core.Status.RUNNING
-    except MemoryError:
-        return False
+_IMPATIENT = (_core.Status.TIME_LIMIT, _core.Status.MEMORY_LIMIT)
+
+
+def _first_look(search: _core.Explorer | _core.LocalExplorer, end: float | None) -> _core.Status:
+    """The status behind a first look: RUNNING if there is more to explore, MEMORY_LIMIT also if that would take much
+    more memory than a search needs as a rule."""
+    status = _core.Status.RUNNING
+    for _ in range(_FIRST_LOOK // _STEP):
+        try:
+            status = search.run(_STEP, None if end is None else max(end - time.perf_counter(), 0.0))
+        except MemoryError:
+            return _core.Status.MEMORY_LIMIT
+        if status is not _core.Status.RUNNING:
+            return status
+        if search.statistics()[3] > _MUCH_MEMORY:
+            return _core.Status.MEMORY_LIMIT
+    return status
 
 
 def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:

@@ -74,7 +74,8 @@ def explore_everything(
     never = Goal(())
     options = replace(options, attempts=False, partial_order=False)
     explorer = _explorer(program, [*goals, never], options, limits)
-    ran = _ran(program, [*goals, never], explorer, options, limits, progress)
+    begun = time.perf_counter(), user_seconds()
+    ran = _ran(program, [*goals, never], explorer, options, limits, progress, begun)
     outcome, doubtful = _told(program, [*goals, never], options, ran)
     outcome = replace(outcome, goals=outcome.goals[:-1])
     taken = frozenset((program.edges[n].process, program.edges[n].edge) for n in explorer.taken())
@@ -98,11 +99,12 @@ def _search(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[Outcome, list[int]]:
     """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
+    begun = time.perf_counter(), user_seconds()
     explorer = _explorer(program, goals, options, limits)
     found = explore_locally(program, goals, explorer, options, limits, progress)
     if found is not None:
         return replace(found, goals=_noted(goals, found.goals)), []
-    return _told(program, goals, options, _ran(program, goals, explorer, options, limits, progress))
+    return _told(program, goals, options, _ran(program, goals, explorer, options, limits, progress, begun))
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,9 +124,14 @@ def _ran(
     options: Options,
     limits: Limits,
     progress: Progress | None,
+    begun: tuple[float, float],
 ) -> _Ran:
-    """Runs an explorer; or, if that decides the goals, another one for a while."""
-    start, user = time.perf_counter(), user_seconds()
+    """Runs an explorer; or, if that decides the goals, another one for a while.
+
+    Args:
+        begun: the time, and the time in user mode, when the search began.
+    """
+    start, user = begun
 
     def statistics(search: _core.Explorer) -> Statistics:
         used = user_seconds() - user

@@ -19,7 +19,7 @@ from tachk.engines.exact.concretise import concretise
 from tachk.engines.growth import grows_without_limit
 from tachk.engines.measuring import measure
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import Outcome, Progress, RunTimeFault, Statistics, Status
+from tachk.engines.outcome import TIME_LIMIT, Outcome, Progress, RunTimeFault, Statistics, Status
 from tachk.engines.zone import explore
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
 from tachk.model.network import Network
@@ -29,6 +29,7 @@ from tachk.operators import BinaryOperator
 from tachk.records import dataclass
 from tachk.semantics.discrete import PreparedNetwork
 from tachk.semantics.timed_trace import Transition
+from tachk.time_limit import OutOfTimeError, time_limit
 
 DOUBLINGS = 12
 """How often the horizon is doubled, from the largest constant of the model on."""
@@ -89,6 +90,13 @@ class ExtremeSearch:
 
     def find(self, questions: Sequence[Question]) -> list[Found] | None:
         """The answers; None where no state satisfies the predicate. Raises UndecidedError."""
+        try:
+            with time_limit(self._rest().seconds):
+                return self._found(questions)
+        except OutOfTimeError:
+            raise UndecidedError(TIME_LIMIT) from None
+
+    def _found(self, questions: Sequence[Question]) -> list[Found] | None:
         found: dict[Question, Found] = {}
         numbers = [question for question in questions if self._is_number(question[0])]
         if numbers:

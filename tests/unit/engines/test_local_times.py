@@ -225,15 +225,25 @@ def test_a_deadlock_of_processes_in_a_ring() -> None:
     assert {*verdict.trace.steps[-1].state.discrete.locations[:4]} == {1}
 
 
+LAMPS = """
+    process Lamp(int[1,6] number) {
+        clock x;
+        init location Off { invariant x <= 4 + number; to On { guard x >= 1; assign x = 0; } }
+        location On { invariant x <= 3; to Off { guard x >= 1; assign x = 0; } }
+    }
+    system Lamp;
+"""
+
+
+def test_the_choice_is_not_made_where_it_takes_much_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tachk.engines.local_times._MUCH_MEMORY", 100_000)
+    (found,) = tachk.loads(LAMPS).verify("A[] true", options=Options(merging=False))
+    assert found.answer is Answer.HOLDS
+    assert not found.statistics.local_times
+
+
 def test_the_choice_is_made_where_it_pays() -> None:
-    model = tachk.loads(
-        """process Lamp(int[1,6] number) {
-            clock x;
-            init location Off { invariant x <= 4 + number; to On { guard x >= 1; assign x = 0; } }
-            location On { invariant x <= 3; to Off { guard x >= 1; assign x = 0; } }
-        }
-        system Lamp;"""
-    )
+    model = tachk.loads(LAMPS)
     (chosen,) = model.verify("A[] true")
     (ordinary,) = model.verify("A[] true", options=NEVER)
     assert chosen.answer is ordinary.answer is Answer.HOLDS

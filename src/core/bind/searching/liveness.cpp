@@ -12,6 +12,7 @@
 
 #include "liveness/liveness_search.hpp"
 #include "liveness/recurrence_search.hpp"
+#include "patiently.hpp"
 
 namespace nb = nanobind;
 
@@ -60,8 +61,8 @@ void bind_liveness(nb::module_& m) {
       .value("STUCK", tachk::ViolationKind::stuck);
   nb::class_<tachk::LivenessSearch>(m, "LivenessSearch")
       .def(nb::new_(&make_search), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
-      .def("run", &tachk::LivenessSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
-           "Takes up to this many steps of the search.")
+      .def("run", &run_patiently<tachk::LivenessSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           "Takes up to this many steps of the search; TIME_LIMIT if it was given up in the midst of one.")
       .def("statistics", &statistics_of<tachk::LivenessSearch>, "(explored, stored, transitions, bytes)")
       .def("cover", &tachk::LivenessSearch::cover, nb::rv_policy::reference_internal,
            "Of a finished search without a violation: the states that have been gone through, in their order.")
@@ -76,8 +77,8 @@ void bind_liveness(nb::module_& m) {
   nb::class_<tachk::RecurrenceSearch>(m, "RecurrenceSearch")
       .def(nb::new_(&make_recurrence_search), nb::arg("image"), nb::arg("begins"), nb::arg("options"),
            nb::arg("limits"))
-      .def("run", &tachk::RecurrenceSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
-           "Takes up to this many steps of the search.")
+      .def("run", &run_patiently<tachk::RecurrenceSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           "Takes up to this many steps of the search; TIME_LIMIT if it was given up in the midst of one.")
       .def("statistics", &statistics_of<tachk::RecurrenceSearch>, "(explored, stored, transitions, bytes)")
       .def("violation", &violation_of<tachk::RecurrenceSearch>,
            "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "localtime/local_explorer.hpp"
+#include "patiently.hpp"
 
 namespace nb = nanobind;
 
@@ -36,8 +37,8 @@ void bind_localtime(nb::module_& m) {
         "(why local times are not sound for a program, or None; how many agents have one).");
   nb::class_<tachk::LocalExplorer>(m, "LocalExplorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
-      .def("run", &tachk::LocalExplorer::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
-           "Explores up to this many states.")
+      .def("run", &run_patiently<tachk::LocalExplorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",
           [](const tachk::LocalExplorer& self) {

@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "zones/patience.hpp"
+
 namespace tachk {
 
 Ahead::Ahead(const ZoneGraph& graph, const PassedList& passed, bool subsumption, unsigned threads)
@@ -63,7 +65,10 @@ void Ahead::find(const GoalWatch& goals, const std::vector<std::uint8_t>& taken)
   else if (2 * done < noted)
     early_ = std::max(early_ / 2, fewest_early);
   std::atomic<std::size_t> next{0};
-  team_->share([&](unsigned member) { find(member, next); });
+  team_->share([&, patience = Patience::current()](unsigned member) {
+    const Patience::Shared shared(patience);
+    find(member, next);
+  });
 }
 
 void Ahead::find(unsigned member, std::atomic<std::size_t>& next) {
@@ -95,7 +100,8 @@ void Ahead::sift_and_go_on(std::vector<std::uint32_t> further) {
   const auto sift_all = [this, shares](unsigned member) {
     for (std::uint64_t n = share_++; n < shares; n = share_++) sift(n, shares, latest_[member]);
   };
-  team_->begin([this, sift_all, early, further = std::move(further)](unsigned member) {
+  team_->begin([this, sift_all, early, further = std::move(further), patience = Patience::current()](unsigned member) {
+    const Patience::Shared shared(patience);
     Finder& finder = *finders_[member];
     sift_all(member);
     const std::size_t first = std::min((member - 1) * early, further.size());

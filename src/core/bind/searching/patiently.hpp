@@ -1,0 +1,32 @@
+// A piece of a search that Ctrl-C and a limit on time end, also in the midst of a state.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "reachability/explorer.hpp"
+#include "zones/patience.hpp"
+
+// Runs a search without the lock of Python, for at most so many seconds. Ctrl-C becomes its exception.
+template <class Search>
+tachk::Status run_patiently(Search& search, std::uint64_t expansions, std::optional<double> seconds) {
+  using Clock = tachk::Patience::Clock;
+  std::optional<Clock::time_point> end;
+  constexpr double most = 1e8;  // what a clock can count without overflow is more
+  if (seconds && *seconds < most)
+    end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
+  try {
+    const nanobind::gil_scoped_release released;
+    const tachk::Patience patience(end, [] {
+      const nanobind::gil_scoped_acquire acquired;
+      return PyErr_CheckSignals() == 0;
+    });
+    return search.run(expansions);
+  } catch (const tachk::GivenUp&) {
+    if (PyErr_Occurred() != nullptr) throw nanobind::python_error();
+    return tachk::Status::time_limit;
+  }
+}

@@ -1,0 +1,46 @@
+#include "zones/patience.hpp"
+
+#include <utility>
+
+namespace tachk {
+namespace {
+
+constexpr std::chrono::milliseconds between_looks{25};
+
+thread_local Patience* own = nullptr;
+thread_local Patience* shared = nullptr;
+
+}  // namespace
+
+Patience::Patience(std::optional<Clock::time_point> end, std::function<bool()> is_wanted)
+    : end_(end),
+      is_wanted_(std::move(is_wanted)),
+      next_(Clock::now() + between_looks),
+      before_(std::exchange(own, this)) {}
+
+Patience::~Patience() { own = before_; }
+
+Patience* Patience::current() { return own; }
+
+void Patience::check() {
+  if (own != nullptr) own->look();
+  if (shared != nullptr) shared->look_as_helper();
+}
+
+void Patience::look() {
+  const Clock::time_point now = Clock::now();
+  if (now < next_ && (!end_ || now < *end_)) return;
+  next_ = now + between_looks;
+  if ((end_ && now >= *end_) || !is_wanted_()) over_ = true;
+  if (over_) throw GivenUp{};
+}
+
+void Patience::look_as_helper() const {
+  if (over_ || (end_ && Clock::now() >= *end_)) throw GivenUp{};
+}
+
+Patience::Shared::Shared(Patience* patience) { shared = patience; }
+
+Patience::Shared::~Shared() { shared = nullptr; }
+
+}  // namespace tachk

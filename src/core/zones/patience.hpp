@@ -1,0 +1,70 @@
+// When work of the core is given up in the midst: because the time for it is over, or because somebody wants it to end.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <optional>
+
+namespace tachk {
+
+// What was being done is half done: its owner cannot go on from there.
+struct GivenUp : std::exception {
+  const char* what() const noexcept override { return "work was given up"; }
+};
+
+// The patience of a thread with what it does while this lives.
+class Patience final {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // `is_wanted`: asked a few times a second whether the work is to go on.
+  Patience(std::optional<Clock::time_point> end, std::function<bool()> is_wanted);
+  ~Patience();
+  Patience(const Patience&) = delete;
+  Patience& operator=(const Patience&) = delete;
+
+  // Meant for loops that may be long, every hundred steps or so. Throws GivenUp if this thread has no patience left.
+  static void check();
+  // That of this thread; null if it has as much as it takes.
+  static Patience* current();
+
+  // Another thread that helps has the same patience while this lives.
+  class Shared final {
+   public:
+    explicit Shared(Patience* patience);
+    ~Shared();
+    Shared(const Shared&) = delete;
+    Shared& operator=(const Shared&) = delete;
+  };
+
+ private:
+  void look();
+  void look_as_helper() const;
+
+  std::optional<Clock::time_point> end_;
+  std::function<bool()> is_wanted_;
+  Clock::time_point next_;
+  std::atomic<bool> over_{false};
+  Patience* before_;
+};
+
+// Work that is done in pieces, until one is given up: there are no others then.
+class InPieces final {
+ public:
+  // Throws GivenUp, and whatever the work throws.
+  template <class Work>
+  auto operator()(const Work& work) {
+    if (half_done_) throw GivenUp{};
+    half_done_ = true;
+    const auto result = work();
+    half_done_ = false;
+    return result;
+  }
+
+ private:
+  bool half_done_ = false;
+};
+
+}  // namespace tachk
