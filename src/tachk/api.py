@@ -35,6 +35,7 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
+    from tachk.campaign.job import Judge
     from tachk.campaign.run import Progress as CampaignProgress
     from tachk.conformance.conform import Conformance
     from tachk.drawing.svg import Picture
@@ -434,6 +435,9 @@ class Model(Estimable):
         seconds: float | None = None,
         progress: Callable[[CampaignProgress], None] | None = None,
         settings: Settings | None = None,
+        judge: Judge | None = None,
+        part: tuple[int, int] = (1, 1),
+        merge: Iterable[str | os.PathLike[str]] = (),
     ) -> Sweep:
         """Checks queries and properties for every combination of values of some constants, several at a time.
 
@@ -448,6 +452,9 @@ class Model(Estimable):
             seconds: the limit on everything together; what is not finished then is missing in the table.
             progress: called after each cell.
             settings: how sure the answers to statistical queries are to be.
+            judge: judges random runs of each cell; then properties of the model are checked only where they are named.
+            part: ``(3, 10)``: compute and tell every tenth cell, from the third one on, as one of ten jobs.
+            merge: files of the same sweep, such as parts have made, whose cells are taken over.
 
         The processes import the program that calls this: a script needs ``if __name__ == "__main__":`` around it.
 
@@ -456,15 +463,18 @@ class Model(Estimable):
             UsageError: there is no such property or constant, or the file belongs to another sweep.
         """
         from tachk.campaign.job import verification
-        from tachk.campaign.run import computing, run_campaign
+        from tachk.campaign.run import Part, computing, run_campaign
         from tachk.model.grid import grid_of_values
         from tachk.report.campaign.table import Sweep
 
         named = (property,) if isinstance(property, str) else tuple(property)
         questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
         grid = grid_of_values(over)
-        job = verification(self._written, grid.names, questions, options or Options(), limits or Limits(), settings)
-        return Sweep(self.path, run_campaign(grid, job, store, computing(processes, dask), seconds, progress))
+        job = verification(
+            self._written, grid.names, questions, options or Options(), limits or Limits(), settings, judge
+        )
+        compute = computing(processes, dask)
+        return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, Part(*part), merge))
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.

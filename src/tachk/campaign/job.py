@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from hashlib import sha256
 from time import monotonic
-from typing import assert_never
+from typing import Protocol, assert_never
 
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import TIME_LIMIT
 from tachk.frontend.findings import Findings
-from tachk.frontend.loaded import LoadedModel, with_constants
+from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks
 from tachk.frontend.overrides import constant_overrides
+from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.frontend.queries.statistical import is_statistical, read_statistical
 from tachk.model.grid import Values
+from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.answering import answers
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.questions import Questions, checked
 from tachk.properties.verdict import Answer, Verdict
 from tachk.records import dataclass
+from tachk.simulation.intervals import clopper_pearson
 from tachk.statistics.deciding import Decision
 from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split, estimate
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -64,6 +67,29 @@ ESTIMATED = "estimated"
 
 
 @dataclass(frozen=True, slots=True)
+class Judged:
+    """On how many runs a formula is true, false, and neither for certain; and how many transitions they have."""
+
+    name: str
+    true: int
+    false: int
+    undetermined: int
+    transitions: int
+
+
+class Judge(Protocol):
+    """Draws runs of a model and judges them by formulas. It goes to other processes, so it can be pickled, and its text
+    tells all that the answers depend on."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the formulas."""
+        ...
+
+    def judged(self, network: Network) -> Iterable[Judged]: ...
+
+
+@dataclass(frozen=True, slots=True)
 class Verification:
     """The properties of a model, checked for each cell.
 
@@ -80,6 +106,12 @@ class Verification:
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
     settings: Settings = field(default_factory=Settings)
+    judge: Judge | None = None
+
+    @property
+    def asks_queries(self) -> bool:
+        """Whether queries or properties are asked, or formulas only."""
+        return self.judge is None or len(self.asked) > len(self.judge.names)
 
     def parts(self) -> dict[str, str]:
         """What must be the same for finished cells to count: names as a user would say them, each with its value."""
@@ -95,6 +127,7 @@ class Verification:
             "--max-states": str(self.limits.states),
             "--max-memory": str(self.limits.memory_bytes),
             "statistics": str(self.settings),
+            **({} if self.judge is None else {"--monitor": str(self.judge)}),
         }
 
     def rows(self, values: Values) -> tuple[Row, ...]:
@@ -113,10 +146,8 @@ class Verification:
         began = monotonic()
         with time_limit(self.limits.seconds):
             model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
-            formulas = self.questions.about(model)
-            statistical = [query for query in formulas if is_statistical(query)]
-            asked = [read_statistical(query, model) for query in statistical]
-            rows = [_estimated(estimate(each.network or model.network, each, self.settings)) for each in asked]
+            formulas = self.questions.about(model) if self.asks_queries else ()
+            rows = [*self._drawn(model, [query for query in formulas if is_statistical(query)])]
         queries = checked(formulas)
         if queries:
             limits = self.limits.after(monotonic() - began)
@@ -124,6 +155,17 @@ class Verification:
             found = answers(model, self.questions, queries, alone, limits, None, trace=True)
             rows += map(_row, found)
         return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))
+
+    def _drawn(self, model: LoadedModel, statistical: Sequence[UncheckedQuery]) -> Iterator[Row]:
+        """What random runs answer, in the model as simulations see it."""
+        if not statistical and self.judge is None:
+            return
+        seen = with_hybrid_clocks(model, ())
+        for query in statistical:
+            asked = read_statistical(query, seen)
+            yield _estimated(estimate(asked.network or seen.network, asked, self.settings))
+        for judged in () if self.judge is None else self.judge.judged(seen.network):
+            yield _judged(judged, self.settings.confidence)
 
 
 def verification(
@@ -133,6 +175,7 @@ def verification(
     options: Options,
     limits: Limits,
     settings: Settings | None = None,
+    judge: Judge | None = None,
 ) -> Verification:
     """The job of checking what is asked.
 
@@ -140,10 +183,13 @@ def verification(
         InputError, UsageError: a query is wrong, there is no such property or constant, or nothing to check.
     """
     constant_overrides(dict.fromkeys(names, 0), model.items, Findings())
-    asked = tuple(q.name for q in questions.about(model) if isinstance(q, Query) or is_statistical(q))
+    named = judge is None or bool(questions.names or questions.typed or questions.files)
+    formulas = questions.about(model) if named else ()
+    asked = tuple(q.name for q in formulas if isinstance(q, Query) or is_statistical(q))
+    asked += () if judge is None else judge.names
     if not asked:
         raise UsageError(f"{questions.path} has no property to check", "give a query behind the model")
-    return Verification(model, names, questions, asked, options, limits, settings or Settings())
+    return Verification(model, names, questions, asked, options, limits, settings or Settings(), judge)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +217,15 @@ def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:
     """The rows of properties that have no answer."""
     nothing = {**dict.fromkeys(COLUMNS), "answer": Answer.UNKNOWN.value, "reason": reason, "notes": ""}
     return tuple({**nothing, "property": name} for name in names)
+
+
+def _judged(found: Judged, confidence: float) -> Row:
+    """The row of a formula: how probable it is that a run satisfies it. A run that is undetermined may or may not."""
+    runs = found.true + found.false + found.undetermined
+    low, high = clopper_pearson(found.true, runs, confidence, maybe=found.undetermined)
+    nothing: dict[str, str | int | float | None] = {**dict.fromkeys(COLUMNS), "reason": "", "notes": ""}
+    known = {"estimate": found.true / runs, "low": low, "high": high, "runs": runs, "transitions": found.transitions}
+    return {**nothing, "property": found.name, "answer": ESTIMATED, **known}
 
 
 def _estimated(found: Estimate) -> Row:

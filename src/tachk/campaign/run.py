@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from time import monotonic
 from typing import Any
 
 from tachk.campaign.cluster import compute_on_cluster
 from tachk.campaign.job import Computed, Row, Verification
 from tachk.campaign.local import compute_locally
-from tachk.campaign.store import opened
+from tachk.campaign.store import Store, opened
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Grid, Values
 
 
@@ -40,11 +42,31 @@ class Progress:
 
 
 @dataclass(frozen=True, slots=True)
+class Part:
+    """Every ``of``-th cell, from number ``number`` on: for jobs that compute a grid together.
+
+    Raises UsageError for a number that is not among 1 to ``of``.
+    """
+
+    number: int
+    of: int
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.number <= self.of:
+            raise UsageError(f"there is no part {self.number} of {self.of}", "parts count from 1: 1/10 to 10/10")
+
+    def cells(self, grid: Grid) -> tuple[Values, ...]:
+        """Neighbours are in different parts, so that parts take about as long as one another."""
+        return tuple(islice(grid.cells(), self.number - 1, None, self.of))
+
+
+@dataclass(frozen=True, slots=True)
 class Campaign:
     """What a campaign has found.
 
     Attributes:
-        rows: of all finished cells, in the order of the grid.
+        cells: how many there are in the part of the grid that is told.
+        rows: of all finished ones of these, in the order of the grid.
         earlier: how many cells were finished before this run.
         unfinished: how many cells are not finished: the time was over, or the user stopped it.
         interrupted: the user stopped it.
@@ -53,6 +75,7 @@ class Campaign:
 
     grid: Grid
     job: Verification
+    cells: int
     rows: tuple[Row, ...]
     earlier: int
     unfinished: int
@@ -83,12 +106,16 @@ def run_campaign(
     compute: Computing,
     seconds: float | None = None,
     progress: Callable[[Progress], None] | None = None,
+    part: Part = Part(1, 1),
+    others: Iterable[str | os.PathLike[str]] = (),
 ) -> Campaign:
     """Computes the cells that the file does not have.
 
     Args:
         file: None to keep what is found in memory only.
         compute: see `computing`.
+        part: the cells that are computed and told.
+        others: files of the same campaign, whose cells are taken over before.
         seconds: the limit on the time of this run; what is not finished then can be computed by another run.
 
     Raises UsageError where the file cannot be used.
@@ -96,16 +123,28 @@ def run_campaign(
     began = monotonic()
     interrupted = False
     with opened(file, grid.names, job.parts()) as store:
+        for other in others:
+            _take_over(store, other, grid.names, job.parts())
         known = store.finished()
-        missing = tuple(values for values in grid.cells() if values not in known)
-        finished = earlier = len(grid) - len(missing)
+        cells = part.cells(grid)
+        missing = tuple(values for values in cells if values not in known)
+        finished = earlier = len(cells) - len(missing)
         try:
             for cell in compute(job, missing, seconds):
                 store.add(cell.values, cell.rows, cell.seconds)
                 finished += 1
                 if progress is not None:
-                    progress(Progress(len(grid), finished, earlier, monotonic() - began))
+                    progress(Progress(len(cells), finished, earlier, monotonic() - began))
         except KeyboardInterrupt:
             interrupted = True
-        rows = tuple(store.rows(grid.cells()))
-    return Campaign(grid, job, rows, earlier, len(grid) - finished, interrupted, monotonic() - began)
+        rows = tuple(store.rows(cells))
+    return Campaign(grid, job, len(cells), rows, earlier, len(cells) - finished, interrupted, monotonic() - began)
+
+
+def _take_over(store: Store, path: str | os.PathLike[str], names: tuple[str, ...], parts: Mapping[str, str]) -> None:
+    """Adds the cells that another file has."""
+    if not os.path.exists(path):
+        raise UsageError(f"there is no file {os.fspath(path)} to merge")
+    with opened(path, names, parts) as other:
+        for values, seconds in other.times().items():
+            store.add(values, [{**row} for row in other.rows([values])], seconds)

@@ -34,7 +34,12 @@ class Store:
 
     def finished(self) -> set[Values]:
         """The cells that are finished."""
-        return {tuple(json.loads(key)) for (key,) in self._database.execute("select cell from cells")}
+        return set(self.times())
+
+    def times(self) -> dict[Values, float]:
+        """The cells that are finished, each with what it took."""
+        found = self._database.execute("select cell, seconds from cells")
+        return {tuple(json.loads(key)): seconds for key, seconds in found}
 
     def add(self, values: Values, rows: Sequence[Row], seconds: float) -> None:
         """Keeps what was found for a cell. One that is finished already, by a program that shares the file, stays.

@@ -41,7 +41,7 @@ class Sweep:
         return {
             "model": self.model,
             "constants": [{"name": axis.name, "values": list(axis.values)} for axis in campaign.grid.axes],
-            "cells": len(campaign.grid),
+            "cells": campaign.cells,
             "unfinished": campaign.unfinished,
             "interrupted": campaign.interrupted,
             "rows": [dict(row) for row in self.rows],

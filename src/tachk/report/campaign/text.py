@@ -37,7 +37,7 @@ def campaign_text(model: str, campaign: Campaign) -> str:
 
 
 def _heading(campaign: Campaign) -> str:
-    size = len(campaign.grid)
+    size = campaign.cells
     computed = size - campaign.earlier - campaign.unfinished
     parts = [f"{size} cell{'s' * (size != 1)}, {computed} computed in {campaign.seconds:.1f} s"]
     if campaign.earlier:

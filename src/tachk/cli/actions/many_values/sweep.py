@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,12 +13,14 @@ from time import monotonic
 from tachk import api
 from tachk.campaign.job import ESTIMATED
 from tachk.campaign.run import Progress
+from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.arguments import parse_size
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.cli.terminal import can_rewrite_lines
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.model.grid import grid_of
 from tachk.properties.verdict import Answer
@@ -28,6 +31,8 @@ from tachk.statistics.sampling import Source as RunSource
 from tachk.time_limit import time_limit
 
 _EVERY = "all"
+_RUNS = 100
+"""How many are judged in each cell, where nothing is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,9 @@ class Sweeping:
         seconds_each: the limit of each cell.
         states: the limit of each search.
         max_memory: such as ``2G``.
+        formulas, until: as for `tachk simulate`: by what runs are judged in each cell, and how long they are.
+        part: such as ``3/10``.
+        merged: files of the same sweep.
     """
 
     model: str
@@ -62,6 +70,10 @@ class Sweeping:
     half_width: float = 0.05
     runs: int | None = None
     seed: int = 0
+    formulas: str | None = None
+    until: str = "100"
+    part: str = "1/1"
+    merged: tuple[Path, ...] = ()
 
 
 def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> ExitStatus:
@@ -74,6 +86,9 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
         model = api.load(asked.model, **first)
     print_diagnostics((*model.refusals, *model.warnings))
     named = tuple(name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties})
+    judge = None
+    if asked.formulas is not None:
+        judge = JudgedRuns(asked.formulas, asked.until, asked.runs or _RUNS, asked.seed)
     with _progress(reporting.quiet) as progress:
         found = model.sweep(
             *asked.queries,
@@ -87,6 +102,9 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
             seconds=None if seconds is None else max(0.0, seconds - (monotonic() - started)),
             progress=progress,
             settings=Settings(RunSource(asked.seed), asked.confidence, asked.half_width, asked.runs),
+            judge=judge,
+            part=_part(asked.part),
+            merge=asked.merged,
         )
     if asked.picture is not None:
         estimated = asked.show == "answer" and all(row["answer"] == ESTIMATED for row in found.rows)
@@ -96,6 +114,13 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
         return ExitStatus.INTERRUPTED
     unknown = any(row["answer"] == Answer.UNKNOWN.value for row in found.rows)
     return ExitStatus.UNKNOWN if unknown or found.campaign.unfinished else ExitStatus.AS_EXPECTED
+
+
+def _part(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d+)/(\d+)", text)
+    if match is None:
+        raise UsageError(f"--part {text} is no part", "write 3/10 for the third of ten parts")
+    return int(match[1]), int(match[2])
 
 
 def _write(found: Sweep, reporting: Reporting) -> None:

@@ -69,9 +69,39 @@ from tachk.cli.reporting import ReportForm
     type=options.Seconds(min=0),
     help="Stop the check of a cell after this time; its answers are unknown then.",
 )
+@click.option(
+    "formulas",
+    "--monitor",
+    metavar="FORMULA",
+    help="Judge random runs of each cell by this formula, or by those of a file: how probable it is that a run "
+    "satisfies them. Properties are checked then only where they are named.",
+)
+@click.option(
+    "until",
+    "--until",
+    metavar="TIME",
+    default="100",
+    show_default=True,
+    help="With --monitor: how long the runs are; such as 100 or 2 h.",
+)
+@click.option(
+    "part",
+    "--part",
+    metavar="K/N",
+    default="1/1",
+    help="Compute every N-th cell, from the K-th one on: one of N jobs, each with a --store of its own.",
+)
+@click.option(
+    "merged",
+    "--merge",
+    metavar="FILE",
+    multiple=True,
+    type=options.type_of_file,
+    help="Take over the cells of this file of the same sweep, such as a part has made.",
+)
 @drawing.confidence(0.8, "Of the intervals of statistical queries.")
 @drawing.half_width("Statistical queries draw runs until the interval of a probability is at most 2 E wide.")
-@drawing.runs("Statistical queries draw N runs.")
+@drawing.runs("Statistical queries draw N runs, --monitor judges N (else 100).")
 @drawing.seed("Of the runs of statistical queries.")
 @options.max_states("; its answers are unknown then")
 @options.max_memory

@@ -1,0 +1,44 @@
+"""Random runs that are judged by formulas, in each cell of a sweep."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from tachk.campaign.job import Judged
+from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
+from tachk.engines.simulation.simulator import Drawing, Recorded
+from tachk.model.network import Network
+from tachk.runtime.node_signal import Truth
+from tachk.simulation.runs import Runs
+from tachk.simulation.times import horizon_of
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedRuns:
+    """How runs are drawn, and by what they are judged; as for `tachk simulate --monitor`."""
+
+    formulas: str
+    until: str
+    runs: int
+    seed: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(formula.name for formula in formulas_for(self.formulas, {}))
+
+    def judged(self, network: Network) -> Iterator[Judged]:
+        formulas = formulas_for(self.formulas, {})
+        runs = Runs(network, columns_with(network, (), formulas))
+        truths: dict[str, Counter[Truth]] = {formula.name: Counter() for formula in formulas}
+        transitions = 0
+        until = horizon_of(self.until, network.time_unit)
+        drawing = Drawing(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
+        for run in runs.draw(drawing, range(self.runs), Recorded(observed=True)):
+            transitions += run.transitions
+            told = truths_on(runs.trace(run), formulas) if len(run.times) else {}
+            for name, counts in truths.items():
+                counts[told.get(name, Truth.UNDETERMINED)] += 1
+        for name, counts in truths.items():
+            yield Judged(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
