@@ -18,6 +18,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.fault_explanation import with_blame
+from tachk.properties.momentary import with_momentary_triggers
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.scheduling.in_order import VerifyProgress, in_order, processes
@@ -76,7 +77,13 @@ def verify(
     shares = Shares(limits, started, len(tasks))
     verdicts |= in_order(searches, answer, shares, processes(options), progress)
     found = [with_blame(verdicts[number]) for number in range(len(queries))]
-    return non_zeno.noted(_examined(network, found))
+    left = limits.after(time.monotonic() - started)
+    noted = with_momentary_triggers(network, found, left, _decided_plainly)
+    return non_zeno.noted(_examined(network, noted))
+
+
+def _decided_plainly(network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:
+    return verify(network, queries, Options(processes=1), limits, trace=False)
 
 
 def _check_answerable(network: Network, query: Query, options: Options) -> None:

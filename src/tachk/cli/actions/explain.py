@@ -22,6 +22,8 @@ from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formulas.printer import print_formula, print_number
 from tachk.syntax.walk import nodes_of_kind
 
+_INSTANTS = "instants  what is true for no time only, such as in a committed location of a model, does not count"
+
 
 def run_explain(what: str) -> ExitStatus:
     """Prints what the code of a message means, or what a formula, a sentence or the properties of a file say."""
@@ -60,6 +62,7 @@ def _lines(named: NamedFormula) -> list[str]:
         lines.append(f"horizon   {_horizon(formula, unit)}")
     except InputError as error:
         lines.append(f"horizon   not known: {error.diagnostics[0].message}")
+    lines.append(_INSTANTS)
     offence = outside_fragment(formula)
     if offence is None:
         lines.append("STL_lb=0  yes: every interval begins at 0, and only an outermost G has no end")
