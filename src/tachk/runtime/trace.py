@@ -88,6 +88,8 @@ class Trace:
     floating: the columns of numbers that may have a fraction, although none may have one here.
     packets: of a capture, the number of the packet of each row, 0 where there is none.
     dated: the clock counts seconds since 1970, and the times were dates.
+    known_before: of a run of a model, the instant, in ticks, before which its values are known however it goes on; a
+        formula is false on it only if no way to go on makes it true. None: the trace does not go on.
     """
 
     name: str
@@ -103,6 +105,7 @@ class Trace:
     floating: frozenset[str] = frozenset()
     packets: Ticks | None = None
     dated: bool = False
+    known_before: int | None = None
 
     def __post_init__(self) -> None:
         instants = self.instants
@@ -166,7 +169,8 @@ class Trace:
                 "times and bounds with fewer decimals, or a shorter trace, can be counted",
             )
         instants = self.instants.refined(factor) if isinstance(self.instants, FloatTimes) else self.instants * factor
-        return replace(self, instants=instants, end=self.end * factor, ticks_per_unit=wanted)
+        known_before = None if self.known_before is None else self.known_before * factor
+        return replace(self, instants=instants, end=self.end * factor, ticks_per_unit=wanted, known_before=known_before)
 
 
 class Recording(Protocol):

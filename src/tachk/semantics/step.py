@@ -13,6 +13,7 @@ from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from math import lcm
 
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import Binary, Expression, Unary
@@ -231,6 +232,17 @@ def _is_blocked(model: PreparedNetwork, state: TimedState, transition: Transitio
 def _successor(model: PreparedNetwork, state: TimedState, transition: Transition) -> TimedState:
     discrete, resets = execute_updates(model, state.discrete, transition)
     return TimedState(discrete, clocks_after(state.clocks, resets), state.time)
+
+
+def time_passes(model: PreparedNetwork, state: TimedState) -> bool:
+    """Whether some time can pass in a state."""
+    # No bound is nearer than this to a clock that is not at it.
+    finest = lcm(*(value.denominator for value in state.clocks))
+    try:
+        delay(model, state, Fraction(1, 2 * finest))
+    except StepError:
+        return False
+    return True
 
 
 def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> TimedState:

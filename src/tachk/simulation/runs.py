@@ -49,7 +49,8 @@ class Runs:
         """What was observed in a run."""
         name = f"run {run.number}"
         rows = run.observed[:, : len(self.columns)]
-        return recording(self.network, self.columns, name, run.times, rows, int(run.end), run.ticks_per_unit)
+        lasts = run.ending is Ending.HORIZON
+        return recording(self.network, self.columns, name, run.times, rows, int(run.end), run.ticks_per_unit, lasts)
 
     def counts(self, run: Simulated) -> list[int]:
         """The counters at the end of a run that was observed."""
@@ -60,7 +61,7 @@ def steps_of(run: Simulated) -> Iterator[tuple[Fraction, Transition | None]]:
     """The transitions of a run whose actions are recorded, with their times; None where only time passes."""
     for time, transition in zip(run.times[1:].tolist(), run.actions, strict=True):
         yield Fraction(time, run.ticks_per_unit), transition
-    if run.end > int(run.times[-1]) and run.ending is Ending.HORIZON:
+    if run.end > int(run.times[-1]) and run.ending in (Ending.HORIZON, Ending.TIME_LOCK):
         yield Fraction(run.end, run.ticks_per_unit), None
 
 
@@ -72,6 +73,7 @@ def recording(
     rows: Numbers | Sequence[Sequence[int]],
     end: int,
     ticks: int,
+    lasts: bool,
 ) -> Trace:
     """The values that last: one row for each instant at which one changes, and one for the end.
 
@@ -79,6 +81,8 @@ def recording(
         times: of the states, in ticks.
         rows: the values of the columns in each state.
         ticks: how many are a unit of time.
+        lasts: whether time can pass at the end. Else others may follow at the same instant, and nothing is known of
+            it, not even what can no longer happen there.
 
     Raises UsageError for times that do not fit.
     """
@@ -116,6 +120,7 @@ def recording(
         texts=frozenset(column.name for column in columns if column.labels),
         labels=labels,
         floating=frozenset(column.name for column in columns if column.floating),
+        known_before=(end + 1 if lasts else max(end - 1, 0)) * factor,
     )
 
 

@@ -11,6 +11,7 @@ from tachk.records import dataclass
 from tachk.report.run.trace_view import Names
 from tachk.runtime.trace import LARGEST_TICK, Trace
 from tachk.semantics.discrete import environment
+from tachk.semantics.step import time_passes
 from tachk.semantics.timed_trace import TimedState, TimedTrace
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import recording
@@ -49,7 +50,9 @@ def signals_of(
     ticks = finest if fits and not decimal_times else _DECIMAL_TICKS
     times = [int(state.time * ticks) for state in states]
     rows = [[_value(names, state, column) for column in columns] for state in states]
-    return Recorded(recording(names.network, columns, name, times, rows, int(last * ticks), ticks), ticks % finest == 0)
+    lasts = end > states[-1].time or time_passes(names.model, states[-1])
+    trace = recording(names.network, columns, name, times, rows, int(last * ticks), ticks, lasts)
+    return Recorded(trace, ticks % finest == 0)
 
 
 def _value(names: Names, state: TimedState, column: Column) -> int:
