@@ -126,11 +126,14 @@ system query;
         assert [d for d in portability(model, version) if d.code.startswith("E")] == []
 
 
-@pytest.mark.parametrize("code", [code for code in CODES if code.startswith("E081") and CODES[code].bad])
+EXPLAINED = [code for code in CODES if code.startswith(("E081", "E0822", "E0823")) and CODES[code].bad]
+
+
+@pytest.mark.parametrize("code", EXPLAINED)
 def test_examples_of_the_explanations(code: str) -> None:
     for text, expected in ((CODES[code].bad, True), (CODES[code].good, False)):
         declared = text if "process" in text else f"{text} process P() {{ state a; init a; }}"
-        source = f"{declared} system P;"
+        source = text if "system" in text else f"{declared} system P;"
         assert (code in [found_code for found_code, _ in found(source, Version.UPPAAL_4_1)]) == (
             expected and code != "E0811"
         )
@@ -154,6 +157,27 @@ def test_values_that_uppaal_wants_to_know(text: str, places: list[str] | None) -
         text = text.replace("system R;", "int[0, 1] m; S = R(0, m); system S;")
     for version in Version:
         assert found(text, version) == [("E0817", place) for place in places or []]
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("process P() { state a; init a; } system P; const int N = 3; progress { 1; }", ["const int N = 3;"]),
+        ("process P() { state a; init a; } system P; gantt { G : 1 -> 2; } progress { 1; }", ["progress { 1; }"]),
+        ("system P; process P() { state a; init a; }", ["process P() { state a; init a; }"]),
+        ("process P() { state a; init a; } system P; progress { 1; } gantt { G : 1 -> 2; }", []),
+    ],
+)
+def test_order_of_sections(text: str, places: list[str]) -> None:
+    for version in Version:
+        assert found(text, version) == [("E0822", place) for place in places]
+
+
+def test_what_the_export_does_with_an_addition() -> None:
+    model = load_model(Source("model.ta", f"{PLAIN}\nproperty p : E<> P.a;"))
+    assert [d.help for d in portability(model, Version.UPPAAL_5_0)] == [
+        "`tachk export` writes it as a query, its name and expectation beside it"
+    ]
 
 
 def test_equalities_in_invariants() -> None:

@@ -108,6 +108,21 @@ EXPORT_CODES: dict[str, Explanation] = {
         "In an XML file two locations of a template have the same name, or a name is not an identifier. tachk reads it "
         "under another name and says so (W0121); UPPAAL refuses the file.",
     ),
+    "E0822": Explanation(
+        "below the system line",
+        "UPPAAL reads declarations, templates and instantiations, then the system line, then `progress`, then `gantt`. "
+        "`tachk export` writes the model in this order.",
+        "process P() { state A; init A; } system P; const int N = 3;",
+        "const int N = 3; process P() { state A; init A; } system P;",
+    ),
+    "E0823": Explanation(
+        "condition about clocks that UPPAAL does not take",
+        "In guards and invariants UPPAAL takes comparisons of clocks joined by `&&`; an `||` or `imply` may have "
+        "clocks on one side, not left of `imply`. It takes no `!`, `?:` or `exists` over them, and in queries no "
+        "`?:` and no `==` of two conditions. tachk does; `tachk export` writes them with `&&`, `||` and `forall`.",
+        "process P() { clock x; state A; init A; trans A -> A { guard !(x <= 5); }; }",
+        "process P() { clock x; state A; init A; trans A -> A { guard x > 5; }; }",
+    ),
     "W0501": Explanation(
         "UPPAAL treats this otherwise",
         "The model loads, but UPPAAL warns about it, gives it another meaning, or answers less precisely.",

@@ -13,6 +13,7 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
 from tachk.diagnostics.span import NOWHERE
 from tachk.formats.plain.builtins import without_builtins
+from tachk.formats.plain.clock_conditions import with_plain_conditions
 from tachk.formats.plain.free_names import name_repairs
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery, Step
 from tachk.formats.plain.value_passing import ValuePassing
@@ -72,6 +73,7 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
         model.document.comments,
         tuple(steps),
     )
+    plain = with_plain_conditions(plain)
     return with_repaired_names(plain) if repair_names else plain
 
 

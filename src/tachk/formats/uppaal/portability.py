@@ -11,6 +11,7 @@ from tachk.compiler.features import stopwatches, urgent_clock_guards
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
+from tachk.formats.uppaal.condition_types import condition_findings
 from tachk.formats.uppaal.portability_constants import open_constants
 from tachk.formats.uppaal.portability_queries import floating_findings, query_findings
 from tachk.formats.uppaal.versions import Version
@@ -29,16 +30,27 @@ _INSTEAD = {
     BinaryOperator.POWER: "multiply, or write a function",
 }
 """What to write for an operator that a version does not know."""
+_ADDED = (
+    ast.ImportDeclaration,
+    ast.TimeUnitDeclaration,
+    ast.SignalDeclaration,
+    ast.PropertyDeclaration,
+    ast.ExpectationDeclaration,
+    ast.HideDeclaration,
+    ast.RecordingDeclaration,
+)
+"""What UPPAAL does not know in any place."""
 
 
 def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
     """Everything that the version would refuse (errors) or treat otherwise (warnings), in the order of the text."""
     found = [
         *_additions(model, version),
+        *_order_of_sections(model.items, version),
         *_names(model, version),
         *_newer(model.items, version),
         *_types(model.items, version),
-        *_invariants(model, version),
+        *condition_findings(model.items, version.full_name),
         *open_constants(model.items, version.full_name),
         *_written_names(model, version),
         *query_findings(model, version.full_name),
@@ -49,13 +61,50 @@ def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
 
 
 def _additions(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
-    mend = "`tachk export` writes the model without it"
     document = ast.Document(model.document.span, (*model.document.items, *model.items))
     if model.layout is not None:
         return  # properties are how a query of XML is held
     for found in additions(document):
         what = found.message.removesuffix(" is not part of XTA")
+        mend = f"`tachk export` {_WRITTEN[what]}"
         yield Diagnostic("E0810", f"{what}: {version.full_name} does not know it", found.span, mend)
+
+
+_WRITTEN = {
+    "the import of a file": "writes what the file declares in its place",
+    "'time_unit'": "writes it as a comment",
+    "a signal": "writes it out where a property names it",
+    "a property": "writes it as a query, its name and expectation beside it",
+    "an expectation": "writes it beside the queries it is about",
+    "'hide'": "leaves it out, which changes no behaviour",
+    "'recording'": "leaves it out, which changes no behaviour",
+    "a location block": "writes the edges below `trans`",
+    "a synchronisation with a value": "writes a variable that carries the value",
+}
+"""What the export does with each addition."""
+
+
+_BELOW = (ast.SystemLine, ast.ProgressDeclaration, ast.GanttDeclaration)
+"""What ends a text, in this order."""
+
+
+def _order_of_sections(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
+    """What stands behind something that comes later in UPPAAL's order; additions of tachk aside."""
+    reached = -1
+    for item in items:
+        if isinstance(item, _BELOW):
+            place = _BELOW.index(type(item))
+            in_order = place >= reached
+            reached = max(place, reached)
+        else:
+            in_order = reached < 0 or isinstance(item, _ADDED)
+        if not in_order:
+            yield Diagnostic(
+                "E0822",
+                f"{version.full_name} does not read this below the system line",
+                item.span,
+                "write it above `system`, as `tachk export` does",
+            )
 
 
 def _names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
@@ -156,22 +205,6 @@ def _written_names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]
                     location.name.span,
                     f"it is called `{location.name.name}` here; `tachk convert` writes it so",
                 )
-
-
-def _invariants(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
-    clocks = {v.name.rpartition(".")[2] for v in model.network.all_variables() if _is_clock(v.type)}
-    for template in (item for item in model.items if isinstance(item, ast.Template)):
-        for location in template.locations:
-            for node in nodes_of_kind(location.invariant, ast.BinaryExpression):
-                if node.operator == BinaryOperator.EQUAL and _is_named(node.left, clocks) != _is_named(
-                    node.right, clocks
-                ):
-                    yield Diagnostic(
-                        "E0818",
-                        f"{version.full_name} does not take a clock that equals something as an invariant",
-                        node.span,
-                        "write `<=`; a lower bound belongs into the guards of the edges that lead here",
-                    )
 
 
 def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:

@@ -139,27 +139,18 @@ def _comment_lines(text: str) -> list[str]:
 
 
 def sections(model: LoadedModel, plain: PlainModel, layout: Layout) -> Sections:
-    """The sections of a model; what its text declares behind the last template goes to the system section, and so do
-    the comments of what has no section of its own."""
+    """The sections of a model; what its text declares behind the last template goes to the system section, before the
+    system line, and so do the comments of what has no section of its own."""
     declarations, instantiations = iter(plain.declarations), iter(plain.instantiations)
-    progress, gantt = iter(plain.progress), iter(plain.gantt)
     last = max((at for at, item in enumerate(model.items) if isinstance(item, ast.Template)), default=-1)
     before: list[ast.Item] = []
     after: list[ast.Item] = []
     for at, item in enumerate(model.items):
-        match item:
-            case _ if isinstance(item, _DECLARED):
-                (before if at < last else after).append(next(declarations))
-            case ast.Instantiation():
-                after.append(next(instantiations))
-            case ast.SystemLine():
-                after.append(plain.system)
-            case ast.ProgressDeclaration():
-                after.append(next(progress))
-            case ast.GanttDeclaration():
-                after.append(next(gantt))
-            case _:
-                pass
+        if isinstance(item, _DECLARED):
+            (before if at < last else after).append(next(declarations))
+        elif isinstance(item, ast.Instantiation):
+            after.append(next(instantiations))
+    after += (plain.system, *plain.progress, *plain.gantt)
     before += declarations  # what the expansion declares
     placement = _placement(model, plain)
     return Sections(

@@ -1,0 +1,48 @@
+"""Random networks written for UPPAAL: UPPAAL's rules take them, and what is read back reaches the same."""
+
+from __future__ import annotations
+
+from itertools import product
+from random import Random
+
+import pytest
+
+from tachk.diagnostics.span import Source
+from tachk.engines.options import Limits, Options
+from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.exported import Writing
+from tachk.formats.network_document import network_model
+from tachk.formats.uppaal.portability import portability
+from tachk.formats.uppaal.versions import Version
+from tachk.loading.load import load_model
+from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.operators import BinaryOperator
+from tachk.properties.verify import verify
+from tachk.testing.networks import random_case
+from tachk.words import QueryKind
+
+
+def reached(network: Network) -> list[str]:
+    """The answer for each combination of locations."""
+    queries = []
+    for places in product(*(range(len(process.locations)) for process in network.processes)):
+        test: Expression = LocationTest(0, places[0])
+        for process, place in enumerate(places[1:], 1):
+            test = Binary(BinaryOperator.AND, test, LocationTest(process, place), BOOL)
+        queries.append(Query("q", QueryKind.POSSIBLY, test))
+    verdicts = verify(network, tuple(queries[:40]), Options(), Limits(states=2_000), None, False)
+    return [verdict.answer for verdict in verdicts]
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_random_networks(seed: int) -> None:
+    network = random_case(Random(seed)).network
+    original = network_model(network, "random")
+    answers = reached(original.network)
+    for form, name in ((ExportFormat.XML, "again.xml"), (ExportFormat.XTA, "again.xta")):
+        again = load_model(Source(name, export_model(original, form, Writing()).text))
+        found = [d for d in portability(again, Version.UPPAAL_5_0) if d.code.startswith("E")]
+        assert found == []
+        assert reached(again.network) == answers
