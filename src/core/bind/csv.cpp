@@ -25,13 +25,34 @@ namespace {
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
 using FaultTuple = std::tuple<tachk::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
-std::unique_ptr<tachk::CsvReader> make_reader(char separator, std::uint32_t cells, std::uint32_t time,
+std::unique_ptr<tachk::CsvReader> make_reader(char separator, char point, std::uint32_t cells, std::uint32_t time,
                                               const std::vector<std::uint32_t>& columns,
                                               const std::vector<std::uint32_t>& texts, bool dates,
                                               std::uint64_t first_line, std::uint32_t decimals,
-                                              std::uint32_t most_decimals) {
+                                              std::uint32_t most_decimals, std::uint32_t usual_decimals, bool binary,
+                                              bool rounding) {
   return std::make_unique<tachk::CsvReader>(
-      tachk::CsvOptions{separator, cells, time, columns, texts, dates, first_line, decimals, most_decimals});
+      tachk::CsvOptions{separator,
+                        point,
+                        cells,
+                        time,
+                        columns,
+                        texts,
+                        dates,
+                        first_line,
+                        {decimals, most_decimals, usual_decimals, binary, rounding}});
+}
+
+nb::tuple take_rows(tachk::CsvReader& self) {
+  nb::list columns;
+  nb::list labels;
+  for (tachk::CsvColumn& column : self.take_columns()) {
+    columns.append(column.is_number ? as_array(std::move(column.numbers)) : as_array(std::move(column.truths)));
+    nb::list texts;
+    for (const std::string& text : column.labels) texts.append(nb::bytes(text.data(), text.size()));
+    labels.append(texts);
+  }
+  return nb::make_tuple(as_array(self.take_times()), columns, labels);
 }
 
 }  // namespace
@@ -48,13 +69,15 @@ void bind_csv(nb::module_& m) {
       .value("TOO_MANY_CELLS", Kind::too_many_cells)
       .value("TIME_TOO_LARGE", Kind::time_too_large)
       .value("TIME_TOO_FINE", Kind::time_too_fine)
+      .value("TIME_MERGED", Kind::time_merged)
       .value("OPEN_QUOTE", Kind::open_quote)
       .value("MIXED_COLUMN", Kind::mixed_column)
       .value("LINE_TOO_LONG", Kind::line_too_long);
   nb::class_<tachk::CsvReader>(m, "CsvReader")
-      .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("cells"), nb::arg("time"),
-           nb::arg("columns"), nb::arg("texts"), nb::arg("dates"), nb::arg("first_line"), nb::arg("decimals"),
-           nb::arg("most_decimals"))
+      .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("point"), nb::arg("cells"),
+           nb::arg("time"), nb::arg("columns"), nb::arg("texts"), nb::arg("dates"), nb::arg("first_line"),
+           nb::arg("decimals"), nb::arg("most_decimals"), nb::arg("usual_decimals"), nb::arg("binary"),
+           nb::arg("rounding"))
       .def(
           "feed",
           [](tachk::CsvReader& self, const nb::bytes& piece) {
@@ -63,25 +86,21 @@ void bind_csv(nb::module_& m) {
             return self.feed(text);
           },
           nb::arg("piece"), "Reads the lines that are complete with this piece; False after a fault.")
-      .def("finish", &tachk::CsvReader::finish, "Reads the last line; False after a fault.")
+      .def("finish", &tachk::CsvReader::finish, nb::arg("whole") = true,
+           "Reads the last line, or forgets it if the file is not there to its end; False after a fault.")
+      .def("is_cut_off", &tachk::CsvReader::is_cut_off, "The fault is in a last line without a line break.")
       .def("reserve", &tachk::CsvReader::reserve, nb::arg("rows"), "Makes room for this many rows.")
-      .def("rows", &tachk::CsvReader::rows, "How many rows wait to be taken.")
-      .def("decimals", &tachk::CsvReader::decimals, "Times are counted in units of 10 to the minus this.")
       .def(
-          "take",
-          [](tachk::CsvReader& self) {
-            nb::list columns;
-            nb::list labels;
-            for (tachk::CsvColumn& column : self.take_columns()) {
-              columns.append(column.is_number ? as_array(std::move(column.numbers))
-                                              : as_array(std::move(column.truths)));
-              nb::list texts;
-              for (const std::string& text : column.labels) texts.append(nb::bytes(text.data(), text.size()));
-              labels.append(texts);
-            }
-            return nb::make_tuple(as_array(self.take_times()), columns, labels);
-          },
-          "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
+          "rows", [](const tachk::CsvReader& self) { return self.times().size(); }, "How many rows wait to be taken.")
+      .def("any_row", &tachk::CsvReader::any_row, "Whether a row has been read.")
+      .def(
+          "decimals", [](const tachk::CsvReader& self) { return self.times().decimals(); },
+          "Times are counted in units of 10 to the minus this.")
+      .def(
+          "rounded", [](const tachk::CsvReader& self) { return self.times().rounded(); },
+          "Whether some time was rounded.")
+      .def("take", &take_rows,
+           "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
       .def(
           "fault",
           [](const tachk::CsvReader& self) -> std::optional<FaultTuple> {

@@ -245,7 +245,7 @@ nb::tuple count_times(const Times& times, int usual, const WrittenTicks& ticks) 
     nb::gil_scoped_release released;
     found = tachk::counted({times.data(), times.shape(0)}, usual, ticks.data());
   }
-  return nb::make_tuple(found.first, found.decimals, static_cast<int>(found.fault), found.row);
+  return nb::make_tuple(found.first, found.decimals, static_cast<int>(found.fault), found.row, found.rounded);
 }
 
 }  // namespace
@@ -306,8 +306,9 @@ void bind_group(nb::module_& m) {
         for (std::size_t n = 0; n < self.group.size(); ++n) total += self.group.monitor(n).bytes();
         return total;
       });
-  m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"), nb::arg("ticks"),
-        "Writes the ticks from the first on: (the first, decimals, fault, row of the fault).");
+  m.def(
+      "count_times", &count_times, nb::arg("times"), nb::arg("usual"), nb::arg("ticks"),
+      "Writes the ticks from the first on: (the first, decimals, fault, row of the fault, whether some were rounded).");
   m.def(
       "count_as",
       [](const Times& times, int decimals, std::int64_t first, std::int64_t factor, const WrittenTicks& ticks) {

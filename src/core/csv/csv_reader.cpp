@@ -20,7 +20,6 @@ namespace {
 
 constexpr std::uint64_t exact_mantissa = std::uint64_t{1} << 53;
 constexpr std::uint64_t room_for_a_digit = (std::numeric_limits<std::uint64_t>::max() - 9) / 10;
-constexpr std::int64_t furthest_time = std::numeric_limits<std::int64_t>::max() / 2;
 
 constexpr std::array<double, 23> powers_of_ten = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                   1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -50,16 +49,8 @@ std::from_chars_result read_number(const char* first, const char* last, double& 
 #endif
 }
 
-// A decimal number as mantissa * 10^exponent. `exact` is false where the mantissa has more digits than fit.
-struct Decimal {
-  std::uint64_t mantissa = 0;
-  std::int64_t exponent = 0;
-  bool negative = false;
-  bool exact = true;
-};
-
 // The place behind the number, or `p` if there is none. The text ends with a line break, so no length is needed.
-const char* scan_decimal(const char* p, Decimal& number) {
+const char* scan_decimal(const char* p, char point, Decimal& number) {
   const char* const start = p;
   if (*p == '-' || *p == '+') number.negative = *p++ == '-';
   const char* const first = p;
@@ -67,12 +58,13 @@ const char* scan_decimal(const char* p, Decimal& number) {
   for (; is_digit(*p); ++p) {
     if (mantissa > room_for_a_digit) {
       number.exact = false;
+      number.large = true;
       continue;
     }
     mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p - '0');
   }
   auto digits = p - first;
-  if (*p == '.') {
+  if (*p == point) {
     const char* const fraction = ++p;
     for (; is_digit(*p); ++p) {
       if (mantissa > room_for_a_digit) {
@@ -118,13 +110,13 @@ bool is_missing(std::string_view text) {
 CsvReader::CsvReader(CsvOptions options)
     : plan_(options.cells, skip),
       separator_(options.separator),
+      point_(options.point),
       dates_(options.dates),
-      decimals_(options.decimals),
-      most_decimals_(options.most_decimals),
       line_(options.first_line - 1),
+      complete_(options.columns.empty()),
+      times_(options.times),
       columns_(options.columns.size()) {
-  if (options.time >= options.cells || options.decimals > options.most_decimals || options.most_decimals > 18)
-    throw std::invalid_argument("CsvReader: options out of range");
+  if (options.time >= options.cells) throw std::invalid_argument("CsvReader: options out of range");
   plan_[options.time] = is_time;
   for (std::size_t i = 0; i < options.columns.size(); ++i) {
     const std::uint32_t cell = options.columns[i];
@@ -167,17 +159,21 @@ bool CsvReader::feed(std::string_view piece) {
   return true;
 }
 
-bool CsvReader::finish() {
+bool CsvReader::finish(bool whole) {
   if (fault_) return false;
+  if (!whole) carried_.clear();
   if (!carried_.empty()) {
     carried_.push_back('\n');
-    read_lines(carried_.data(), carried_.data() + carried_.size());
+    cut_off_ = read_lines(carried_.data(), carried_.data() + carried_.size()) == nullptr;
     carried_.clear();
+  }
+  if (!fault_ && any_row_ && !complete_) {
+    for (std::size_t cell = 0; cell < plan_.size(); ++cell)
+      if (plan_[cell] >= 0 && !columns_[static_cast<std::size_t>(plan_[cell])].is_known && !fault_)
+        fault_ = CsvFault{CsvFaultKind::missing_value, line_, 0, 0, "", static_cast<std::int32_t>(cell)};
   }
   return !fault_;
 }
-
-std::vector<std::int64_t> CsvReader::take_times() { return std::exchange(times_, {}); }
 
 std::vector<CsvColumn> CsvReader::take_columns() {
   std::vector<CsvColumn> taken(columns_.size());
@@ -189,6 +185,7 @@ std::vector<CsvColumn> CsvReader::take_columns() {
     taken[i].has_words = column.has_words;
     taken[i].is_text = column.is_text;
     taken[i].last = column.last;
+    taken[i].is_known = column.is_known;
     if (!column.is_text) continue;
     // The texts are numbered anew: a stream of many texts needs no more memory than a piece of it.
     taken[i].labels = std::exchange(column.labels, {});
@@ -241,7 +238,28 @@ const char* CsvReader::read_line(const char* begin) {
     p = end + 1;
   }
   any_row_ = true;
+  if (!complete_) begin_later();
   return p;
+}
+
+// Of a row in which some column has had no value yet, only what the others hold is kept.
+void CsvReader::begin_later() {
+  complete_ = std::all_of(columns_.begin(), columns_.end(), [](const CsvColumn& column) { return column.is_known; });
+  if (complete_) return;
+  times_.resize(0);
+  for (CsvColumn& column : columns_) {
+    column.truths.clear();
+    column.numbers.clear();
+    column.is_number = column.is_text || (column.is_known && column.last != 0 && column.last != 1);
+  }
+}
+
+// An empty cell. False where it is the place of a value that is not known yet.
+bool CsvReader::hold(CsvColumn& column) {
+  const bool is_known = column.is_known;
+  put_number(column, column.last);
+  column.is_known = is_known;
+  return is_known;
 }
 
 const char* CsvReader::close_cell(const char* rest, const char* begin, const char* line, std::int32_t cell) {
@@ -255,7 +273,7 @@ const char* CsvReader::read_time(const char* begin, const char* line, std::int32
   if (quoted) ++p;
   if (ends_cell(*p)) return fail(CsvFaultKind::missing_time, begin, line, cell);
   Decimal number;
-  const char* rest = scan_decimal(p, number);
+  const char* rest = scan_decimal(p, point_, number);
   if (rest == p) return fail(CsvFaultKind::not_a_number, begin, line, cell);
   if (quoted) {
     if (*rest != '"') return fail(CsvFaultKind::not_a_number, begin, line, cell);
@@ -263,10 +281,7 @@ const char* CsvReader::read_time(const char* begin, const char* line, std::int32
   }
   rest = close_cell(rest, begin, line, cell);
   if (rest == nullptr) return nullptr;
-  CsvFaultKind problem = CsvFaultKind::time_too_large;
-  if (!number.exact || !put_time(number.mantissa, -number.exponent, number.negative, problem))
-    return fail(number.exact ? problem : CsvFaultKind::time_too_fine, begin, line, cell);
-  return rest;
+  return put_time(number, rest, begin, line, cell);
 }
 
 const char* CsvReader::read_date(const char* begin, const char* line, std::int32_t cell) {
@@ -285,38 +300,27 @@ const char* CsvReader::read_date(const char* begin, const char* line, std::int32
   bool fits = true;
   for (std::int64_t n = 0; n < date.decimals; ++n) fits = fits && !__builtin_mul_overflow(total, 10, &total);
   fits = fits && !__builtin_add_overflow(total, date.fraction, &total);
-  CsvFaultKind problem = CsvFaultKind::time_too_large;
-  const std::uint64_t size = fits ? static_cast<std::uint64_t>(std::abs(total)) : 0;
-  if (!fits || !put_time(size, date.decimals, total < 0, problem)) return fail(problem, begin, line, cell);
-  return rest;
+  if (!fits) return fail(CsvFaultKind::time_too_large, begin, line, cell);
+  const Decimal time{static_cast<std::uint64_t>(std::abs(total)), -date.decimals, total < 0};
+  return put_time(time, rest, begin, line, cell);
 }
 
-// Appends mantissa * 10^-decimals; where it is finer than the times so far, all of them are counted in finer units.
-bool CsvReader::put_time(std::uint64_t mantissa, std::int64_t decimals, bool negative, CsvFaultKind& problem) {
-  problem = CsvFaultKind::time_too_large;
-  if (mantissa == 0) decimals = 0;
-  for (; decimals > decimals_ && mantissa % 10 == 0; --decimals) mantissa /= 10;
-  if (decimals > most_decimals_) {
-    problem = CsvFaultKind::time_too_fine;
-    return false;
+// The place behind the cell, `rest`, or nullptr.
+const char* CsvReader::put_time(Decimal time, const char* rest, const char* begin, const char* line,
+                                std::int32_t cell) {
+  const auto fault = times_.put(time);
+  if (!fault) return rest;
+  switch (*fault) {
+    case CsvTimeFault::decreasing:
+      return fail(CsvFaultKind::decreasing_time, begin, line, cell);
+    case CsvTimeFault::too_large:
+      return fail(CsvFaultKind::time_too_large, begin, line, cell);
+    case CsvTimeFault::too_fine:
+      return fail(CsvFaultKind::time_too_fine, begin, line, cell);
+    case CsvTimeFault::merged:
+      return fail(CsvFaultKind::time_merged, begin, line, cell);
   }
-  for (; decimals_ < decimals; ++decimals_) {
-    if (any_row_ && std::abs(last_time_) > furthest_time / 10) return false;
-    if (!times_.empty() && std::abs(times_.front()) > furthest_time / 10) return false;
-    last_time_ *= 10;
-    for (std::int64_t& time : times_) time *= 10;
-  }
-  for (; decimals < decimals_ && mantissa != 0; ++decimals)
-    if (__builtin_mul_overflow(mantissa, std::uint64_t{10}, &mantissa)) return false;
-  if (mantissa > static_cast<std::uint64_t>(furthest_time)) return false;
-  const auto time = negative ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa);
-  if (any_row_ && time < last_time_) {
-    problem = CsvFaultKind::decreasing_time;
-    return false;
-  }
-  times_.push_back(time);
-  last_time_ = time;
-  return true;
+  return nullptr;
 }
 
 const char* CsvReader::read_text(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {
@@ -341,8 +345,7 @@ const char* CsvReader::read_text(CsvColumn& column, const char* begin, const cha
     const auto [place, is_new] = column.places.try_emplace(text, static_cast<double>(column.labels.size()));
     if (is_new) column.labels.push_back(text);
     column.last = place->second;
-  } else if (!any_row_) {
-    return fail(CsvFaultKind::missing_value, begin, line, cell);
+    column.is_known = true;
   }
   column.numbers.push_back(column.last);
   return rest;
@@ -353,11 +356,12 @@ const char* CsvReader::read_value(CsvColumn& column, const char* begin, const ch
   if (ends_cell(begin[1]) && static_cast<unsigned char>(*begin - '0') < 2 && !column.is_number) {
     column.truths.push_back(static_cast<std::uint8_t>(*begin - '0'));
     column.last = *begin - '0';
+    column.is_known = true;
     return begin + 1;
   }
   if (is_digit(*begin) || *begin == '-') {
     Decimal number;
-    const char* const rest = scan_decimal(begin, number);
+    const char* const rest = scan_decimal(begin, point_, number);
     if (rest != begin && ends_cell(*rest) && number.exact && number.mantissa <= exact_mantissa &&
         number.exponent <= 0 && number.exponent >= -22) {
       // Exact operands and one correctly rounded division (Clinger 1990).
@@ -367,6 +371,7 @@ const char* CsvReader::read_value(CsvColumn& column, const char* begin, const ch
       if (column.is_number) {
         column.numbers.push_back(value);
         column.last = value;
+        column.is_known = true;
         return rest;
       }
       if (!column.has_words || value == 0 || value == 1) {
@@ -383,7 +388,7 @@ const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, con
   const bool quoted = *p == '"';
   if (quoted) ++p;
   const char* rest = p;
-  while (!ends_cell(*rest) && !(quoted && *rest == '"')) ++rest;
+  while (quoted ? *rest != '"' && *rest != '\n' : !ends_cell(*rest)) ++rest;
   const char* end = rest;
   if (quoted) {
     if (*rest != '"') return fail(CsvFaultKind::open_quote, begin, line, cell);
@@ -394,8 +399,7 @@ const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, con
   if (rest == nullptr) return nullptr;
   const std::string_view text(p, static_cast<std::size_t>(end - p));
   if (text.empty() || is_missing(text)) {
-    if (!any_row_) return fail(CsvFaultKind::missing_value, begin, line, cell);
-    put_number(column, column.last);
+    hold(column);
     return rest;
   }
   const bool is_true = same_word(text, "true");
@@ -404,18 +408,25 @@ const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, con
     column.has_words = true;
     column.truths.push_back(is_true ? 1 : 0);
     column.last = is_true ? 1 : 0;
+    column.is_known = true;
     return rest;
   }
   double value = 0;
-  const char* const first = *p == '+' && end - p > 1 && p[1] != '-' ? p + 1 : p;
-  const auto [stopped, error] = read_number(first, end, value);
-  if (error == std::errc::invalid_argument || stopped != end)
+  std::string number(*p == '+' && end - p > 1 && p[1] != '-' ? p + 1 : p, end);
+  if (point_ != '.') {
+    if (number.find('.') != std::string::npos) return fail(CsvFaultKind::not_a_number, begin, line, cell);
+    std::replace(number.begin(), number.end(), point_, '.');
+  }
+  const char* const last = number.data() + number.size();
+  const auto [stopped, error] = read_number(number.data(), last, value);
+  if (error == std::errc::invalid_argument || stopped != last)
     return fail(CsvFaultKind::not_a_number, begin, line, cell);
   if (error == std::errc::result_out_of_range) {
     // from_chars leaves open which of the two it was; strtod gives 0 or a subnormal number where it is tiny.
-    value = std::strtod(std::string(first, end).c_str(), nullptr);
+    value = std::strtod(number.c_str(), nullptr);
+    if (!std::isfinite(value)) return fail(CsvFaultKind::not_finite, begin, line, cell);
   }
-  if (!std::isfinite(value)) return fail(CsvFaultKind::not_finite, begin, line, cell);
+  if (std::isnan(value)) return fail(CsvFaultKind::not_finite, begin, line, cell);
   if (column.has_words && value != 0 && value != 1) return fail(CsvFaultKind::mixed_column, begin, line, cell);
   put_number(column, value);
   return rest;
@@ -423,6 +434,7 @@ const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, con
 
 void CsvReader::put_number(CsvColumn& column, double value) {
   column.last = value;
+  column.is_known = true;
   if (!column.is_number) {
     if (value == 0 || value == 1) {
       column.truths.push_back(value == 1 ? 1 : 0);
@@ -457,6 +469,7 @@ const char* CsvReader::fail(CsvFaultKind kind, const char* begin, const char* li
   const char* start = begin;
   while (start < end && is_blank(*start) && *start != separator_) ++start;
   const char* stop = start;
+  if (start < end && *start == '"') stop = std::find(start + 1, end, '"');
   while (stop < end && *stop != separator_) ++stop;
   while (stop > start && is_blank(stop[-1])) --stop;
   std::string text(line, end);

@@ -1,7 +1,8 @@
 // Recorded signals as comma-separated text: numbers and truth values, with one column of exact decimal times.
 //
 // Text arrives in pieces cut anywhere; whole lines are read as soon as they are there. The header is not this class's
-// business: the caller has found the columns. A fault stops the reading, and the rows before it stay available.
+// business: the caller has found the columns. A fault stops the reading, and the rows before it stay available. The
+// rows begin when every column has a value; from then on an empty cell holds the one before.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +13,21 @@
 #include <unordered_map>
 #include <vector>
 
+#include "csv/csv_times.hpp"
+
 namespace tachk {
 
 enum class CsvFaultKind {
   not_a_number,
   not_finite,
   missing_time,
-  missing_value,  // an empty cell in the first row; later ones hold the value before
+  missing_value,  // a column that never has a value
   decreasing_time,
   too_few_cells,
   too_many_cells,
   time_too_large,  // it does not fit into 64 bits of ticks
   time_too_fine,   // it has more decimals than allowed
+  time_merged,     // rounded, it is the same as that of the row above, which is another one
   open_quote,
   mixed_column,  // truth values as words, and numbers other than 0 and 1
   line_too_long,
@@ -40,14 +44,14 @@ struct CsvFault {
 
 struct CsvOptions {
   char separator = ',';
+  char point = '.';                    // or a comma, before the decimals of numbers
   std::uint32_t cells = 1;             // in each row
   std::uint32_t time = 0;              // the cell of the time
   std::vector<std::uint32_t> columns;  // the cells of the values that are kept; others may hold anything
   std::vector<std::uint32_t> texts;    // those of them that hold texts
   bool dates = false;                  // times are dates of ISO 8601, counted in seconds since 1970
   std::uint64_t first_line = 1;        // the number of the first line that is fed
-  std::uint32_t decimals = 0;          // the times are counted in units of 10^-decimals at least
-  std::uint32_t most_decimals = 18;    // a finer time is a fault
+  CsvTimeOptions times;
 };
 
 // Values are kept as truth values while nothing but 0, 1, true and false has been seen, else as numbers.
@@ -56,7 +60,8 @@ struct CsvColumn {
   std::vector<double> numbers;
   bool is_number = false;
   bool has_words = false;
-  bool is_text = false;  // then the numbers are places in `labels`
+  bool is_text = false;   // then the numbers are places in `labels`
+  bool is_known = false;  // it has had a value
   double last = 0;
   std::vector<std::string> labels;
   std::unordered_map<std::string, double> places;
@@ -68,16 +73,20 @@ class CsvReader {
 
   // Reads every line that is complete with this piece. False after a fault.
   bool feed(std::string_view piece);
-  // Reads the last line if it has no line break. False after a fault.
-  bool finish();
+  // Reads the last line if it has no line break, or forgets it where the file is not there to its end. False after a
+  // fault.
+  bool finish(bool whole = true);
+  // The last line has a fault and no line break: the file may have been cut off there.
+  bool is_cut_off() const { return cut_off_; }
   void reserve(std::size_t rows);
 
   const std::optional<CsvFault>& fault() const { return fault_; }
-  std::uint32_t decimals() const { return decimals_; }
-  std::size_t rows() const { return times_.size(); }
+  const CsvTimes& times() const { return times_; }
+  // Whether a row has been read.
+  bool any_row() const { return any_row_; }
 
   // Hands over what was read since the last time; the numbering of lines and the values to hold go on.
-  std::vector<std::int64_t> take_times();
+  std::vector<std::int64_t> take_times() { return times_.take(); }
   std::vector<CsvColumn> take_columns();
 
  private:
@@ -94,21 +103,23 @@ class CsvReader {
   const char* read_slow_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* skip_cell(const char* begin, const char* line, std::int32_t cell);
   const char* close_cell(const char* rest, const char* begin, const char* line, std::int32_t cell);
-  bool put_time(std::uint64_t mantissa, std::int64_t decimals, bool negative, CsvFaultKind& problem);
+  const char* put_time(Decimal time, const char* rest, const char* begin, const char* line, std::int32_t cell);
   void put_number(CsvColumn& column, double value);
+  bool hold(CsvColumn& column);
+  void begin_later();
   bool ends_cell(char c) const { return c == separator_ || c == '\n'; }
   const char* fail(CsvFaultKind kind, const char* begin, const char* line, std::int32_t cell);
   void forget_partial_row();
 
   std::vector<std::int32_t> plan_;  // for each cell: skip, is_time, or the number of the column
   char separator_;
+  char point_;
   bool dates_;
-  std::uint32_t decimals_;
-  std::uint32_t most_decimals_;
   std::uint64_t line_;
   bool any_row_ = false;
-  std::int64_t last_time_ = 0;
-  std::vector<std::int64_t> times_;
+  bool complete_ = false;  // every column has a value
+  bool cut_off_ = false;
+  CsvTimes times_;
   std::vector<CsvColumn> columns_;
   std::string carried_;  // the beginning of a line whose end has not come yet
   std::optional<CsvFault> fault_;

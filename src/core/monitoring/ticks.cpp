@@ -148,7 +148,7 @@ const Loops& loops() {
   return plain;
 }
 
-CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {0, 0, fault, row}; }
+CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {0, 0, fault, row, false}; }
 
 // Why times are not counted that are not all finite and rising.
 CountedTimes disordered(std::span<const double> times) {
@@ -164,6 +164,7 @@ CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* tic
   const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
   if (largest >= furthest) return faulty(CountedTimes::Fault::too_large, largest > times.back() ? 0 : times.size() - 1);
   CountedTimes result;
+  result.rounded = true;
   const auto fits = [&](int decimals, double limit) {
     return decimals <= most_decimals && largest * powers[static_cast<std::size_t>(decimals)] < limit;
   };

@@ -38,6 +38,7 @@ struct CountedTimes {
   int decimals = 0;
   Fault fault = Fault::none;
   std::size_t row = 0;  // of the fault
+  bool rounded = false;
 };
 
 // In the fewest decimals in which all times are whole. Where there are none, as many as keep different neighbours

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import click
 
-from tachk.cli.options import Choice, Decorated
+from tachk.cli.options import Choice, Count, Decorated
 from tachk.runtime.conventions import Interpolation
 from tachk.runtime.trace_files import FORMATS
 
@@ -44,7 +44,7 @@ definitions = click.option(
 
 
 def columns(function: Decorated) -> Decorated:
-    """``--time``, ``--unit``, ``--port``, ``--property`` and ``--interpolation`` of the commands that read a trace."""
+    """The options of all commands that read a trace."""
     for option in (
         click.option(
             "--interpolation",
@@ -56,6 +56,19 @@ def columns(function: Decorated) -> Decorated:
         definitions,
         click.option("names", "--property", metavar="NAME", multiple=True, help="Check only this formula of the file."),
         click.option("--unit", metavar="UNIT", help="The unit of the times, if the trace does not say it: ms, s, ..."),
+        click.option(
+            "--decimals",
+            metavar="N",
+            type=Count(0, 15),
+            help="Round times to this many decimals. Without it they are exact, and binary numbers such as "
+            "0.30000000000000004 are rounded to nine; row by row times and bounds have nine at most.",
+        ),
+        click.option(
+            "--run",
+            metavar="N",
+            type=Count(0),
+            help="Of a file of several runs, which simulate writes, this one only.",
+        ),
         click.option("--time", metavar="NAME", help="The time column, if its name is not time, t or timestamp."),
         click.option(
             "ports",

@@ -58,6 +58,7 @@ class NamedFormula:
     given: what somebody who monitors gives constants; a column of such a name is an error.
     durations: as ``constants``, those with a unit, in nanoseconds.
     siblings: formulas of the same file that it may name.
+    written: in canonical form, where the formula is another one for some trace; else empty.
     """
 
     name: str
@@ -69,6 +70,7 @@ class NamedFormula:
     given: Mapping[str, Fraction] | None = None
     durations: Mapping[str, Fraction] | None = None
     siblings: Mapping[str, Formula] | None = None
+    written: str = ""
 
     def beside(self, columns: Collection[str]) -> NamedFormula:
         """The formula where there are these columns: a name of one of them is no formula."""
@@ -98,7 +100,7 @@ class NamedFormula:
     @property
     def text(self) -> str:
         """In canonical form."""
-        return _printed(self.formula)
+        return self.written or _printed(self.formula)
 
     @property
     def columns(self) -> frozenset[str]:

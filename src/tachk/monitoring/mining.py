@@ -28,6 +28,7 @@ from tachk.monitoring.candidates import (
 )
 from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.given_constants import constants_by_name
+from tachk.monitoring.locations import located
 from tachk.monitoring.monotone import Effect, Occurrence, joint_effect, occurrences
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
 from tachk.monitoring.reading import HeldValues
@@ -36,6 +37,7 @@ from tachk.operators import BinaryOperator
 from tachk.report.monitor.mined import Mined, MinedTrace
 from tachk.runtime.conventions import Ending
 from tachk.runtime.logs.joined import with_texts
+from tachk.runtime.logs.several_runs import SeveralRuns
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_files import open_trace
@@ -94,8 +96,10 @@ def mine(
         raise UsageError("there is no trace", "the traces follow the formula")
     if name not in formulas[0].names:
         raise UsageError(f"the formula has no name {name!r}", "write it in place of a bound or of a number")
-    recordings = [open_trace(trace, time, unit) for trace in traces]
-    named = formulas[0].within({column for recording in recordings for column in recording.columns})
+    opened = [open_trace(trace, time, unit) for trace in traces]
+    recordings = [run for each in opened for run in (each.runs.values() if isinstance(each, SeveralRuns) else (each,))]
+    columns = {column for recording in recordings for column in recording.columns}
+    named = located(formulas[0].within(columns), columns)
     loaded = [_loaded(recording, named, name) for recording in recordings]
     search = _Search(named, name, low, high, tuple(loaded), ending_of(end))
     return search.run(None if step is None else Fraction(str(step)))

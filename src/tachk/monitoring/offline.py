@@ -21,6 +21,7 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.conditions import condition_findings
 from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, names_file, read_formulas
 from tachk.monitoring.line_compiler import line_findings
+from tachk.monitoring.locations import located
 from tachk.monitoring.reading import Reading, reading_of
 from tachk.monitoring.texts import Texts, text_columns
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
@@ -32,7 +33,7 @@ from tachk.runtime.core_monitor import (
     columns_read,
 )
 from tachk.runtime.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
-from tachk.runtime.logs.joined import with_texts
+from tachk.runtime.logs.joined import with_decimals, with_texts
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.online_monitor import OnlineMonitor
@@ -78,6 +79,8 @@ def monitor(
     interpolation: str = "constant",
     constants: Mapping[str, str | float | Fraction] | None = None,
     select: Collection[str] = (),
+    decimals: int | None = None,
+    run: int | None = None,
 ) -> MonitorReport:
     """Judges a recorded trace by one formula or several.
 
@@ -97,6 +100,9 @@ def monitor(
         constants: values for names in bounds and conditions, such as ``{"T": 2.5}`` for ``F[0, T] p``; of a model,
             other values of its constants.
         select: the names of the formulas that are judged; none: all.
+        decimals: times are rounded to so many; None: they are exact, unless they are floating-point numbers of more
+            than fifteen digits.
+        run: the number of the run that is meant in a file of several, such as `tachk simulate --runs` writes.
 
     Raises:
         InputError: a formula or the trace is wrong; carries every finding.
@@ -106,7 +112,7 @@ def monitor(
     check_order(formula, trace)
     formulas = selected(formulas_of(formula, constants), select)
     judging = Judging(ending, interpolation_of(interpolation), robustness, time_robustness)
-    recording = open_trace(trace, time, unit, ports)
+    recording = with_decimals(open_trace(trace, time, unit, ports, run), decimals)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and names_file(formula) else ""
     return MonitorReport(judge(formulas, recording, judging, source))
 
@@ -128,6 +134,7 @@ def judge(
             "robustness in time is defined only if values stay constant between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
+    formulas = [located(named, recording.columns) for named in formulas]
     if isinstance(recording, TableRecording) and judging.interpolation is Interpolation.CONSTANT and formulas:
         # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
         try:

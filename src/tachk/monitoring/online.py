@@ -68,6 +68,9 @@ class Monitor:
     dated: bool = False
     """Times are seconds since 1970, and reports show them as dates."""
 
+    notes: tuple[str, ...] = ()
+    """What the reader of the trace has to say in reports, such as that times are rounded."""
+
     def __init__(
         self,
         formula: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
@@ -280,7 +283,8 @@ class Monitor:
         group = self._group
         begin, end = self._clock(0), self._clock(group.now())
         known = None if violations is None else tuple(violations)
-        return OnlineRecord(name, group.rows(), begin, end, self._unit, self._ending, self.verdicts, known, self.dated)
+        shown = self._unit, self._ending, self.verdicts, known, self.dated, self.notes
+        return OnlineRecord(name, group.rows(), begin, end, *shown)
 
     @property
     def bytes_used(self) -> int:

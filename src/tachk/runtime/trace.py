@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import lcm
+from math import floor, lcm
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.conventions import Interpolation
+from tachk.runtime.logs.dates import date_text
 
 Ticks = NDArray[np.int64]
 Values = NDArray[np.float64] | NDArray[np.uint8]
@@ -90,6 +91,9 @@ class Trace:
     dated: the clock counts seconds since 1970, and the times were dates.
     known_before: of a run of a model, the instant, in ticks, before which its values are known however it goes on; a
         formula is false on it only if no way to go on makes it true. None: the trace does not go on.
+    calendar: the clock counts seconds since 1970, however the times were written.
+    notes: what its reader did that somebody who reads a verdict should know, such as rounding times.
+    warnings: what is wrong with the file though it could be read, such as that it is cut off.
     """
 
     name: str
@@ -106,6 +110,9 @@ class Trace:
     packets: Ticks | None = None
     dated: bool = False
     known_before: int | None = None
+    calendar: bool = False
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         instants = self.instants
@@ -160,17 +167,87 @@ class Trace:
         Raises UsageError if the times no longer fit.
         """
         wanted = lcm(self.ticks_per_unit, ticks_per_unit)
-        if wanted == self.ticks_per_unit:
-            return self
         factor = wanted // self.ticks_per_unit
         if self.end * factor > LARGEST_TICK:
-            raise UsageError(
-                f"{self.name} is too long to be counted in {wanted} ticks per unit of time",
-                "times and bounds with fewer decimals, or a shorter trace, can be counted",
-            )
+            raise self._too_long(wanted)
+        if factor == 1:
+            return self
         instants = self.instants.refined(factor) if isinstance(self.instants, FloatTimes) else self.instants * factor
         known_before = None if self.known_before is None else self.known_before * factor
         return replace(self, instants=instants, end=self.end * factor, ticks_per_unit=wanted, known_before=known_before)
+
+    def rounded(self, decimals: int) -> Trace:
+        """The same trace with times of so many decimals, as its clock shows them.
+
+        Raises UsageError where different times of neighbours would be the same.
+        """
+        scale = 10**decimals
+        if scale % self.ticks_per_unit == 0:
+            return self
+        first = _nearest(self.origin * scale)
+        shift = self.origin * scale - first
+        step = Fraction(scale, self.ticks_per_unit)
+        times = _rounded(self.times, step, shift)
+        merged = np.flatnonzero((np.diff(times) == 0) & (np.diff(self.times) != 0))
+        if len(merged):
+            row = int(merged[0])
+            raise UsageError(
+                f"{self.name}: the times of rows {row} and {row + 1} differ, but with {decimals} decimals both are the "
+                "same (rows are counted from 0)",
+                f"allow more decimals, say {decimals + 3}",
+            )
+        end = _nearest(self.end * step + shift)
+        notes = (*self.notes, rounding_note(decimals))
+        known_before = None if self.known_before is None else floor(self.known_before * step + shift)
+        counted = replace(self, instants=times, end=end, ticks_per_unit=scale, known_before=known_before)
+        return replace(counted, origin=Fraction(first, scale), notes=notes)
+
+    def _too_long(self, ticks: int) -> UsageError:
+        message = f"{self.name} is too long to be counted in {ticks} ticks per unit of time"
+        gaps = np.diff(self.times)
+        if len(gaps) and int(gaps.max()) > self.end // 2:
+            row = int(gaps.argmax())
+            before, after = (self._clock_text(int(self.times[n])) for n in (row, row + 1))
+            message += f": row {row} is at {before}, row {row + 1} at {after} (rows are counted from 0)"
+            help = (
+                "--decimals 3 rounds times to three decimals; or leave out what was recorded before the clock was set"
+            )
+        else:
+            help = "times and bounds with fewer decimals, or a shorter trace, can be counted; --decimals 3 rounds times"
+        return UsageError(message, help)
+
+    def _clock_text(self, tick: int) -> str:
+        clock = self.clock(tick)
+        if self.dated or self.calendar:
+            return date_text(clock)
+        return f"{float(clock):.9g} {self.unit}".rstrip()
+
+
+def rounding_note(decimals: int) -> str:
+    """What a report says of times that were rounded."""
+    return f"times are rounded to {decimals} {'decimal' if decimals == 1 else 'decimals'}"
+
+
+def cut_off_warning(name: str, what: str) -> str:
+    """What a report says of a file that ends before its end.
+
+    Args:
+        what: that is left out.
+    """
+    return f"{name} is cut off: {what}"
+
+
+def _nearest(number: Fraction) -> int:
+    return floor(number + Fraction(1, 2))
+
+
+def _rounded(times: Ticks, step: Fraction, shift: Fraction) -> Ticks:
+    """``times * step + shift``, each rounded to the nearest whole number, half up."""
+    common = lcm(step.denominator, shift.denominator, 2)
+    factor, offset = int(step * common), int(shift * common) + common // 2
+    if len(times) and int(times[-1]) * factor + abs(offset) >= 2**63:
+        return np.array([(int(time) * factor + offset) // common for time in times], dtype=np.int64)
+    return (times * factor + offset) // common
 
 
 class Recording(Protocol):

@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.decimal_times import USUAL_DECIMALS
 from tachk.runtime.logs.labels import Labels, texts_in
-from tachk.runtime.trace import LARGEST_TICK, FloatTimes, Ticks, Trace, Values
+from tachk.runtime.trace import FloatTimes, Ticks, Trace, Values, rounding_note
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
-
-USUAL_DECIMALS = 9
-"""Times in floating point that are not short decimal numbers are rounded to at least so many decimals."""
 
 _FIRST_BLOCK = 1 << 8
 _BLOCK = 1 << 15
@@ -44,11 +42,13 @@ class CountedTimes:
     """Attributes:
     ticks: not decreasing, the first is 0.
     first: what the clock showed then, in ticks.
+    rounded: to how many decimals some were; None: none was.
     """
 
     ticks: Ticks | FloatTimes
     first: int
     ticks_per_unit: int
+    rounded: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,10 +142,9 @@ def trace_of(name: str, times: CountedTimes, unit: str, columns: Mapping[str, Va
     if len(times.ticks) == 0:
         raise UsageError(f"{name} has no rows", "the verdict needs at least the state at the beginning")
     end = times.ticks.last if isinstance(times.ticks, FloatTimes) else int(times.ticks[-1])
-    if end > LARGEST_TICK:
-        raise UsageError(f"{name} is too long to be counted in {times.ticks_per_unit} ticks per unit of time")
     origin = Fraction(times.first, times.ticks_per_unit)
-    return Trace(name, times.ticks, columns, end, times.ticks_per_unit, unit, origin)
+    notes = () if times.rounded is None else (rounding_note(times.rounded),)
+    return Trace(name, times.ticks, columns, end, times.ticks_per_unit, unit, origin, notes=notes)
 
 
 def _supposed_times(times: NDArray[Any]) -> CountedTimes | None:
@@ -154,7 +153,7 @@ def _supposed_times(times: NDArray[Any]) -> CountedTimes | None:
         return None
     sample = np.append(times[:: max(1, len(times) // _SAMPLES)], times[-1])
     ticks = np.empty(len(sample), dtype=np.int64)
-    first, decimals, fault, _ = _core.count_times(sample, USUAL_DECIMALS, ticks)
+    first, decimals, fault, *_ = _core.count_times(sample, USUAL_DECIMALS, ticks)
     if fault != _TimeFault.NONE or decimals >= USUAL_DECIMALS:
         return None
     return CountedTimes(FloatTimes(times, decimals, first, int(ticks[-1])), first, 10**decimals)
@@ -191,11 +190,13 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
     if times.dtype.kind == "O" and all(isinstance(time, (int, Fraction)) for time in times):
         return _rational_ticks([Fraction(time) for time in times], name)
     try:
+        if times.dtype.kind == "f" and times.dtype.itemsize < np.dtype(np.float64).itemsize:
+            times = times.astype(np.str_)  # it prints as fewer digits than the same number with 64 bits
         numbers = np.ascontiguousarray(times, dtype=np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"{name}: the times are not numbers") from None
     ticks = np.empty(len(numbers), dtype=np.int64)  # NumPy takes pages for large arrays that are large too
-    first, decimals, kind, row = _core.count_times(numbers, USUAL_DECIMALS, ticks)
+    first, decimals, kind, row, rounded = _core.count_times(numbers, USUAL_DECIMALS, ticks)
     match _TimeFault(kind):
         case _TimeFault.NOT_FINITE:
             raise UsageError(f"{name}: the time of row {row} is missing or infinite (rows are counted from 0)")
@@ -210,7 +211,7 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
         case _TimeFault.BACKWARDS:
             raise _backwards(name, row)
         case _TimeFault.NONE:
-            return CountedTimes(ticks, first, 10**decimals)
+            return CountedTimes(ticks, first, 10**decimals, decimals if rounded else None)
 
 
 def whole_times(times: Ticks, ticks_per_unit: int, name: str) -> CountedTimes:
@@ -234,10 +235,16 @@ def _backwards(name: str, row: int) -> UsageError:
 
 
 def _rational_ticks(times: Sequence[Fraction], name: str) -> CountedTimes:
+    """Counted from the first one on: a clock may show the nanoseconds since 1970."""
     scale = math.lcm(*(time.denominator for time in times))
-    if any(abs(time * scale) > LARGEST_TICK for time in times):
-        raise UsageError(f"{name}: the times need more than 64 bits to be counted exactly")
-    return whole_times(np.array([int(time * scale) for time in times], dtype=np.int64), scale, name)
+    first = times[0] if times else Fraction(0)
+    ticks = [int((time - first) * scale) for time in times]
+    if any(abs(tick) > 2**62 for tick in ticks):
+        raise UsageError(
+            f"{name}: the times need more than 64 bits to be counted exactly",
+            "--decimals 9 rounds them to nine decimals",
+        )
+    return replace(whole_times(np.array(ticks, dtype=np.int64), scale, name), first=int(first * scale))
 
 
 def held_values(values: Any, column: str, name: str, before: float | None = None) -> Values:

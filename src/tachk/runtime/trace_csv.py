@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,30 +15,17 @@ from tachk import _core
 from tachk._core import CsvFaultKind
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
-from tachk.runtime.logs.dates import is_date
+from tachk.runtime.compressed import is_compressed, open_bytes, torn
+from tachk.runtime.csv_beginning import Beginning, ByteStream, read_beginning
+from tachk.runtime.csv_faults import FINEST, is_half_value, told_fault
+from tachk.runtime.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.runtime.logs.labels import Labels
-from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
-from tachk.runtime.trace_header import Header, agreed_unit, read_header
+from tachk.runtime.trace import Ticks, Trace, Values, cut_off_warning, rounding_note
+from tachk.runtime.trace_header import Header
 from tachk.time_limit import check_time
 
 PIECE = 1 << 20
 """Bytes that are read at a time."""
-
-_SEPARATORS = ",;\t"
-_LONGEST_HEADER = 1 << 24
-_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
-_DATE = re.compile(r"\s*\d+[-/.:]\d+[-/.:]\d+")
-
-
-class ByteStream(Protocol):
-    """What is asked of a file or pipe; `io.BufferedReader` has it."""
-
-    def readline(self, size: int = -1, /) -> bytes: ...
-    def read1(self, size: int = -1, /) -> bytes:
-        """What is there already, or waits for something; empty at the end."""
-        ...
-
-    def close(self) -> None: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,11 +35,21 @@ class Rows:
     Attributes:
         times: as the clock of the recording shows them, in units of ``10 ** -decimals``.
         columns: numbers or truth values; of columns of texts the texts.
+        notes, warnings: as of a `Trace`, as far as they are known.
     """
 
     times: Ticks
     columns: dict[str, Any]
     decimals: int
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+class _Read(NamedTuple):
+    """A reader that has read all rows, and why a compressed file ended before its end."""
+
+    reader: _core.CsvReader
+    torn: str | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,6 +62,8 @@ class CsvRecording:
         size: bytes of the whole, where that is known.
         dates: the times are dates.
         texts: the columns whose cells are texts.
+        decimals: times are rounded to so many; None: only those that were binary numbers are rounded.
+        point: what stands before the decimals of numbers, a comma or a point.
     """
 
     name: str
@@ -77,6 +74,8 @@ class CsvRecording:
     size: int | None = None
     dates: bool = False
     texts: frozenset[str] = frozenset()
+    decimals: int | None = None
+    point: str = "."
 
     @property
     def unit(self) -> str:
@@ -87,26 +86,13 @@ class CsvRecording:
         return self.header.columns
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        """The whole trace; it begins with its first row and ends with its last one."""
+        """The whole trace: from the first row in which every column has a value to the last one."""
         places = self.header.numbers(columns, self.name)
-        reader = self._reader(places, decimals=0, most_decimals=18)
-        with closing(self.opened()) as stream:
-            read = 0
-            while piece := stream.read1(PIECE):
-                check_time()
-                if not reader.feed(piece):
-                    break
-                if read == 0 and self.size is not None and self.size > len(piece):
-                    reader.reserve(int(1.05 * self.size * reader.rows() / len(piece)) + 1)
-                read += len(piece)
-        reader.finish()
-        self._refuse(reader, "at most 18 digits in all, those behind the point included")
+        reader, torn = self._whole(places)
         times, cells, labels = reader.take()
         if len(times) == 0:
             raise UsageError(f"{self.name} has no rows", "the verdict needs at least the state at the beginning")
         first, last = int(times[0]), int(times[-1])
-        if last - first > LARGEST_TICK:
-            raise UsageError(f"{self.name} is too long to be counted in units of 1e-{reader.decimals()}")
         scale = 10 ** reader.decimals()
         np.subtract(times, first, out=times)
         texts = Labels()
@@ -114,9 +100,42 @@ class CsvRecording:
             name: texts.recoded(values, _decoded(words), name) if name in self.texts else values
             for name, values, words in zip(places, cells, labels, strict=True)
         }
-        return texts.on(
-            Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale), dated=self.dates)
-        )
+        trace = Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale), dated=self.dates)
+        return texts.on(replace(trace, notes=self._notes(reader), warnings=self._warnings(reader, torn)))
+
+    def _whole(self, places: dict[str, int]) -> _Read:
+        """All rows."""
+        if self.decimals is not None:
+            rounded = self._rows(self._reader(places, self.decimals, self.decimals))
+            self._refuse(rounded.reader)
+            return rounded
+
+        def count(usual: int, binary: bool = False) -> _Read | None:
+            read = self._rows(self._reader(places, 0, MOST_DECIMALS, usual, binary))
+            fault = read.reader.fault()
+            merged = fault is not None and fault[0] is CsvFaultKind.TIME_MERGED
+            if not binary and read.reader.rounded() and read.reader.decimals() > usual:
+                return count(usual, True)  # it did not show at once that the times were binary numbers
+            return None if merged and usual < MOST_DECIMALS else read
+
+        read = fewest_decimals(count)
+        assert read is not None
+        self._refuse(read.reader)
+        return read
+
+    def _rows(self, reader: _core.CsvReader) -> _Read:
+        with closing(self.opened()) as stream:
+            done = 0
+            while piece := stream.read1(PIECE):
+                check_time()
+                if not reader.feed(piece):
+                    break
+                if done == 0 and self.size is not None and self.size > len(piece):
+                    reader.reserve(int(1.05 * self.size * reader.rows() / len(piece)) + 1)
+                done += len(piece)
+            why = torn(stream)
+        reader.finish(whole=why is None)
+        return _Read(reader, why)
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """The rows as they come, never more in memory than one piece of the stream.
@@ -134,14 +153,23 @@ class CsvRecording:
                     yield self._taken(reader, places)
                 if not going_on:
                     break
-        reader.finish()
-        if reader.rows():
-            yield self._taken(reader, places)
+            why = torn(stream)
+        reader.finish(whole=why is None)
+        if reader.rows() or self._warnings(reader, why):
+            yield self._taken(reader, places, why)
         self._refuse(reader, f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}")
 
-    def _reader(self, places: dict[str, int], decimals: int, most_decimals: int) -> _core.CsvReader:
+    def _reader(
+        self,
+        places: dict[str, int],
+        decimals: int,
+        most_decimals: int,
+        usual: int = USUAL_DECIMALS,
+        binary: bool = False,
+    ) -> _core.CsvReader:
         return _core.CsvReader(
             separator=self.separator,
+            point=self.point,
             cells=len(self.header.names),
             time=self.header.time,
             columns=list(places.values()),
@@ -150,26 +178,58 @@ class CsvRecording:
             first_line=self.line,
             decimals=decimals,
             most_decimals=most_decimals,
+            usual_decimals=usual,
+            binary=binary,
+            rounding=self.decimals is not None,
         )
 
-    def _taken(self, reader: _core.CsvReader, places: dict[str, int]) -> Rows:
+    def _taken(self, reader: _core.CsvReader, places: dict[str, int], torn: str | None = None) -> Rows:
         times, columns, labels = reader.take()
         held: dict[str, Any] = dict(zip(places, columns, strict=True))
         for name, words in zip(places, labels, strict=True):
             if name in self.texts:
                 held[name] = np.array(_decoded(words), dtype=object)[held[name].astype(np.int64)]
-        return Rows(times, held, reader.decimals())
+        return Rows(times, held, reader.decimals(), self._notes(reader), self._warnings(reader, torn))
 
-    def _refuse(self, reader: _core.CsvReader, finest: str) -> None:
-        """Raises InputError for what the reader stopped at.
+    def _notes(self, reader: _core.CsvReader) -> tuple[str, ...]:
+        if not reader.rounded():
+            return ()
+        return (rounding_note(max(reader.decimals(), USUAL_DECIMALS) if self.decimals is None else self.decimals),)
+
+    def _warnings(self, reader: _core.CsvReader, torn: str | None) -> tuple[str, ...]:
+        if torn is not None:
+            return (cut_off_warning(self.name, f"what follows its last whole line is left out ({torn})"),)
+        fault = reader.fault() if self._is_cut_off(reader) else None
+        if fault is None:
+            return ()
+        return (cut_off_warning(self.name, f"line {fault[1]}, which is half written, is left out"),)
+
+    def _is_cut_off(self, reader: _core.CsvReader) -> bool:
+        """Whether nothing is wrong but that the last line is half written."""
+        fault = reader.fault()
+        if fault is None or not reader.is_cut_off() or not reader.any_row():
+            return False
+        kind, _, offset, length, cell, text = fault
+        cells = text.count(self.separator.encode()) + 1
+        last = cell + 1 == len(self.header.names) and is_half_value(text[offset : offset + length])
+        return cells < len(self.header.names) or kind is CsvFaultKind.OPEN_QUOTE or last
+
+    def _refuse(self, reader: _core.CsvReader, finest: str = FINEST) -> None:
+        """Raises InputError for what the reader stopped at, but for a last line that is half written.
 
         Args:
             finest: how finely times can be counted.
         """
         fault = reader.fault()
-        if fault is not None:
-            kind, line, offset, length, cell, text = fault
-            raise self._error(kind, line, offset, length, cell, text, finest)
+        if fault is None or self._is_cut_off(reader):
+            return
+        kind, line, offset, length, cell, text = fault
+        if kind is CsvFaultKind.MISSING_VALUE:
+            raise UsageError(
+                f"{self.name}: column {self.header.names[cell]!r} never has a value",
+                "the trace begins with the first row in which every column that a formula reads has one",
+            )
+        raise self._error(kind, line, offset, length, cell, text, finest)
 
     def _error(
         self, kind: CsvFaultKind, line: int, offset: int, length: int, cell: int, text: bytes, finest: str
@@ -178,101 +238,48 @@ class CsvRecording:
         value = text[offset : offset + length].decode("utf-8", "replace")
         source = Source(self.name, text.decode("utf-8", "replace"), first_line=line)
         span = Span(source, start, min(start + max(len(value), 1), max(len(source.text), start)))
-        code, message, help_ = _told(
-            kind, value, self.header.names[cell], cell == self.header.time, (cell + 1, len(self.header.names)), finest
+        code, message, help_ = told_fault(
+            kind.name,
+            value,
+            self.header.names[cell],
+            cell == self.header.time,
+            (cell + 1, len(self.header.names)),
+            finest,
         )
         return InputError([Diagnostic(code, message, span, help_)])
-
-
-def _told(
-    kind: CsvFaultKind, value: str, column: str, is_time: bool, cells: tuple[int, int], finest: str
-) -> tuple[str, str, str | None]:
-    """The code of a fault, what it is, and how to mend it.
-
-    Args:
-        value: of the cell of this column.
-        cells: of the row, and of the header.
-        finest: what helps against a time that is too fine.
-    """
-    told: dict[CsvFaultKind, tuple[str, str, str | None]] = {
-        CsvFaultKind.NOT_A_NUMBER: (
-            "E0911",
-            f"{value!r} in column {column!r} is not a number",
-            _advice_on_a_cell(value, is_time),
-        ),
-        CsvFaultKind.NOT_FINITE: (
-            "E0911",
-            f"the value {value!r} of column {column!r} is not finite",
-            "leave the cell empty where the value stays",
-        ),
-        CsvFaultKind.MIXED_COLUMN: (
-            "E0911",
-            f"column {column!r} has truth values and the number {value!r}",
-            "a column holds either numbers, or true and false (or 1 and 0)",
-        ),
-        CsvFaultKind.MISSING_VALUE: (
-            "E0912",
-            f"column {column!r} has no value in the first row",
-            "an empty cell means that the value stays, so the first row has to give one",
-        ),
-        CsvFaultKind.MISSING_TIME: ("E0912", "this row has no time", None),
-        CsvFaultKind.DECREASING_TIME: (
-            "E0913",
-            f"the time {value} lies before that of the row above",
-            "sort the rows by time; of several rows with the same time, the last one counts",
-        ),
-        CsvFaultKind.TOO_FEW_CELLS: ("E0914", f"this row has {cells[0]} cells, the header has {cells[1]}", None),
-        CsvFaultKind.TOO_MANY_CELLS: ("E0914", f"this row has more cells than the {cells[1]} of the header", None),
-        CsvFaultKind.TIME_TOO_LARGE: (
-            "E0915",
-            f"the time {value} is too large to be counted as finely as the trace needs",
-            "at most 18 digits in all, those behind the point included",
-        ),
-        CsvFaultKind.TIME_TOO_FINE: ("E0915", f"the time {value} has too many digits to be counted exactly", finest),
-        CsvFaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
-        CsvFaultKind.LINE_TOO_LONG: ("E0911", "this line has more than 16 million characters", "is it a text file?"),
-    }
-    return told[kind]
-
-
-def _advice_on_a_cell(value: str, is_time: bool) -> str:
-    if _DECIMAL_COMMA.fullmatch(value):
-        return f"numbers have a decimal point: {value.strip().replace(',', '.')}"
-    if is_time and _DATE.match(value):
-        return "dates are written as 2026-03-01T12:00:00.25Z, and then all times are dates"
-    if is_time:
-        return "times are numbers such as 0.25 or 2e3"
-    return "cells hold numbers such as -1.5 or 2e3, true or false, or nothing where the value stays"
 
 
 def open_csv(path: str | Path, time: str | None = None, unit: str | None = None) -> CsvRecording:
     """Opens a file and reads its header. Raises InputError and UsageError."""
     file = Path(path)
-
-    def opened() -> ByteStream:
-        stream = file.open("rb")
-        stream.seek(offset)
-        return stream
-
+    size = None
     try:
-        with file.open("rb") as stream:
-            header, separator, line = _header(stream, str(path), time, unit)
-            offset = stream.tell()
-            size = file.stat().st_size
-            header, dates = _with_dates(header, separator, _first_row(stream), unit, str(path))
+        with open_bytes(file) as stream:
+            begin = read_beginning(stream, str(path), time, unit, waiting=False)
+            if not is_compressed(file):
+                size = file.stat().st_size
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
-    return CsvRecording(str(path), opened, header, separator, line, size, dates)
+    return _recording(str(path), lambda: _behind_header(file, begin.line), begin, size)
+
+
+def _behind_header(path: Path, line: int) -> ByteStream:
+    stream = open_bytes(path)
+    for _ in range(line - 1):
+        stream.readline()
+    return stream
 
 
 def open_csv_stream(stream: ByteStream, name: str, time: str | None = None, unit: str | None = None) -> CsvRecording:
     """Reads the header of a stream, which can be read once. Raises InputError and UsageError."""
-    header, separator, line = _header(stream, name, time, unit)
-    begin = _first_row(stream)
-    header, dates = _with_dates(header, separator, begin, unit, name)
-    return CsvRecording(name, lambda: PushedBack(stream, begin), header, separator, line, None, dates)
+    begin = read_beginning(stream, name, time, unit, waiting=True)
+    return _recording(name, lambda: PushedBack(stream, begin.read), begin, None)
+
+
+def _recording(name: str, opened: Callable[[], ByteStream], begin: Beginning, size: int | None) -> CsvRecording:
+    return CsvRecording(name, opened, begin.header, begin.separator, begin.line, size, begin.dates, point=begin.point)
 
 
 class PushedBack:
@@ -296,72 +303,5 @@ class PushedBack:
         self._stream.close()
 
 
-def _first_row(stream: ByteStream) -> bytes:
-    """The lines up to the first row, included."""
-    lines = b""
-    while line := stream.readline(_LONGEST_HEADER):
-        lines += line
-        if line.strip() and not line.lstrip().startswith(b"#"):
-            break
-    return lines
-
-
-def _with_dates(header: Header, separator: str, begin: bytes, unit: str | None, name: str) -> tuple[Header, bool]:
-    """The header with the unit of its times, and whether these are dates, which count seconds since 1970.
-
-    Args:
-        begin: lines up to the first row, included.
-    """
-    row = begin.rstrip(b"\r\n").rpartition(b"\n")[2].decode("utf-8", "replace").replace("\0", "")
-    cells = next(csv.reader([row], delimiter=separator, skipinitialspace=True), [])
-    if header.time >= len(cells) or not is_date(cells[header.time]):
-        return header, False
-    return replace(header, unit=agreed_unit("s", header.unit or unit, name)), True
-
-
 def _decoded(words: Sequence[bytes]) -> tuple[str, ...]:
     return tuple(word.decode("utf-8", "replace") for word in words)
-
-
-_ENDS_OF_LINES = "end lines with a line feed, and put names with other control characters between double quotes"
-
-
-def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[Header, str, int]:
-    """The header, the separator, and the number of the line behind."""
-    number = 0
-    while True:
-        line = stream.readline(_LONGEST_HEADER)
-        number += 1
-        if not line:
-            raise UsageError(f"{name} is empty", "its first line should name the columns: time,speed,alarm")
-        try:
-            text = line.decode("utf-8-sig" if number == 1 else "utf-8").strip("\r\n")
-        except UnicodeDecodeError:
-            raise UsageError(f"{name} is not text in UTF-8", "save it with the encoding UTF-8") from None
-        if text.strip() and not text.lstrip().startswith("#"):
-            break
-    if "\0" in text:
-        raise UsageError(f"{name} is not a text file", "text in UTF-8, VCD and Parquet files can be read")
-    separator = max(_SEPARATORS, key=text.count)
-    try:
-        cells = next(csv.reader([text], delimiter=separator))
-    except csv.Error:
-        raise UsageError(f"the names of the columns of {name} cannot be read", _ENDS_OF_LINES) from None
-    if all(_is_number(cell) for cell in cells):
-        span = Span(Source(name, text, first_line=number), 0, len(text))
-        raise InputError(
-            [
-                Diagnostic(
-                    "E0916", "the columns have no names", span, "the first line should name them: time,speed,alarm"
-                )
-            ]
-        )
-    return read_header(cells, time, unit, name), separator, number + 1
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.compressed import COMPRESSED_SUFFIXES, is_compressed, plain_suffix
 
 if TYPE_CHECKING:
     from tachk.runtime.trace import Recording, Trace
@@ -75,41 +76,51 @@ def _mdf(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -
 
 
 class TraceFormat(NamedTuple):
-    """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told."""
+    """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told.
+
+    Attributes:
+        compressed: a file of it is also read compressed, with the ending of `COMPRESSED_SUFFIXES` behind its own.
+    """
 
     name: str
     suffixes: tuple[str, ...]
     open: Callable[[Path, str | None, str | None, Sequence[int]], Recording]
+    compressed: bool = False
 
 
-CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv)
+CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv, compressed=True)
 """A file without an ending is read as CSV too."""
 
 PACKETS = TraceFormat("pcap", (".pcap", ".pcapng"), _packets)
 """A capture of a network."""
 
-JSON_LINES = TraceFormat("JSON lines", (".jsonl", ".ndjson"), _jsonl)
+JSON_LINES = TraceFormat("JSON lines", (".jsonl", ".ndjson"), _jsonl, compressed=True)
 """An object for each line."""
 
 FORMATS = (
     CSV,
     JSON_LINES,
     TraceFormat("Parquet", (".parquet", ".pq"), _parquet),
-    TraceFormat("VCD", (".vcd",), _vcd),
+    TraceFormat("VCD", (".vcd",), _vcd, compressed=True),
     PACKETS,
-    TraceFormat("MCAP", (".mcap",), _mcap),
+    TraceFormat("MCAP", (".mcap",), _mcap, compressed=True),
     TraceFormat("ROS bag", (".bag", ".db3"), _bag),
     TraceFormat("HDF5", (".h5", ".hdf5"), _hdf5),
     TraceFormat("MDF", (".mf4", ".mdf"), _mdf),
 )
 
-TRACE_SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
+TRACE_SUFFIXES = tuple(
+    suffix + packed
+    for known in FORMATS
+    for packed in ("", *(COMPRESSED_SUFFIXES if known.compressed else ()))
+    for suffix in known.suffixes
+)
 """By which a file is known to be a trace."""
 
 
 def is_csv(path: Path) -> bool:
     """Whether a file of this name is read as comma-separated values."""
-    return path.suffix.lower() in (*CSV.suffixes, "")
+    return plain_suffix(path) in (*CSV.suffixes, "")
 
 
 class _Ready:
@@ -134,18 +145,34 @@ class _Ready:
         return self._trace
 
 
-def open_trace(source: Any, time: str | None = None, unit: str | None = None, ports: Sequence[int] = ()) -> Recording:
+def open_trace(
+    source: Any,
+    time: str | None = None,
+    unit: str | None = None,
+    ports: Sequence[int] = (),
+    run: int | None = None,
+) -> Recording:
     """Opens a file by its ending, a data frame, a mapping from names to arrays, a `Trace`, or several of these as one.
 
     Args:
         time: the name of the time column; without it ``time``, ``t`` or ``timestamp``.
         unit: of the times, such as ``ms``; without it what the file says.
         ports: of a capture of packets, those of Agents.
+        run: the number of the one that is meant in a file of several runs; None: `SeveralRuns` stands for all.
 
     Raises:
         InputError: something in the file is wrong.
         UsageError: it cannot be read, or is not a trace.
     """
+    recording = _opened(source, time, unit, ports)
+    if run is None and "run" not in recording.columns:
+        return recording
+    from tachk.runtime.logs.several_runs import one_run
+
+    return one_run(recording, run)
+
+
+def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
     from tachk.runtime.trace import Trace
     from tachk.runtime.trace_arrays import open_table
 
@@ -166,9 +193,20 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None, po
         if (path / "metadata.yaml").is_file():
             return _bag(path, time, unit, ports)
         raise UsageError(f"{path} is a folder, not a trace", "a bag of ROS 2 is one with metadata.yaml")
-    for known in FORMATS:
-        if path.suffix.lower() in known.suffixes:
-            return known.open(path, time, unit, ports)
+    known = _format_of(path)
+    if known is not None:
+        return known.open(path, time, unit, ports)
     if not path.suffix or not os.path.isfile(path):
         return CSV.open(path, time, unit, ports)
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")
+
+
+def _format_of(path: Path) -> TraceFormat | None:
+    """By the ending of a file; None for one that is not known. Raises UsageError for what is not read compressed."""
+    known = next((each for each in FORMATS if plain_suffix(path) in each.suffixes), None)
+    if known is not None and is_compressed(path) and not known.compressed:
+        names = [each.name for each in FORMATS if each.compressed]
+        raise UsageError(
+            f"{path}: {known.name} files are not read compressed", f"decompress it; only {', '.join(names)} are"
+        )
+    return known

@@ -18,12 +18,16 @@ class ParquetRecording:
     """Attributes:
     raw: the names of the columns as they stand in the file, with their units.
     time_unit: what the type of the time column tells, such as ``s`` for instants and durations.
+    rows: those of the file that are read; None: all.
+    called: what reports call the trace; None: as its file.
     """
 
     name: str
     header: Header
     raw: tuple[str, ...]
     time_unit: str
+    rows: slice | None = None
+    called: str | None = None
 
     @property
     def unit(self) -> str:
@@ -34,6 +38,11 @@ class ParquetRecording:
         return self.header.columns
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
+        table = self.table(columns)
+        return table.read(table.columns)
+
+    def table(self, columns: Collection[str] | None = None) -> TableRecording:
+        """Some columns in memory. Raises UsageError."""
         parquet = _parquet()
         places = self.header.numbers(columns, self.name)
         wanted = [self.raw[self.header.time], *(self.raw[place] for place in places.values())]
@@ -43,9 +52,9 @@ class ParquetRecording:
             cells = [_numpy(table.column(raw)) for raw in wanted]
         except (OSError, ValueError, NotImplementedError) as error:
             raise _unreadable(self.name, error) from None
-        return TableRecording(self.name, Header(names, 0, self.unit), cells, dated=are_dates(cells[0])).read(
-            list(places)
-        )
+        if self.rows is not None:
+            cells = [each[self.rows] for each in cells]
+        return TableRecording(self.called or self.name, Header(names, 0, self.unit), cells, dated=are_dates(cells[0]))
 
 
 def open_parquet(path: str | Path, time: str | None = None, unit: str | None = None) -> ParquetRecording:

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
-from io import FileIO
+from dataclasses import dataclass, replace
+from io import RawIOBase
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from vcd.common import VarType
-from vcd.reader import Location, RealChange, ScalarChange, Token, TokenKind, VCDParseError, VectorChange, tokenize
+from vcd.reader import (
+    Location,
+    RealChange,
+    ScalarChange,
+    StringChange,
+    Token,
+    TokenKind,
+    VCDParseError,
+    VectorChange,
+    tokenize,
+)
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
-from tachk.runtime.trace import Trace, Values
+from tachk.runtime.compressed import open_bytes, torn
+from tachk.runtime.logs.labels import Labels
+from tachk.runtime.trace import Trace, Values, cut_off_warning
 from tachk.runtime.trace_arrays import trace_of, whole_times
 from tachk.runtime.trace_header import known_unit, no_such_column
 from tachk.time_limit import check_time
@@ -25,21 +39,61 @@ if TYPE_CHECKING:
 _TICKS_PER_UNIT = {"s": ("s", 1), "ms": ("ms", 1), "us": ("us", 1), "ns": ("ns", 1), "ps": ("ns", 10**3)}
 _FEMTOSECONDS = ("ns", 10**6)
 _LARGEST_EXACT = 2**53
+_MODEL = "model."
 _LAST_TICK = 2**62
 
 
 _BEYOND_ASCII = bytes(byte if byte < 128 else ord("?") for byte in range(256))
 
 
-class _Plain(FileIO):
+class _Plain(RawIOBase):
     """A file in which each byte beyond ASCII reads as a question mark. The standard knows ASCII only, yet localised
     dates and names of people stand in comments, in whatever encoding."""
 
+    def __init__(self, name: str) -> None:
+        self._stream = open_bytes(Path(name))
+
+    def readable(self) -> bool:
+        return True
+
     def readinto(self, buffer: WriteableBuffer, /) -> int:
-        count = super().readinto(buffer)
+        count = self._stream.readinto(buffer)
         seen = memoryview(buffer)[:count]
         seen[:] = bytes(seen).translate(_BEYOND_ASCII)
         return count
+
+    @property
+    def torn(self) -> str | None:
+        """Why a compressed file that has been read ended before its end."""
+        return torn(self._stream)
+
+    def close(self) -> None:
+        self._stream.close()
+        super().close()
+
+
+def _tokens(stream: _Plain) -> Iterator[Token]:
+    """The tokens of a file. Raises VCDParseError for what pyvcd cannot read, whatever it raises about it."""
+    place = Location(1, 1)
+    tokens = tokenize(stream)
+    while True:
+        try:
+            token = next(tokens)
+        except StopIteration:
+            return
+        except VCDParseError:
+            if stream.torn is not None:
+                return
+            raise
+        except ValueError:  # numbers of more digits than Python converts
+            raise VCDParseError(place, "a number has too many digits") from None
+        place = token.span.end
+        yield token
+
+
+_Value = float | str
+_Row = tuple[_Value, ...]
+_Change = ScalarChange | VectorChange | RealChange | StringChange
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,31 +123,51 @@ class VcdRecording:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        return tuple(variable.name for variable in self.variables)
+        """The names of the variables. Those of the scope `model`, into which runs of a model are written, are known
+        without it too."""
+        names = [variable.name for variable in self.variables]
+        return tuple(dict.fromkeys((*(name.removeprefix(_MODEL) for name in names), *names)))
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        wanted = [v for v in self.variables if columns is None or v.name in columns]
-        for name in columns or ():
-            if name not in self.columns:
+        known = {variable.name: variable for variable in self.variables}
+        short = {variable.name.removeprefix(_MODEL): variable for variable in self.variables}
+        wanted: list[VcdVariable] = []
+        for name in short if columns is None else columns:
+            found = known.get(name) or short.get(name)
+            if found is None:
                 raise no_such_column(name, self.columns, self.name)
+            wanted.append(replace(found, name=name))
         try:
             with _Plain(self.name) as stream:
-                times, rows = self._changes(wanted, tokenize(stream))
+                instants, rows = self._changes(wanted, _tokens(stream))
+                why = stream.torn
         except VCDParseError as error:
             raise _error(self.name, str(error).split(": ", 1)[-1], error.loc) from None
-        held = {variable.name: _values(variable, [row[i] for row in rows]) for i, variable in enumerate(wanted)}
-        ticks = whole_times(np.array(times, dtype=np.int64) * self.magnitude, self.ticks_per_unit, self.name)
-        return trace_of(self.name, ticks, self.unit, held)
+        texts = Labels()
+        held: dict[str, Values] = {}
+        for place, variable in enumerate(wanted):
+            values = [row[place] for row in rows]
+            if any(isinstance(value, str) for value in values):
+                held[variable.name] = texts.codes(values, variable.name, self.name)
+            else:
+                held[variable.name] = _values(variable, [float(value) for value in values])
+        times = np.array(instants, dtype=np.int64) * self.magnitude
+        trace = trace_of(self.name, whole_times(times, self.ticks_per_unit, self.name), self.unit, held)
+        if why is not None:
+            trace = replace(trace, warnings=(cut_off_warning(self.name, f"what follows is left out ({why})"),))
+        return texts.on(trace)
 
-    def _changes(self, wanted: list[VcdVariable], tokens: Iterator[Token]) -> tuple[list[int], list[tuple[float, ...]]]:
+    def _changes(
+        self, wanted: list[VcdVariable], tokens: Iterator[Token]
+    ) -> tuple[list[int], list[tuple[_Value, ...]]]:
         """The instants at which something wanted changed, and all wanted values from then on."""
         places: dict[str, list[int]] = {}
         for place, variable in enumerate(wanted):
             places.setdefault(variable.code, []).append(place)
-        values: list[float | None] = [None] * len(wanted)
+        values: list[_Value | None] = [None] * len(wanted)
         unknown: dict[int, Location] = {}
         times: list[int] = []
-        rows: list[tuple[float, ...]] = []
+        rows: list[_Row] = []
         now: int | None = None
         changed = True
         last = False
@@ -124,18 +198,13 @@ class VcdRecording:
                 now, at = time, token.span.start
                 continue
             data = token.data
-            if not isinstance(data, (ScalarChange, VectorChange, RealChange)):
+            if not isinstance(data, (ScalarChange, VectorChange, RealChange, StringChange)):
                 continue
             for place in places.get(data.id_code, ()):
                 changed = True
-                if (bits := _bits(data)) > wanted[place].size:
-                    message = f"a value of {bits} bits for {wanted[place].name!r}, which has {wanted[place].size}"
-                    raise _error(self.name, message, token.span.start)
-                value = _value(data, wanted[place])
+                value = self._changed(data, wanted[place], token.span.start)
                 if value is None:
                     unknown[place] = token.span.start
-                elif abs(value) > _LARGEST_EXACT and not isinstance(data, RealChange):
-                    raise _error(self.name, f"{wanted[place].name!r} is too large to be exact", token.span.start)
                 else:
                     unknown.pop(place, None)
                     values[place] = value
@@ -145,6 +214,17 @@ class VcdRecording:
             last = True
             settle()  # also without a change: the dump ends here
         return times, rows
+
+    def _changed(self, change: _Change, variable: VcdVariable, place: Location) -> _Value | None:
+        """The value that a change gives a variable; None for what is neither a number nor a text."""
+        if (bits := _bits(change)) > variable.size:
+            message = f"a value of {bits} bits for {variable.name!r}, which has {variable.size}"
+            raise _error(self.name, message, place)
+        value = _value(change, variable)
+        if isinstance(change, (ScalarChange, VectorChange)) and isinstance(value, (int, float)):
+            if abs(value) > _LARGEST_EXACT:
+                raise _error(self.name, f"{variable.name!r} is too large to be exact", place)
+        return value
 
 
 def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
@@ -160,7 +240,7 @@ def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
     name = str(path)
     try:
         with _Plain(name) as stream:
-            variables, (shown, ticks), magnitude = _declarations(tokenize(stream), name)
+            variables, (shown, ticks), magnitude = _declarations(_tokens(stream), name)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
@@ -197,6 +277,9 @@ def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable
     raise _error(name, "the declarations do not end with $enddefinitions", Location(1, 1))
 
 
+_ESCAPED = re.compile(r"\\x([0-9a-f]{2})")
+"""A character of a text that would end it."""
+
 _NO_VALUE = (
     "x and z are not values; the trace begins when every variable that a formula reads has one, "
     "and then they stay known"
@@ -210,11 +293,13 @@ def _variable(token: Token, scopes: list[str]) -> VcdVariable:
     return VcdVariable(name, declared.id_code, declared.size, declared.type_)
 
 
-def _value(change: ScalarChange | VectorChange | RealChange, variable: VcdVariable) -> float | None:
-    """The number that a change says; None for what is not a number."""
+def _value(change: _Change, variable: VcdVariable) -> _Value | None:
+    """The number or text that a change says; None for what is neither."""
     match change:
         case RealChange(value=value):
-            return value if np.isfinite(value) else None
+            return None if isnan(value) else value
+        case StringChange(value=text):
+            return _ESCAPED.sub(lambda match: chr(int(match[1], 16)), text)
         case ScalarChange(value=value):
             return {"0": 0.0, "1": 1.0, "L": 0.0, "H": 1.0, "l": 0.0, "h": 1.0}.get(value)
         case VectorChange(value=int() as value):
@@ -224,7 +309,9 @@ def _value(change: ScalarChange | VectorChange | RealChange, variable: VcdVariab
             return None
 
 
-def _bits(change: ScalarChange | VectorChange | RealChange) -> int:
+def _bits(change: _Change) -> int:
+    if isinstance(change, StringChange):
+        return 0
     return change.value.bit_length() if isinstance(change, VectorChange) and isinstance(change.value, int) else 1
 
 
@@ -237,7 +324,7 @@ def _values(variable: VcdVariable, values: list[float]) -> Values:
 def _error(name: str, message: str, place: Location, help: str | None = None) -> InputError:
     """E0917 at a place of the file; only its line is read again."""
     text = ""
-    with Path(name).open("rb") as stream:
+    with open_bytes(Path(name)) as stream:
         for number, line in enumerate(stream, 1):
             if number == place.line:
                 text = line.decode("utf-8", "replace").rstrip("\r\n")

@@ -23,12 +23,12 @@ void reads_rows() {
   CsvReader reader(two_columns());
   CHECK(reader.feed("0,1,2.5\r\n# note\n\n0.25,true,\n1.5,0,-1e2"));
   CHECK(reader.finish());
-  CHECK(reader.decimals() == 2);
+  CHECK(reader.times().decimals() == 2);
   CHECK((reader.take_times() == std::vector<std::int64_t>{0, 25, 150}));
   const std::vector<CsvColumn> columns = reader.take_columns();
   CHECK((columns[0].truths == std::vector<std::uint8_t>{1, 1, 0}) && !columns[0].is_number);
   CHECK((columns[1].numbers == std::vector<double>{2.5, 2.5, -100}) && columns[1].is_number);
-  CHECK(reader.rows() == 0);
+  CHECK(reader.times().size() == 0);
 }
 
 void pieces_do_not_matter() {
@@ -75,7 +75,7 @@ void taking_goes_on() {
 
 void fixed_decimals() {
   CsvOptions options = two_columns();
-  options.decimals = options.most_decimals = 3;
+  options.times.decimals = options.times.most_decimals = 3;
   CsvReader reader(options);
   CHECK(reader.feed("0.5,1,1\n"));
   CHECK(reader.take_times() == std::vector<std::int64_t>{500});
@@ -105,7 +105,7 @@ void bad_options_are_refused() {
     CsvOptions options = two_columns();
     if (wrong == 0) options.time = 3;
     if (wrong == 1) options.columns = {0};
-    if (wrong == 2) options.most_decimals = 19;
+    if (wrong == 2) options.times.most_decimals = 19;
     bool refused = false;
     try {
       CsvReader reader(options);

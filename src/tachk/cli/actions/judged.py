@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas
 from tachk.monitoring.offline import selected
+from tachk.runtime.logs.joined import with_decimals
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Recording
 from tachk.runtime.trace_files import open_trace
@@ -24,6 +27,8 @@ class Judged:
         time, unit, ports: as of `open_trace`.
         names: of the formulas that are taken; none: all.
         definitions: values of constants, as ``T=2.5``.
+        decimals: to which times are rounded; None: not at all, but see `tachk.monitor`.
+        run: the number of the one that is meant in a file of several runs; None: all.
         called: what reports call the trace; None: as its file.
     """
 
@@ -35,6 +40,8 @@ class Judged:
     ports: tuple[int, ...] = ()
     names: tuple[str, ...] = ()
     definitions: tuple[str, ...] = ()
+    decimals: int | None = None
+    run: int | None = None
     called: str | None = None
 
     def formulas(self) -> tuple[NamedFormula, ...]:
@@ -45,7 +52,13 @@ class Judged:
     def recording(self) -> Recording:
         """Raises InputError, UsageError."""
         source = [self.trace, *self.others] if self.others else self.trace
-        return open_trace(source, self.time, self.unit, self.ports)
+        return with_decimals(open_trace(source, self.time, self.unit, self.ports, self.run), self.decimals)
+
+
+def print_warnings(warnings: Iterable[str]) -> None:
+    """Tells what is wrong with a trace that could be read."""
+    for warning in warnings:
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def exit_status(truths: set[Truth]) -> ExitStatus:

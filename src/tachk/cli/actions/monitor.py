@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 from typing import TextIO
 
-from tachk.cli.actions.judged import Judged, exit_status
+from tachk.cli.actions.judged import Judged, exit_status, print_warnings
 from tachk.cli.actions.monitoring.standard_input import begins_dump, dump_in_a_file
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
@@ -14,11 +14,12 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.terminal import console
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.formulas import names_file
+from tachk.monitoring.formulas import NamedFormula, names_file
 from tachk.monitoring.offline import Judging, judge
 from tachk.report.monitor.record import MonitorRecord
 from tachk.report.monitor.text import print_monitor
 from tachk.runtime.conventions import Interpolation
+from tachk.runtime.logs.several_runs import SeveralRuns
 
 
 def run_monitor(
@@ -47,7 +48,11 @@ def run_monitor(
 
         return run_online(judged, formulas, judging, rows, told, reporting)
     source = judged.formula if names_file(judged.formula) else ""
-    record = judge(formulas, judged.recording(), judging, source)
+    recording = judged.recording()
+    if isinstance(recording, SeveralRuns):
+        return _run_several(recording, formulas, judging, told, reporting)
+    record = judge(formulas, recording, judging, source)
+    print_warnings(record.trace.warnings)
     if judged.called is not None:
         record = replace(record, trace=replace(record.trace, name=judged.called))
     with destination(reporting.output, reporting.quiet) as out:
@@ -59,6 +64,31 @@ def run_monitor(
         with told.signals.open("w", encoding="utf-8") as file:
             write_signals(record, file)
     return exit_status({verdict.truth for verdict in record.verdicts})
+
+
+def _run_several(
+    recording: SeveralRuns,
+    formulas: tuple[NamedFormula, ...],
+    judging: Judging,
+    told: ViolationReporting,
+    reporting: Reporting,
+) -> ExitStatus:
+    """Judges each run of a file."""
+    if reporting.form not in (ReportForm.TEXT, ReportForm.JSON) or told.signals is not None:
+        raise UsageError(
+            f"{recording.name} holds several runs: they are reported as text or JSON, without --signals",
+            f"choose one run: --run {next(iter(recording.runs))}",
+        )
+    from tachk.report.monitor.several_runs import print_runs, runs_to_json
+
+    records = {number: judge(formulas, run, judging) for number, run in recording.runs.items()}
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None and reporting.form is ReportForm.TEXT:
+            print_runs(recording.name, records, console(out), told.all_violations)
+        elif out is not None:
+            json.dump(runs_to_json(recording.name, records, told.all_violations), out, indent=2)
+            out.write("\n")
+    return exit_status({verdict.truth for record in records.values() for verdict in record.verdicts})
 
 
 def _write(record: MonitorRecord, form: ReportForm, out: TextIO, all_violations: bool) -> None:

@@ -9,7 +9,7 @@ from io import BufferedReader
 from pathlib import Path
 from typing import TextIO, cast
 
-from tachk.cli.actions.judged import Judged, exit_status
+from tachk.cli.actions.judged import Judged, exit_status, print_warnings
 from tachk.cli.actions.monitoring.listeners import JsonListener, LineListener, Listener, TextListener
 from tachk.cli.actions.packets.live import open_live, without_hindsight
 from tachk.cli.actions.row_by_row import RowByRow
@@ -18,8 +18,11 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula
+from tachk.monitoring.locations import located
 from tachk.monitoring.offline import Judging
 from tachk.monitoring.online import Monitor
+from tachk.runtime.compressed import is_compressed, open_bytes, plain_suffix
+from tachk.runtime.csv_beginning import ByteStream
 from tachk.runtime.logs.trace_jsonl import JsonStream
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.packets.live import LivePackets
@@ -68,14 +71,16 @@ def run_online(
     if reporting.form is ReportForm.JUNIT:
         raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
     recording = _open(judged, rows)
+    if judged.run is not None:
+        raise UsageError("row by row a file is one run", "leave out --run, or --online and --follow")
     if isinstance(recording, LivePackets):
         formulas = without_hindsight(formulas, bool(judged.names))
     if not isinstance(recording, LivePackets):
-        formulas = tuple(named.beside(recording.columns) for named in formulas)
+        formulas = tuple(located(named.beside(recording.columns), recording.columns) for named in formulas)
     monitor = Monitor(
         formulas,
         unit=recording.unit,
-        decimals=rows.decimals,
+        decimals=judged.decimals,
         end=judging.ending,
         robustness=judging.robustness,
         all_violations=told.all_violations,
@@ -83,7 +88,9 @@ def run_online(
     )
     monitor.dated = not isinstance(recording, LivePackets) and recording.dates
     if isinstance(recording, CsvRecording):
-        recording = replace(recording, texts=monitor.text_columns)
+        recording = replace(recording, texts=monitor.text_columns, decimals=judged.decimals)
+    elif isinstance(recording, JsonStream):
+        recording = replace(recording, decimals=judged.decimals)
     with destination(reporting.output, reporting.quiet) as out:
         listener = _listener(monitor, reporting.form, out, judged.trace)
         # A file that is there to its end is read to its end where bounds or violations go on after the decision.
@@ -120,16 +127,18 @@ def _open(judged: Judged, rows: RowByRow) -> CsvRecording | JsonStream | LivePac
             return JsonStream("-", stream, judged.time, judged.unit, line)
         return open_csv_stream(PushedBack(stream, line), "-", judged.time, judged.unit)
     path = Path(judged.trace)
-    lines = path.suffix.lower() in JSON_LINES.suffixes
+    lines = plain_suffix(path) in JSON_LINES.suffixes
     if not is_csv(path) and not lines:
         raise UsageError(f"{path}: row by row only CSV and JSON lines can be read", "leave out --online")
     if not rows.follow and not lines:
         return open_csv(path, judged.time, judged.unit)
     if not path.is_file():
         raise UsageError(f"there is no file {path}")
+    if rows.follow and is_compressed(path):
+        raise UsageError(f"{path}: a compressed file cannot be followed", "leave out --follow")
     if not lines:
         return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
-    growing = _GrowingFile(path) if rows.follow else path.open("rb")
+    growing: ByteStream = _GrowingFile(path) if rows.follow else open_bytes(path)
     return JsonStream(str(path), growing, judged.time, judged.unit, growing.readline())
 
 
@@ -145,7 +154,10 @@ def _fed(
     told: set[str] = set()
     try:
         for rows in recording.blocks(monitor.columns, monitor.decimals):
-            monitor.push(rows.times, rows.columns, rows.decimals)
+            if len(rows.times):
+                monitor.push(rows.times, rows.columns, rows.decimals)
+            monitor.notes = rows.notes + rows.warnings
+            print_warnings(rows.warnings)
             if monitor.watches_violations:
                 listener.hear(monitor.take_violations())
             for verdict in monitor.verdicts:

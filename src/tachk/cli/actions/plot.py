@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from tachk.cli.actions.judged import Judged
+from tachk.cli.actions.judged import Judged, print_warnings
 from tachk.cli.exit_status import ExitStatus
 from tachk.monitoring.offline import Judging, MonitorReport, judge
 
@@ -27,6 +27,7 @@ class Drawn:
 def run_plot(judged: Judged, judging: Judging, drawn: Drawn) -> ExitStatus:
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
     record = judge(judged.formulas(), judged.recording(), judging, judged.formula)
+    print_warnings(record.trace.warnings)
     MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)
     print(f"written: {drawn.output}")
     return ExitStatus.AS_EXPECTED

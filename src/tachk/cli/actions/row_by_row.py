@@ -14,11 +14,9 @@ class RowByRow:
         follow: wait for more rows at the end of the file.
         live: the trace is a capture of packets that is being made.
         fail_fast: stop at the first verdict that is false.
-        decimals: of times and bounds; None: as many as make nanoseconds, at most 9.
     """
 
     online: bool = False
     follow: bool = False
     live: bool = False
     fail_fast: bool = False
-    decimals: int | None = None

@@ -45,12 +45,6 @@ from tachk.runtime.conventions import Ending
 @click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
 @click.option("--live", is_flag=True, help="TRACE is a capture of packets that is being made: - or a file.")
 @click.option("--fail-fast", is_flag=True, help="Read row by row, and stop at the first verdict that is false.")
-@click.option(
-    "--decimals",
-    metavar="N",
-    type=options.Count(0, 15),
-    help="Row by row: how many decimals times and bounds have; by default down to nanoseconds, at most 9.",
-)
 @options.max_seconds()
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JSONL, ReportForm.JUNIT)
 def command(seconds: float | None, **given: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.report.json_report import Json
-from tachk.report.monitor.json import exact, finding_to_json, number, verdict_to_json
+from tachk.report.monitor.json import exact, finding_to_json, number, verdict_to_json, with_notes
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.report.monitor.record import MonitorRecord
 from tachk.report.quantity import decimal
@@ -24,7 +24,8 @@ def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[
         finding = verdict.finding
         at = None if finding is None or finding.decided is None else exact(trace, finding.decided)
         yield _verdict({key: told[key] for key in _VERDICT_KEYS}, at)
-    yield _end(trace.rows, exact(trace, 0), exact(trace, 2 * trace.end), trace.unit)
+    end = _end(trace.rows, exact(trace, 0), exact(trace, 2 * trace.end), trace.unit)
+    yield with_notes(end, (*trace.notes, *trace.warnings))
 
 
 def violation_event(violation: OnlineViolation) -> dict[str, Json]:
@@ -50,7 +51,7 @@ def verdict_event(verdict: OnlineVerdict) -> dict[str, Json]:
 
 def end_event(record: OnlineRecord) -> dict[str, Json]:
     """The last line."""
-    return _end(record.rows, decimal(record.begin, 18), decimal(record.end, 18), record.unit)
+    return with_notes(_end(record.rows, decimal(record.begin, 18), decimal(record.end, 18), record.unit), record.notes)
 
 
 _VERDICT_KEYS = ("name", "title", "formula", "verdict", "measured", "robustness", "finding")

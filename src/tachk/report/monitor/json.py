@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from tachk.report.json_report import Json
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_time, value_text
@@ -20,7 +21,7 @@ def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict
         all_violations: list them; else they are counted only.
     """
     trace = record.trace
-    return {
+    told: dict[str, Json] = {
         "trace": trace.name,
         "rows": trace.rows,
         "begin": exact(trace, 0),
@@ -30,6 +31,12 @@ def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict
         "pending_counts_as": record.ending.value,
         "results": [verdict_to_json(record, verdict, all_violations) for verdict in record.verdicts],
     }
+    return with_notes(told, (*trace.notes, *trace.warnings))
+
+
+def with_notes(told: dict[str, Json], notes: Sequence[str]) -> dict[str, Json]:
+    """With what the reader of a trace has to say, if there is something."""
+    return {**told, "notes": list(notes)} if notes else told
 
 
 def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict, all_violations: bool = False) -> dict[str, Json]:

@@ -58,6 +58,7 @@ class OnlineRecord:
     begin, end: what the clock showed at the first row and shows now.
     violations: those that have ended; None if they were not asked for.
     dated: times are seconds since 1970, and were dates.
+    notes: what the reader of the trace has to say, such as that times are rounded.
     """
 
     trace: str
@@ -69,3 +70,4 @@ class OnlineRecord:
     verdicts: tuple[OnlineVerdict, ...]
     violations: tuple[OnlineViolation, ...] | None = None
     dated: bool = False
+    notes: tuple[str, ...] = ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.report.json_report import Json
-from tachk.report.monitor.json import finding_to_json, number
+from tachk.report.monitor.json import finding_to_json, number, with_notes
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.report.monitor.record import time_text
 from tachk.report.monitor.text import robustness_text
@@ -32,7 +32,7 @@ def online_to_text(record: OnlineRecord) -> str:
     """The summary at the end."""
     rows = f"{grouped(record.rows)} {'row' if record.rows == 1 else 'rows'}"
     begin, end = (time_text(clock, record.unit, record.dated) for clock in (record.begin, record.end))
-    lines = [f"{record.trace}: {rows}, from {begin} to {end}", ""]
+    lines = [f"{record.trace}: {rows}, from {begin} to {end}", *record.notes, ""]
     width = max(len(verdict.name) for verdict in record.verdicts)
     words = [_words(verdict) for verdict in record.verdicts]
     wide = max(len(word) for word in words)
@@ -46,7 +46,7 @@ def online_to_text(record: OnlineRecord) -> str:
 
 def online_to_json(record: OnlineRecord) -> dict[str, Json]:
     """The record as docs/schema/monitor.schema.json describes it."""
-    return {
+    told: dict[str, Json] = {
         "trace": record.trace,
         "rows": record.rows,
         "begin": decimal(record.begin, 18),
@@ -56,6 +56,7 @@ def online_to_json(record: OnlineRecord) -> dict[str, Json]:
         "pending_counts_as": record.ending.value,
         "results": [_verdict_to_json(verdict, record) for verdict in record.verdicts],
     }
+    return with_notes(told, record.notes)
 
 
 def _verdict_to_json(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, Json]:

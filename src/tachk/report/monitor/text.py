@@ -30,6 +30,8 @@ def print_monitor(record: MonitorRecord, console: Console, all_violations: bool 
     moving = [name for name in trace.columns if trace.moves(name)]
     if trace.interpolation is Interpolation.LINEAR:
         console.print(Text(f"straight lines between rows: {', '.join(moving) or 'no column holds numbers'}"))
+    for note in trace.notes:
+        console.print(Text(note))
     console.print()
     console.print(_table(record))
     for verdict in record.verdicts:

@@ -17,10 +17,14 @@ import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.logs.labels import Labels
-from tachk.runtime.trace import LARGEST_TICK, Recording, Trace, Values
+from tachk.runtime.logs.several_runs import SeveralRuns
+from tachk.runtime.logs.trace_jsonl import JsonRecording
+from tachk.runtime.trace import Recording, Trace, Values
 from tachk.runtime.trace_csv import CsvRecording
 from tachk.runtime.trace_header import no_such_column
 from tachk.time_units import length_of
+
+_LAST_TICK = 2**62
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,8 +71,10 @@ class JoinedRecording:
         ends = [trace.clock(trace.end) * factor for trace, factor in zip(traces, factors, strict=True)]
         giving = {self.places[name][0] for name in wanted} or range(len(traces))
         begin = max(origins[number] for number in giving)
-        if (max(ends) - min(origins)) * scale > LARGEST_TICK:
-            raise UsageError(f"{self.name} is too long to be counted in {scale} ticks per unit of time")
+        if (max(ends) - min(origins)) * scale > _LAST_TICK:
+            raise UsageError(
+                f"{self.name} is too long to be counted in {scale} ticks per unit of time", "--decimals 3 rounds times"
+            )
         late = next((traces[number] for number in giving if ends[number] < begin), None)
         if late is not None:
             raise UsageError(
@@ -89,8 +95,60 @@ class JoinedRecording:
                 values = texts.recoded(values, traces[number].labels, name)
             columns[name] = values[np.searchsorted(times[number], instants, side="right") - 1]
         end = int((max(ends) - begin) * scale)
-        dated = all(trace.dated for trace in traces)
-        return texts.on(Trace(self.name, instants, columns, end, scale, self.unit, begin, dated=dated))
+        joined = Trace(self.name, instants, columns, end, scale, self.unit, begin)
+        return texts.on(
+            replace(
+                joined,
+                dated=all(trace.dated for trace in traces),
+                calendar=all(trace.dated or trace.calendar for trace in traces),
+                notes=tuple(dict.fromkeys(note for trace in traces for note in trace.notes)),
+                warnings=tuple(dict.fromkeys(warning for trace in traces for warning in trace.warnings)),
+            )
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RoundedRecording:
+    """A recording whose times have so many decimals."""
+
+    recording: Recording
+    decimals: int
+
+    @property
+    def name(self) -> str:
+        return self.recording.name
+
+    @property
+    def unit(self) -> str:
+        return self.recording.unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return self.recording.columns
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        return self.recording.read(columns).rounded(self.decimals)
+
+
+def with_decimals(recording: Recording, decimals: int | None) -> Recording:
+    """A recording whose times are rounded to so many decimals; None: as they are."""
+    if decimals is None:
+        return recording
+    if isinstance(recording, SeveralRuns):
+        runs = {number: with_decimals(run, decimals) for number, run in recording.runs.items()}
+        return replace(recording, runs=runs)
+    return RoundedRecording(_rounding(recording, decimals), decimals)
+
+
+def _rounding(recording: Recording, decimals: int) -> Recording:
+    """What reads times as text rounds them before they are counted, for they may have more digits than can be."""
+    match recording:
+        case CsvRecording() | JsonRecording():
+            return replace(recording, decimals=decimals)
+        case JoinedRecording(recordings=recordings):
+            return replace(recording, recordings=tuple(_rounding(part, decimals) for part in recordings))
+        case _:
+            return recording
 
 
 def with_texts(recording: Recording, columns: Collection[str]) -> Recording:
@@ -101,6 +159,8 @@ def with_texts(recording: Recording, columns: Collection[str]) -> Recording:
     match recording:
         case CsvRecording():
             return replace(recording, texts=recording.texts.union(columns))
+        case RoundedRecording(recording=exact):
+            return replace(recording, recording=with_texts(exact, columns))
         case JoinedRecording(places=places, recordings=recordings):
             own = [places[name] for name in columns if name in places]
             parts = (

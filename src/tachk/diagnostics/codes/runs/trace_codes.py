@@ -7,16 +7,16 @@ from tachk.diagnostics.explanation import Explanation
 TRACE_CODES: dict[str, Explanation] = {
     "E0911": Explanation(
         "cell that is not a value",
-        "A cell of a trace holds a finite number such as -1.5 or 2e3, or true or false. A column holds either numbers "
+        "A cell of a trace holds a number such as -1.5, 2e3 or inf, or true or false. A column holds either numbers "
         "or truth values, which may also be written 1 and 0. Columns that no formula reads may hold anything.",
         "time,speed\n0,fast",
         "time,speed\n0,17.5",
     ),
     "E0912": Explanation(
         "missing value",
-        "An empty cell, or nan, NA or null, means that the value of the row above stays. So the first row gives every "
-        "column a value, and every row has a time.",
-        "time,speed\n0,\n1,17.5",
+        "Every row has a time. An empty cell of another column, or nan, NA or null, means that the value of the row "
+        "above stays; the trace begins with the first row in which every column that a formula reads has a value.",
+        "time,speed\n,17.5",
         "time,speed\n0,17.5\n1,",
     ),
     "E0913": Explanation(
@@ -33,8 +33,10 @@ TRACE_CODES: dict[str, Explanation] = {
     ),
     "E0915": Explanation(
         "time that cannot be counted",
-        "Times are exact decimal numbers, counted in 64 bits in units of the finest decimal of the trace. Where rows "
-        "are judged as they come, the number of decimals is fixed beforehand.",
+        "Times are exact decimal numbers, counted in 64 bits in units of the finest decimal of the trace. Binary "
+        "numbers such as 0.30000000000000004 are rounded to nine decimals, or to more where neighbours would be the "
+        "same. --decimals rounds all times. Where rows are judged as they come, the number of decimals is fixed "
+        "beforehand.",
         "time,p\n123456789012345678901,1",
         "time,p\n12345678901,1",
     ),

@@ -1,0 +1,42 @@
+"""Locations of processes in recordings: a column `P` of texts says where the process P is, as files of runs hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import Any
+
+from tachk.monitoring.compiler import columns_read
+from tachk.monitoring.formulas import NamedFormula
+from tachk.operators import BinaryOperator
+from tachk.syntax import ast
+from tachk.syntax.formula import Formula
+from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.rewrite import rewrite
+
+
+def located(named: NamedFormula, columns: Collection[str]) -> NamedFormula:
+    """The formula, and those that it may name, with `P == "loc"` in place of `P.loc` where the trace has no column
+    `P.loc`, but one `P`."""
+    formula = _located(named.formula, columns)
+    siblings = {name: _located(each, columns) for name, each in (named.siblings or {}).items()}
+    if formula is named.formula and siblings == (named.siblings or {}):
+        return named
+    return replace(named, formula=formula, siblings=siblings or None, written=named.text)
+
+
+def _located(formula: Formula, columns: Collection[str]) -> Formula:
+    places = {name for name in columns_read(formula) if name not in columns and name.rpartition(".")[0] in columns}
+    if not places:
+        return formula
+
+    def change(node: Any) -> Any:
+        match node:
+            case ast.MemberExpression(base=base, name=location, span=span) if print_expression(node) in places:
+                column = ast.NameExpression(base.span, print_expression(base))
+                text = ast.StringLiteral(location.span, location.name)
+                return ast.BinaryExpression(span, BinaryOperator.EQUAL, column, text)
+            case _:
+                return node
+
+    return rewrite(formula, change)
