@@ -95,3 +95,55 @@ def test_block(block: Block) -> None:
 @pytest.mark.parametrize("block", blocks(), ids=str)
 def test_codes_are_explained(block: Block) -> None:
     assert {diagnostic.code for diagnostic in reported(block)} <= CODES.keys()
+
+
+# ---- advice ---------------------------------------------------------------------------------------------------------
+
+INSERTED = re.compile(r"add ['`](?P<text>[^'`]+)['`]|add (?P<plain>\S+)")
+WRITTEN = re.compile(
+    r"(?:write |did you mean |the operator is written )[`']?(?P<text>[^`']+?)[`']?(?:[,;:?]| for | in place |$)"
+)
+
+
+def mended(diagnostic: Diagnostic) -> str | None:
+    """The text with what the help says to write in place of what is marked; None where it says something else."""
+    span, help_ = diagnostic.span, diagnostic.help or ""
+    text = span.source.text
+    if help_ == "remove it":
+        return text[: span.start] + text[span.end :]
+    if (added := INSERTED.fullmatch(help_)) is not None and diagnostic.code == "E0102":
+        return text[: span.start] + (added["text"] or added["plain"]) + text[span.end :]
+    written = WRITTEN.match(help_)
+    if written is None or "..." in help_ or diagnostic.code not in WHOLE_SPAN:
+        return None
+    return text[: span.start] + written["text"] + text[span.end :]
+
+
+WHOLE_SPAN = frozenset({"E0104", "E0204", "E0207", "E0201"})
+"""Codes whose help names what stands in place of what is marked."""
+
+
+def advised() -> list[tuple[Block, Diagnostic, str]]:
+    found = []
+    for block in blocks():
+        for diagnostic in reported(block):
+            text = mended(diagnostic)
+            if text is not None:
+                found.append((block, diagnostic, text))
+    return found
+
+
+def test_advice_is_not_refused() -> None:
+    """What a help says to write is accepted, or what is reported then is something else."""
+    advice = advised()
+    assert len(advice) > 40
+    for block, diagnostic, text in advice:
+        again = reported(Block(block.name, block.line, block.language, text))
+        line = diagnostic.span.source.line_column(diagnostic.span.start)[0]
+        same = [
+            each
+            for each in again
+            if (each.code, each.message) == (diagnostic.code, diagnostic.message)
+            and each.span.source.line_column(each.span.start)[0] == line
+        ]
+        assert not same, f"{block}: {diagnostic.message}: {diagnostic.help}"

@@ -191,6 +191,7 @@ class _Compiler:
                 differs = self._differing_texts(expression, left, right)
                 return differs if operator == BinaryOperator.NOT_EQUAL else self._node(NodeKind.NOT, text, differs)
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
+                self._refuse_bare_text(operator, left, right)
                 if operator in {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL} and self._compares_truth(left, right):
                     same = self._equivalence(text, self.condition(left), self.condition(right))
                     return same if operator == BinaryOperator.EQUAL else self._negation(same)
@@ -253,6 +254,16 @@ class _Compiler:
             self.booleans is None or column_name(expression) in self.booleans
         )
 
+    def _refuse_bare_text(self, operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> None:
+        """``state == idle``, where `idle` is no column."""
+        for side, other in ((left, right), (right, left)):
+            if operator not in _EQUALITIES or not isinstance(side, ast.NameExpression) or side.name in self.columns:
+                continue
+            known = isinstance(other, COLUMN_NAMES) and column_name(other) in self.columns
+            if known and did_you_mean(side.name, self.columns) is None:
+                help_ = f'if it is a text, write "{side.name}"; the columns are: {", ".join(self.columns)}'
+                raise self._report("E0901", f"the trace has no column `{side.name}`", side.span, help_)
+
     def _refuse_chain(self, whole: ast.Expression, left: ast.Expression, right: ast.Expression) -> None:
         for side in (left, right):
             if isinstance(side, ast.BinaryExpression) and side.operator in RELATIONS:
@@ -298,7 +309,9 @@ class _Compiler:
     def _column(self, expression: ast.NameExpression | ast.MemberExpression | ast.IndexExpression) -> int:
         name = column_name(expression)
         if name not in self.columns:
-            help = did_you_mean(name, self.columns) or f"the columns are: {', '.join(self.columns) or 'none'}"
+            at_t = name.removesuffix("[t]")
+            help = f"write `{at_t}`: a name stands for the value at each instant" if at_t in self.columns else None
+            help = help or did_you_mean(name, self.columns) or f"the columns are: {', '.join(self.columns) or 'none'}"
             raise self._report("E0901", f"the trace has no column `{name}`", expression.span, help)
         return self.column_numbers.setdefault(name, len(self.column_numbers))
 

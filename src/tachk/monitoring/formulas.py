@@ -28,6 +28,7 @@ from tachk.syntax import ast
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.formulas.tokens import WORDS, operator_word
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.sentences.parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import is_xml, read_source
@@ -338,7 +339,18 @@ def _read(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic,
     if span.text.rstrip().endswith("."):
         return _sentence(name, title, span)
     formula, found = parse_formula(span)
-    return found if formula is None else NamedFormula(name, title, formula)
+    if formula is None:
+        return found
+    words = tuple(_called_words(formula))
+    return words or NamedFormula(name, title, formula)
+
+
+def _called_words(formula: Formula) -> Iterator[Diagnostic]:
+    """A finding for each operator that is written as a function: ``always(p)``."""
+    for call in nodes_of_kind(formula, ast.CallExpression):
+        function = call.function
+        if isinstance(function, ast.NameExpression) and function.name.lower() in WORDS:
+            yield operator_word(function.name, function.span, "(")
 
 
 def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic, ...]:

@@ -271,7 +271,9 @@ def _summary(record: RunRecord) -> Text:
     estimated = len(record.verdicts) + len(record.estimates) - len(judged)
     total = len(judged) + refused
     if record.nothing_checked:
-        return Text("nothing was checked: tachk supports none of the given queries", style="yellow")
+        unread = any(not each.is_unsupported for query in record.not_checked for each in query.diagnostics)
+        reason = "no query could be read" if unread else "tachk supports none of the given queries"
+        return Text(f"nothing was checked: {reason}", style="yellow")
     if total == 0 and not estimated:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")
     other = sum(map(record.leaves_the_model, record.verdicts))

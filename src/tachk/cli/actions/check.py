@@ -128,7 +128,7 @@ def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> 
         (size.locations, "location", "locations"),
         (size.edges, "edge", "edges"),
         (size.properties, "property", "properties"),
-        (len(check.findings), "warning", "warnings"),
+        (len(check.findings) + len(check.deep.findings if check.deep else ()), "warning", "warnings"),
     )
     print(f"{check.model}: " + ", ".join(f"{n} {one if n == 1 else many}" for n, one, many in counts), file=out)
     if version is not None and check.portability is not None:

@@ -130,7 +130,8 @@ TYPE_CODES: dict[str, Explanation] = {
         "A guard or invariant must describe a convex set of clock values: comparisons joined by &&, and disjunctions "
         "of which at most one side compares clocks. `b || x <= 5` is fine, `x <= 5 || y <= 5` has to be two edges.",
         _guarded("x <= 5 || y <= 5"),
-        _guarded("b || x <= 5"),
+        "process P() { clock x, y; bool b; state s; init s;\n"
+        "    trans s -> s { guard x <= 5; }, s -> s { guard y <= 5; }; }",
     ),
     "E0332": Explanation(
         "clocks compared with !=",

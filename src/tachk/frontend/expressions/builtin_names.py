@@ -31,6 +31,15 @@ BUILTIN_TYPES: dict[str, Type] = {
     "int32_t": IntType(-(2**31), 2**31 - 1),
 }
 
+FOREIGN_TYPES = {
+    **dict.fromkeys(("float", "real", "number", "Double"), "double"),
+    **dict.fromkeys(("boolean", "Boolean", "Bool"), "bool"),
+    **dict.fromkeys(("integer", "Integer", "long", "short", "unsigned", "char", "byte"), "int"),
+    **dict.fromkeys(("channel", "event"), "chan"),
+    **dict.fromkeys(("timer", "Clock"), "clock"),
+}
+"""Types of other languages, and those of the same meaning here."""
+
 BUILTIN_CONSTANTS = {
     "INT8_MIN": -(2**7),
     "INT8_MAX": 2**7 - 1,

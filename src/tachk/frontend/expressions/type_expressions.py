@@ -7,7 +7,7 @@ from collections.abc import Callable
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
-from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES
+from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES, FOREIGN_TYPES
 from tachk.frontend.expressions.typing import describe, is_bounded
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
 from tachk.model.floating import DOUBLE
@@ -135,9 +135,9 @@ class TypeReader:
                 if node.name in BUILTIN_TYPES:
                     return BUILTIN_TYPES[node.name]
                 types = [n for n in self.scope.names() if isinstance(self.scope.lookup(n), TypeSymbol)]
-                help_ = self.scope.declared_below(node.name) or did_you_mean(
-                    node.name, [*types, "int", "bool", "clock", "chan", "system"]
-                )
+                meant = FOREIGN_TYPES.get(node.name)
+                help_ = f"write {meant}" if meant else self.scope.declared_below(node.name)
+                help_ = help_ or did_you_mean(node.name, [*types, "int", "bool", "clock", "chan", "system"])
                 self.context.error("E0204", node.span, f"unknown type `{node.name}`", help_)
             case _:
                 self.context.error("E0203", node.span, f"`{node.name}` is a {symbol.description}, not a type")

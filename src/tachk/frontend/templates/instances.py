@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import field, replace
 from itertools import islice
@@ -77,7 +78,7 @@ class Instances:
                         "E0414",
                         name.span,
                         f"`{name.name}` is in the system line twice",
-                        f"make a second process of it: `{name.name}2 = {name.name}(...);`",
+                        f"make a second process of it: `{self._free_name(name.name)} = {name.name}(...);`",
                         (Label(seen[name.name].span, "first here"),),
                     )
                     continue
@@ -116,6 +117,10 @@ class Instances:
         if not instances:
             self.symbols[name.name] = BrokenSymbol(name.span)
 
+    def _free_name(self, name: str) -> str:
+        """A name for a process of a template that nothing has yet."""
+        return next(made for n in itertools.count(1) if self.globals.lookup(made := f"{name}{n}") is None)
+
     def _suggest(self, name: str) -> str | None:
         known = [n for n, s in self.globals.symbols.items() if isinstance(s, TemplateSymbol)]
         return did_you_mean(name, known)
@@ -134,13 +139,14 @@ class Instances:
         if type_ is None:
             return
         if parameter.reference or not is_bounded(type_) or isinstance(type_, BoolType):
+            fresh = self._free_name(node.name.name)
             kind = "a reference" if parameter.reference else f"of type {describe(type_)}"
             self.context.findings.add(
                 "E0413",
                 used_at,
                 f"parameter `{parameter.name.name}` of `{node.name.name}` needs an argument: it is {kind}",
-                f"write `P = {node.name.name}(...);` and put `P` into the system line; only parameters with a "
-                "bounded integer or scalar type may stay free",
+                f"write `{fresh} = {node.name.name}(...);` and put `{fresh}` into the system line; "
+                "only parameters with a bounded integer or scalar type may stay free",
                 (Label(parameter.span, "the parameter"),),
             )
             return

@@ -172,7 +172,7 @@ class Body:
                 "E0209",
                 name.span,
                 f"template `{self.template.name.name}` has no location `{name.name}`",
-                did_you_mean(name.name, numbers),
+                did_you_mean(name.name, numbers) or f"the locations are {', '.join(numbers)}",
             )
         return number
 
@@ -271,7 +271,8 @@ class Body:
             base = base.base
         if isinstance(base, ast.NameExpression) and scope.lookup(base.name) is None:
             declared = f"declare it above: `chan {base.name}{'[n]' if base is not node else ''};`"
-            help_ = scope.suggestion(base.name) or declared
+            channels = [name for name in scope.names() if _is_channel(scope.lookup(name))]
+            help_ = did_you_mean(base.name, channels) or scope.declared_below(base.name) or declared
             self.context.error("E0201", base.span, f"unknown channel `{base.name}`", help_)
             return None
         return expression(node, scope, self.context)
@@ -392,3 +393,8 @@ def warn_unreachable(template: ast.Template, context: Context) -> None:
                 f"no path of edges leads to location `{location.name.name}` of `{template.name.name}`",
                 "add an edge to it, or remove it",
             )
+
+
+def _is_channel(symbol: Symbol | None) -> bool:
+    """Whether a name stands for a channel, or an array of them."""
+    return isinstance(symbol, ValueSymbol) and isinstance(element_type(symbol.expression.type), ChannelType)

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Span
 from tachk.syntax.parsing.tokens import END, Token
 
 PREFIX = frozenset("FGOH")
@@ -20,15 +22,28 @@ BOXES = {"[]": "G", "<>": "F"}
 """How tools for LTL write two of them; before an operand the signs have no other meaning."""
 
 WORDS = {
-    **dict.fromkeys(("always", "globally", "alw", "g_"), "G"),
-    **dict.fromkeys(("eventually", "finally", "future", "ev", "f_"), "F"),
-    **dict.fromkeys(("once", "o_"), "O"),
-    **dict.fromkeys(("historically", "h_"), "H"),
-    **dict.fromkeys(("until", "u_"), "U"),
-    **dict.fromkeys(("since", "s_"), "S"),
+    **dict.fromkeys(("always", "globally", "alw", "g_", "always_", "globally_", "alw_"), "G"),
+    **dict.fromkeys(("eventually", "finally", "future", "ev", "f_", "eventually_", "finally_", "ev_"), "F"),
+    **dict.fromkeys(("once", "o_", "once_"), "O"),
+    **dict.fromkeys(("historically", "h_", "hist", "historically_", "hist_"), "H"),
+    **dict.fromkeys(("until", "u_", "until_"), "U"),
+    **dict.fromkeys(("since", "s_", "since_"), "S"),
     **dict.fromkeys(("unless", "weak_until"), "W"),
 }
 """How others write the operators."""
+
+
+def operator_word(word: str, span: Span, following: str) -> Diagnostic:
+    """The diagnostic for a word that stands for an operator with a letter, and what follows it."""
+    letter = WORDS[word.lower()]
+    if letter == "W":
+        help_ = "the operator is written W"
+    elif following == "[":
+        help_ = f"the operator is written {letter}, with the interval right behind it, as in {letter}[0, 5]"
+    else:
+        help_ = f"the operator is written {letter}; an interval can stand right behind it, as in {letter}[0, 5]"
+    return Diagnostic("E0104", f"unknown word '{word}'", span, help_)
+
 
 TEMPORAL = frozenset({"FORMULA_PREFIX", "FORMULA_INFIX", "EDGE", "IMPLIES"})
 """The tokens that only a temporal formula has."""
@@ -89,6 +104,8 @@ def is_sentence(tokens: list[Token]) -> bool:
 
 def lacks_full_stop(tokens: list[Token]) -> bool:
     """Whether a text that does not end with a full stop can only be meant as a sentence: words follow one another."""
+    if len(tokens) > 1 and tokens[0].text.lower() in WORDS and tokens[1].text in ("(", "["):
+        return False  # an operator in the words of other tools
     words = [_is_word(token) for token in tokens]
     known = any(word and token.text.lower() in SENTENCE_WORDS for word, token in zip(words, tokens, strict=True))
     return (known and sum(words) > 3) and any(
@@ -103,6 +120,25 @@ def _is_word(token: Token) -> bool:
     )
 
 
+def _join_numbers(tokens: list[Token]) -> None:
+    """Make one number each of ``5.`` and ``.5``, as C and Python have them."""
+    place = 1
+    while place < len(tokens):
+        first, second = tokens[place - 1 : place + 1]
+        if first.span.end == second.span.start:
+            behind = tokens[place + 1] if place + 1 < len(tokens) else None
+            ends = behind is None or behind.span.start > second.span.end or behind.type not in ("NAME", "INTEGER")
+            if first.type == "INTEGER" and second.text == "." and ends:
+                tokens[place - 1 : place + 1] = [Token("FLOAT", f"{first.text}.0", first.span.to(second.span))]
+                continue
+            begins = place < 2 or tokens[place - 2].type not in _ENDS_OPERAND | {"QUOTED"}
+            begins = begins and (place < 2 or tokens[place - 2].text not in _CLOSING)
+            if first.text == "." and second.type == "INTEGER" and begins:
+                tokens[place - 1 : place + 1] = [Token("FLOAT", f"0.{second.text}", first.span.to(second.span))]
+                continue
+        place += 1
+
+
 class _Marker:
     """One pass over the tokens of a formula, which marks them in place."""
 
@@ -112,6 +148,7 @@ class _Marker:
 
     def run(self) -> list[Token]:
         tokens = self.tokens
+        _join_numbers(tokens)
         place = 0
         while place < len(tokens):
             place = self.mark(place)

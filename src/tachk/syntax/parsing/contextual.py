@@ -227,7 +227,14 @@ class _Resolver:
 
     def start_of_top_item(self, token: Token, following: str, third: str) -> bool:
         word = token.text
-        if word in ("progress", "recording") and self.text(1) == "{":
+        if (
+            word.lower() == "system"
+            and following == "NAME"
+            and self.text(2) in (",", ";", "<")
+            and self.names_no_type(word)
+        ):
+            token.type = "RESERVED"
+        elif word in ("progress", "recording") and self.text(1) == "{":
             token.type = word.upper()
         elif word == "gantt" and self.text(1) == "{":
             token.type = "GANTT"
@@ -251,6 +258,12 @@ class _Resolver:
             self.query(self.end_of_property(), expectation=True)
             return True
         return False
+
+    def names_no_type(self, word: str) -> bool:
+        """Whether nothing in the text can define a word as a type."""
+        tokens = self.tokens
+        places = [place for place, token in enumerate(tokens) if token.text == word]
+        return not any(tokens[place + 1].text in (";", ",", "[") and place > 0 for place in places)
 
     def expectation(self, token: Token) -> None:
         """Mark ``expect A, B holds;``, and leave a declaration ``expect x;`` with a type of that name alone."""

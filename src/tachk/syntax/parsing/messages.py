@@ -6,8 +6,10 @@ from collections.abc import Iterable, Sequence
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
-from tachk.syntax.formulas.tokens import PREFIX, WORDS, lacks_full_stop
+from tachk.syntax.formulas.tokens import PREFIX, WORDS, lacks_full_stop, operator_word
 from tachk.syntax.parsing.contextual import PATHS, SPELLING
+from tachk.syntax.parsing.foreign_clauses import foreign_clause, untyped_constant
+from tachk.syntax.parsing.foreign_formulas import foreign_formula, trailing_point
 from tachk.syntax.parsing.foreign_words import foreign_word
 from tachk.syntax.parsing.situation import CLOSES, Situation, item_start, query_start, until_end
 from tachk.syntax.parsing.tables import lexer, terminal_spelling
@@ -35,6 +37,11 @@ _NAMED = {
     END: "the end of the text",
 }
 
+_OUTCOMES = {
+    **dict.fromkeys(("true", "satisfied", "yes", "pass", "passes", "ok", "hold"), "holds"),
+    **dict.fromkeys(("false", "violated", "no", "fail", "unsatisfied"), "fails"),
+}
+
 _ITEM_WORDS = ("process", "system", "typedef", "property", "signal", "import", "const", "chan", "clock", "urgent")
 _BODY_WORDS = ("location", "state", "init", "trans", "commit", "committed", "urgent", "branchpoint", "clock", "const")
 
@@ -45,9 +52,14 @@ def explain(situation: Situation) -> Diagnostic:
         _foreign_format(situation)
         or _interface(situation)
         or _temporal_word(situation)
+        or foreign_formula(situation)
+        or trailing_point(situation)
+        or foreign_clause(situation)
+        or untyped_constant(situation)
         or foreign_word(situation)
         or _missing(situation)
         or _brackets(situation)
+        or _outcome(situation)
         or _no_query(situation)
         or _reserved(situation)
         or _misspelt(situation)
@@ -108,6 +120,9 @@ def _brackets(situation: Situation) -> Diagnostic | None:
             f"add '{_closing(stack[-1].text)}'",
             (Label(token.span, there),),
         )
+    if stack and token.text == "(" and _declares_function(situation) and stack[-1].text == "{":
+        label = Label(situation.tokens[situation.index - 1].span, "a function begins here, and none stands in another")
+        return Diagnostic("E0113", "this '{' is never closed", stack[-1].span, "add '}'", (label,))
     if token.text == "{" and "OPAQUE_BLOCK" in situation.accepted:
         return Diagnostic("E0113", "this '{' is never closed", token.span, "add '}'")
     if token.text not in CLOSES:
@@ -123,6 +138,14 @@ def _brackets(situation: Situation) -> Diagnostic | None:
             (Label(token.span, f"'{token.text}' is here"),),
         )
     return None
+
+
+def _declares_function(situation: Situation) -> bool:
+    """Whether ``void f(`` or ``int f(`` stands in a block, in which only variables are declared."""
+    tokens, index = situation.tokens, situation.index
+    if index < 2 or tokens[index - 1].type != "NAME" or "(" in situation.accepted:
+        return False
+    return tokens[index - 2].text in ("void", "int", "bool", "double") or tokens[index - 2].text == "]"
 
 
 def _is_closed_later(situation: Situation) -> bool:
@@ -152,14 +175,7 @@ def _temporal_word(situation: Situation) -> Diagnostic | None:
         letter = WORDS.get(token.text.lower())
         following = tokens[place + 1].text if place + 1 < len(tokens) else ""
         if letter and token.type == "NAME" and following not in (".", ")", "==", "!=", "<", ">", "<=", ">="):
-            return Diagnostic(
-                "E0104",
-                f"unknown word '{token.text}'",
-                token.span,
-                f"the operator is written {letter}, with an interval right behind it, as in {letter}[0, 5]"
-                if letter != "W"
-                else "the operator is written W",
-            )
+            return operator_word(token.text, token.span, following)
     if tokens[begin].type == "QUANTIFIER" and situation.token.text in ("->",):
         return Diagnostic(
             "E0101",
@@ -168,6 +184,21 @@ def _temporal_word(situation: Situation) -> Diagnostic | None:
             f"write imply, or G in place of {tokens[begin].text} to make this a formula about every run",
         )
     return None
+
+
+def _outcome(situation: Situation) -> Diagnostic | None:
+    """``expect true``."""
+    tokens, index = situation.tokens, situation.index
+    place = next((n for n in (index, index - 1) if n >= 0 and tokens[n].text == "expect"), None)
+    if place is None or place + 1 >= len(tokens):
+        return None
+    outcome = tokens[place + 1]
+    meant = _OUTCOMES.get(outcome.text.lower())
+    if meant is None:
+        return None
+    span = tokens[place].span.to(outcome.span)
+    message = f"'{outcome.text}' is not what a query can be expected to do"
+    return Diagnostic("E0104", message, span, f"write `expect {meant}` right behind the query, before its semicolon")
 
 
 def _no_query(situation: Situation) -> Diagnostic | None:
@@ -201,6 +232,8 @@ def _reserved(situation: Situation) -> Diagnostic | None:
     token = situation.token
     if token.type != "RESERVED":
         return None
+    if token.text.lower() == "system":
+        return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, "write system")
     return Diagnostic("E0114", f"'{token.text}' is reserved in UPPAAL and has no meaning", token.span)
 
 

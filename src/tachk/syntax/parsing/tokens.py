@@ -198,9 +198,19 @@ def _unknown_characters(source: Source, start: int, stop: int, match: Match, lex
     run = source.text[start:end]
     shown = run if len(run) <= 10 else run[:10] + "..."
     what = f"the character {shown!r}" if len(run) == 1 else f"the characters {shown!r}"
+    help_ = _spelt(run) or _slashes(source.text, start)
     if len(lexed.errors) < 100:
-        lexed.errors.append(Diagnostic("E0002", f"{what} cannot be used here", Span(source, start, end), _spelt(run)))
+        lexed.errors.append(Diagnostic("E0002", f"{what} cannot be used here", Span(source, start, end), help_))
     return end
+
+
+def _slashes(text: str, place: int) -> str | None:
+    """How ``/\\`` and ``\\/`` are written, of which the backslash is no token."""
+    if text[place] != "\\":
+        return None
+    if text[place - 1 : place] == "/":
+        return "write && in place of /\\"
+    return "write || in place of \\/" if text[place + 1 : place + 2] == "/" else None
 
 
 def _spelt(run: str) -> str | None:

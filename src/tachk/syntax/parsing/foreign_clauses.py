@@ -1,0 +1,97 @@
+"""Clauses of edges and declarations as C, UPPAAL's editor and other tools write them: what to write here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Span
+from tachk.syntax.parsing.situation import Situation
+from tachk.syntax.parsing.tokens import END, Token
+
+_ASSIGNMENTS = ("=", ":=", "+=", "-=", "*=", "/=", "++", "--")
+_GUARDS = ("when", "if", "where", "condition", "provided")
+_RESETS = ("reset", "set", "do", "update", "effect", "action")
+
+
+def untyped_constant(situation: Situation) -> Diagnostic | None:
+    """``const N = 3;``."""
+    tokens, index = situation.tokens, situation.index
+    if situation.token.text not in ("=", ":=") or index < 2 or tokens[index - 2].text != "const":
+        return None
+    span = tokens[index - 2].span.to(tokens[index - 1].span)
+    text = f"const int {tokens[index - 1].text} = {_until(tokens, index + 1)};"
+    return Diagnostic("E0101", f"`{span.text}` has no type", span, f"write `{text}`")
+
+
+def foreign_clause(situation: Situation) -> Diagnostic | None:
+    """The diagnostic for an edge whose clauses lack their words, or have others; None where that is not it."""
+    tokens, index = situation.tokens, situation.index
+    if "SYNC" in situation.accepted or ("ASSIGN" in situation.accepted and "GUARD" in situation.accepted):
+        return _bare_clause(situation)
+    if situation.token.text == "->" and (first := _clause_before(situation)) is not None:
+        if tokens[first].text == "guard":
+            update = _until(tokens, index + 1)
+            guard = Span(situation.token.span.source, tokens[first].span.start, tokens[index - 1].span.end)
+            help_ = f"write `{guard.text}; assign {update};`"
+            return Diagnostic("E0101", "'->' does not fit here", situation.token.span, help_)
+    return None
+
+
+def _bare_clause(situation: Situation) -> Diagnostic | None:
+    tokens, index, token = situation.tokens, situation.index, situation.token
+    following = tokens[index + 1].text if index + 1 < len(tokens) else ""
+    text = _until(tokens, index)
+    if token.type in ("NAME", "IF", "DO") or token.text in _GUARDS:
+        if token.text in _GUARDS:
+            condition = _until(tokens, index + 1)
+            return _unknown(token, f"write `guard {_without_parentheses(condition)};`")
+        if token.text in _RESETS and tokens[index + 1].type == "NAME":
+            rest = _until(tokens, index + 1)
+            update = rest if any(sign in rest for sign in _ASSIGNMENTS) else f"{rest} = 0"
+            return _unknown(token, f"write `assign {update};`")
+        if following in ("!", "?"):
+            message = "a synchronisation begins with `sync`"
+            return Diagnostic("E0101", message, token.span, f"write `sync {text};`")
+        if any(sign in following for sign in _ASSIGNMENTS):
+            return Diagnostic("E0101", "an update begins with `assign`", token.span, _joined(situation, text))
+    return None
+
+
+def _joined(situation: Situation, text: str) -> str:
+    """How to write an assignment that stands behind another clause."""
+    before = _clause_before(situation, behind=True)
+    if before is not None and situation.tokens[before].text == "assign":
+        end = situation.index - 2
+        clause = Span(situation.token.span.source, situation.tokens[before].span.start, situation.tokens[end].span.end)
+        return f"write `{clause.text}, {text};`: commas join assignments"
+    return f"write `assign {text};`"
+
+
+def _clause_before(situation: Situation, behind: bool = False) -> int | None:
+    """The index of the word that begins the clause in which the token stands, or the one before it."""
+    tokens = situation.tokens
+    place = situation.index - (2 if behind else 1)
+    while place >= 0 and tokens[place].text not in (";", "{", "}"):
+        if tokens[place].text in ("guard", "assign", "sync", "select"):
+            return place
+        place -= 1
+    return None
+
+
+def _until(tokens: Sequence[Token], begin: int) -> str:
+    """The text up to the end of a clause."""
+    last = begin
+    while last < len(tokens) and tokens[last].text not in (";", "{", "}") and tokens[last].type != END:
+        last += 1
+    if last == begin:
+        return ""
+    return " ".join(tokens[begin].span.to(tokens[last - 1].span).text.split())
+
+
+def _without_parentheses(text: str) -> str:
+    return text[1:-1].strip() if text.startswith("(") and text.endswith(")") and text.count("(") == 1 else text
+
+
+def _unknown(token: Token, help_: str) -> Diagnostic:
+    return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, help_)
