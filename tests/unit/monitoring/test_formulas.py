@@ -355,3 +355,48 @@ def test_what_is_no_name_is_said_to_be_none(tmp_path: Path) -> None:
     (found,) = refusal.value.diagnostics
     assert (found.span.text, found.message) == ("REQ 1", "`REQ 1` is not a name of a formula")
     assert "REQ-1.2" in str(found.help)
+
+
+@pytest.mark.parametrize(
+    ("formula", "place", "help"),
+    [
+        ("always (p -> q)", "always", "the operator is written G;"),
+        ("always (p implies q)", "always", "the operator is written G;"),
+        ("always (p implies eventually[0,5] q)", "always", "the operator is written G;"),
+        ("always[0,5] (p -> q)", "always", "the operator is written G, with the interval right behind it"),
+        ("G (p -> eventually (q))", "eventually", "the operator is written F;"),
+        ("[]_[0,5] p", "[]_", "the operator is written G, with the interval right behind it"),
+        ("p release q", "release", "q W (p && q)"),
+        ("next p", "next", "no next instant"),
+        ("F{<=5} p", "{<=5", "write F[0, 5]"),
+        ("F<5 p", "<5", "write F[0, 5)"),
+    ],
+)
+def test_spellings_of_other_tools_are_translated(formula: str, place: str, help: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        read_formulas(formula)
+    found = refusal.value.diagnostics[0]
+    assert (found.span.text, help in str(found.help)) == (place, True), found.help
+
+
+@pytest.mark.parametrize(
+    ("formula", "help"),
+    [
+        ("G (x[t] < 3)", "write `x`: a name stands for the value at each instant"),
+        ("G (mode == idle)", 'if it is a text, write "idle"; the columns are: mode, x'),
+        ("G (idle != mode)", 'if it is a text, write "idle"; the columns are: mode, x'),
+        ("G (mode == modee)", "did you mean `mode`?"),
+    ],
+)
+def test_help_for_names_that_are_no_columns(formula: str, help: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        tachk.monitor(formula, {"time": [0, 1], "mode": ["idle", "busy"], "x": [1, 2]})
+    assert refusal.value.diagnostics[0].help == help
+
+
+@pytest.mark.parametrize(
+    ("formula", "truth"), [("G (x < 5.)", "true"), ("G (x > .5)", "true"), ("F[0,1.] (x>2.)", "false")]
+)
+def test_numbers_need_a_digit_on_one_side_of_the_point(formula: str, truth: str) -> None:
+    trace = {"time": [0, 1, 2], "x": [1, 1.5, 1.5]}
+    assert tachk.monitor(formula, trace)[0].truth.word == truth

@@ -123,12 +123,14 @@ def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> 
     size = check.size
     if size is None:
         return
+    told = (*check.findings, *(check.deep.findings if check.deep is not None else ()))
+    warnings = sum(found.severity is not Severity.ERROR for found in told)
     counts = (
         (size.processes, "process", "processes"),
         (size.locations, "location", "locations"),
         (size.edges, "edge", "edges"),
         (size.properties, "property", "properties"),
-        (len(check.findings) + len(check.deep.findings if check.deep else ()), "warning", "warnings"),
+        (warnings, "warning", "warnings"),
     )
     print(f"{check.model}: " + ", ".join(f"{n} {one if n == 1 else many}" for n, one, many in counts), file=out)
     if version is not None and check.portability is not None:
