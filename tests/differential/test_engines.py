@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from random import Random
 
@@ -9,11 +10,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tachk.compiler.lower import lower
+from tachk.diagnostics.diagnostic import InputError
 from tachk.engines import zone
 from tachk.engines.local_times import obstacle
 from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.engines.program_image import encode
 from tachk.model.expressions import BOOL, Constant
+from tachk.properties.verify import check_initial_state
+from tachk.semantics.discrete import prepare
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
 
@@ -121,3 +125,26 @@ def test_engines_agree_on_run_time_errors(shape: str) -> None:
 @given(cases(Shape(processes=2, locations=3, clocks=2, constant=3)))
 def test_engines_agree_on_networks_that_hypothesis_finds(case: Case) -> None:
     assert compare(case, (), EFFORT).problems == ()
+
+
+BEGUN = {
+    "begun": Shape(starts=0.6, clocks=2, constant=3),
+    "begun and compared": Shape(starts=0.6, diagonals=True, copies=0.3, advances=False, clocks=2, constant=3),
+    "begun and stopped": Shape(starts=0.6, stopwatches=True, clocks=2, processes=2),
+    "begun apart": replace(APART, starts=0.7),
+    "begun later": Shape(starts=0.6, unit=200, uneven=True, diagonals=True, clocks=2, constant=3),
+}
+"""Clocks that do not begin with 0."""
+
+
+@pytest.mark.parametrize("shape", BEGUN)
+def test_engines_agree_where_clocks_begin_with_other_values(shape: str) -> None:
+    variants = (*VARIANTS, Options(local_times=LocalTimes.ALWAYS))
+    compared = 0
+    for seed in range(6):
+        case = random_case(Random(seed), BEGUN[shape])
+        with suppress(InputError):
+            check_initial_state(prepare(case.network))
+            assert compare(case, variants, EFFORT).problems == (), f"seed {seed}"
+            compared += 1
+    assert compared > 3

@@ -169,7 +169,9 @@ class ClosedSet final {
   void check_initial() {
     here_.slots = initial_;
     network_.describe(here_);
-    Zone zone = Zone::filled(network_.n, raw_zero).within(here_.limits);
+    Zone zone = Zone::filled(network_.n, raw_zero);
+    for (const ClockReset& start : program_.starts) zone.reset(start);
+    zone.tighten(here_.limits);
     const std::int64_t below = program_.goals.size() > 1 ? 0 : any_rank;
     if (here_.possible) require(here_, zone, below, "the initial state is not in the set");
   }

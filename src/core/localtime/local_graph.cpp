@@ -43,6 +43,7 @@ bool LocalGraph::begin() {
   effect_.written = SlotSet::all();
   if (!ordinary_.semantics().invariant(effect_.slots.data(), effect_.invariant)) return false;
   zones_.make_zero(target_.data());
+  effect_.resets = program().starts;
   met_.resize(agents_.count);
   std::iota(met_.begin(), met_.end(), 0U);
   return enter();

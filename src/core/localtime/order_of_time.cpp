@@ -37,6 +37,7 @@ class Timing {
         last_(agents.count, 0),
         resets_(static_cast<std::size_t>(program_.dimension()), Reset{0, 0}) {
     for (const Slot& slot : program_.slots) slots_.push_back(slot.initial);
+    for (const ClockReset& start : program_.starts) resets_[start.clock].value = start.value;
   }
 
   void take(const Edges& edges) {

@@ -80,6 +80,10 @@ class Decoder {
     program_.computed_unit = in_.wide();
     if (program_.computed_unit < 0) throw std::invalid_argument("negative unit in image");
     program_.interchangeable = in_.sequence([this] { return interchangeable(); });
+    program_.starts = in_.sequence([this] {
+      const std::uint16_t started = clock();
+      return ClockReset{started, static_cast<std::int32_t>(note(in_.number()))};
+    });
     in_.finish();
     return std::move(program_);
   }
@@ -311,6 +315,7 @@ Program without_idle_clocks(Program program) {
     for (Disjunct& disjunct : measure.where.disjuncts) renumber_condition(disjunct.condition);
     mentioned(measure.clock);
   }
+  renumber_each(program.starts);
   renumber_members(program.interchangeable, numbers);
   renumber(program.diagonals);
   for (std::size_t clock = 1; clock < numbers.size(); ++clock)

@@ -216,6 +216,7 @@ struct Program {
   std::vector<Goal> goals;
   std::vector<Measure> measures;
   std::vector<Interchangeable> interchangeable;
+  std::vector<ClockReset> starts;  // what clocks show at first that do not begin with 0
   bool has_priorities = false;
   bool has_stopwatches = false;
   bool copies_clocks = false;

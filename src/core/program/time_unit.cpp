@@ -21,6 +21,7 @@ void for_each_time(Program& program, Visit&& visit) {
     visit_condition(edge.guard);
     for (ClockReset& reset : edge.update.resets) visit(reset);
   }
+  for (ClockReset& start : program.starts) visit(start);
   for (Goal& goal : program.goals)
     for (Disjunct& disjunct : goal.disjuncts) visit_condition(disjunct.condition);
   for (Measure& measure : program.measures)

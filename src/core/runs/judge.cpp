@@ -52,6 +52,7 @@ Judge::Judge(const Program& program, std::int64_t unit)
       reading_(program),
       zero_(static_cast<std::size_t>(program.dimension()), 0),
       listeners_(program.channels.size()) {
+  for (const ClockReset& start : program.starts) zero_[start.clock] = -Wide{start.value} * unit;
   for (const Edge& each : program.edges)
     for (std::uint32_t n = 0; !each.internal() && !each.sends && n < each.channels; ++n) {
       auto& listening = listeners_[static_cast<std::size_t>(each.channel) + n];

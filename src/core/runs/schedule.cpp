@@ -25,7 +25,9 @@ struct Arc {
 class Schedule {
  public:
   Schedule(const Program& program, const RunPath& path)
-      : path_(path), reading_(program), set_(static_cast<std::size_t>(program.dimension()), Set{0, 0}) {}
+      : path_(path), reading_(program), set_(static_cast<std::size_t>(program.dimension()), Set{0, 0}) {
+    for (const ClockReset& start : program.starts) set_[start.clock].value = start.value;
+  }
 
   // Collects what has to hold. False if that is impossible, or too large to compute with.
   bool collect(const Program& program, const Goal& goal);

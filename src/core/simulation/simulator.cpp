@@ -39,6 +39,7 @@ bool Simulator::begin(Random random) {
   state_.slots.clear();
   for (const Slot& slot : program_.slots) state_.slots.push_back(slot.initial);
   state_.clocks.start();
+  for (const ClockReset& start : program_.starts) state_.clocks.set(start.clock, Ticks{start.value} * unit(), 0);
   change_ = {};
   if (program_.has_stopwatches) switch_clocks();
   state_.committed = 0;

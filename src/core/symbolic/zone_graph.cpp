@@ -97,7 +97,7 @@ bool ZoneGraph::begin() {
   effect_.slots.clear();
   for (const Slot& slot : program_.slots) effect_.slots.push_back(slot.initial);
   effect_.written = SlotSet::all();
-  effect_.resets.clear();
+  effect_.resets = program_.starts;
   effect_.invariant.clear();
   return semantics_.invariant(effect_.slots.data(), effect_.invariant);
 }

@@ -119,7 +119,8 @@ class ClosedSet:
 
     def objection(self) -> Objection | None:
         """What is wrong; None if it is a proof."""
-        zone = np.full((1, self.model.dimension, self.model.dimension), LESS_EQUAL_ZERO)
+        values = np.array([0, *self.model.layout.starts], dtype=np.int64)
+        zone = 2 * (values[:, None] - values)[None] + LESS_EQUAL_ZERO
         start = self._limited(Pieces(zone, self.start * 0, self.start, self.start * 0))
         if self.invalid[self.start].any() or len(self._uncovered(start, self.begins is None).row):
             return Objection("the initial state is not in the set")

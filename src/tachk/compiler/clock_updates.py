@@ -22,10 +22,10 @@ from tachk.model.types import ClockType
 
 class ClockUpdates:
     """Attributes:
-    values: the largest constant that each clock may be set to.
+    values: the largest constant that each clock may be set to, or begin with.
     unit: divides all that clocks may be set to or advanced by; 0 if that is always 0.
     copies: what may set a clock to the value of a clock, each with a place where it is written.
-    largest: the largest value a clock may be set to or advanced by.
+    largest: the largest value a clock may begin with, be set to or be advanced by.
     """
 
     def __init__(self, layout: SlotLayout, compiler: ConditionCompiler) -> None:
@@ -39,6 +39,8 @@ class ClockUpdates:
     def find(self, network: Network, known: Known) -> None:
         """Notes what clocks may be set to: the largest value of each, what divides all of them, and copies. Raises
         UnsupportedError for a value that is too large."""
+        self.values = {clock: value for clock, value in enumerate(self.layout.starts, start=1) if value > 0}
+        self.largest = max(self.layout.starts, default=0)
         for node in clock_assignments(network_expressions(network)):
             whole = clock_sum(node.value)
             if whole is None:

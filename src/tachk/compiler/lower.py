@@ -420,6 +420,7 @@ class _Lowering:
             copies_clocks=bool(self.clocks.copies),
             largest_reset=self.clocks.largest,
             computed_unit=gcd(self.clocks.unit, self.compiler.computed_unit),
+            starts=tuple((clock, value) for clock, value in enumerate(self.layout.starts, start=1) if value > 0),
         )
 
     def _bounds(

@@ -208,10 +208,11 @@ class Program:
     has_priorities: some channel or process has a priority that differs from another.
     has_stopwatches: some location stops a clock.
     copies_clocks: some update sets a clock to the value of a clock.
-    largest_reset: the largest value a clock may be set to, or be advanced by.
+    largest_reset: the largest value a clock may begin with, be set to, or be advanced by.
     computed_unit: divides every time that code computes, the bounds of constraints and the values of clocks; 0 if they
         are all 0.
         interchangeable: groups of processes, whose states a search for the goals need not tell apart.
+    starts: the clocks that do not begin with 0, each with what it shows at first.
     """
 
     process_priorities: tuple[int, ...]
@@ -232,6 +233,7 @@ class Program:
     largest_reset: int = 0
     computed_unit: int = 0
     interchangeable: tuple[Interchangeable, ...] = ()
+    starts: tuple[tuple[int, int], ...] = ()
 
     @property
     def clocks(self) -> int:

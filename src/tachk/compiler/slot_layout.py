@@ -22,6 +22,7 @@ class SlotLayout:
         slots: all slots so far (`Program.slots`).
         state_slots: how many of them are the state.
         clock_names, channels: by number; clock number ``i`` is entry ``i - 1``.
+        starts: what each clock shows at first.
     """
 
     def __init__(self, network: Network, known: Known, tables: Collection[Variable] = ()) -> None:
@@ -32,6 +33,7 @@ class SlotLayout:
             Slot(process.name, 0, max(len(process.locations) - 1, 0), process.initial) for process in network.processes
         ]
         self.clock_names: list[str] = []
+        self.starts: list[int] = []
         self.channels: list[ProgramChannel] = []
         self._first: dict[Variable, int] = {}
         problems: list[Diagnostic] = []
@@ -55,6 +57,7 @@ class SlotLayout:
         name = variable.name + path
         if isinstance(type_, ClockType):
             self.clock_names.append(name)
+            self.starts.append(initial)
             number = len(self.clock_names)
             return Slot(name, number, number, number)
         if isinstance(type_, ChannelType):

@@ -46,6 +46,7 @@ def encode(program: Program, goals: Sequence[Goal], measures: Sequence[Measure] 
             for row in rows:
                 image += row if rows is group.names else (len(row), *row)
         image.append(int(group.cyclic))
+    image += (len(program.starts), *(number for start in program.starts for number in start))
     return image
 
 

@@ -28,7 +28,7 @@ from tachk.model.traversal import called_functions, roots, statement_expressions
 from tachk.model.types import Type, cell_count, clock_count, leaves
 from tachk.records import dataclass
 
-_NO_CELLS = CellLayout({}, (), (), (), (), (), (), ())
+_NO_CELLS = CellLayout({}, (), (), (), (), (), (), (), ())
 _INSIDE = (VariableKind.FRAME, VariableKind.BOUND)
 
 

@@ -225,8 +225,8 @@ class _Declarations:
             cells = (initial,) if isinstance(initial, int) else tuple(initial)
         return self._add(Variable(self.prefix + name, type_, self.kind, cells, declared_meta=meta))
 
-    def clock(self, name: str) -> Term:
-        return self.declare(name, ClockType())
+    def clock(self, name: str, initial: int = 0) -> Term:
+        return self.declare(name, ClockType(), initial)
 
     def integer(self, name: str, low: int, high: int, initial: int | None = None, meta: bool = False) -> Term:
         """An integer with the range ``[low, high]``."""

@@ -6,7 +6,7 @@ cell of a clock or channel holds its number.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
@@ -25,6 +25,7 @@ class CellLayout:
     meta: whether the cell belongs to a meta variable.
     clock_cells: the cell of each clock; entry i belongs to clock number i + 1.
     channel_cells: the cell of each channel; entry i belongs to channel number i.
+    starts: what each clock shows at first; entry i belongs to clock number i + 1.
     """
 
     first: Mapping[Variable, int]
@@ -35,6 +36,7 @@ class CellLayout:
     meta: tuple[bool, ...]
     clock_cells: tuple[int, ...]
     channel_cells: tuple[int, ...]
+    starts: tuple[int, ...]
 
 
 def cell_layout(network: Network) -> CellLayout:
@@ -47,6 +49,7 @@ def cell_layout(network: Network) -> CellLayout:
     meta: list[bool] = []
     clocks: list[int] = []
     channels: list[int] = []
+    starts: list[int] = []
     for variable in network.all_variables():
         first[variable] = len(names)
         given = variable.initial
@@ -56,6 +59,7 @@ def cell_layout(network: Network) -> CellLayout:
                 case ClockType():
                     clocks.append(cell)
                     value = len(clocks)
+                    starts.append(given[position] if given else 0)
                     ranges.append((value, value))
                 case ChannelType():
                     value = len(channels)
@@ -79,7 +83,16 @@ def cell_layout(network: Network) -> CellLayout:
         tuple(meta),
         tuple(clocks),
         tuple(channels),
+        tuple(starts),
     )
+
+
+def begun_clocks(network: Network) -> Iterator[Variable]:
+    """The variables with a clock that does not begin with 0."""
+    for variable in network.all_variables():
+        cells = zip(leaves(variable.type), variable.initial, strict=False)
+        if any(value != 0 and isinstance(leaf, ClockType) for (_, leaf), value in cells):
+            yield variable
 
 
 def cell_bounds(leaf: Type) -> tuple[int, int]:

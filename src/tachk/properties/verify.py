@@ -28,7 +28,7 @@ from tachk.properties.variants import non_zeno, pace, second_engine
 from tachk.properties.variants.second_engine import Answering
 from tachk.properties.verdict import Verdict, answers_of
 from tachk.reduction.spectators import every_action_counts
-from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
+from tachk.semantics.discrete import PreparedNetwork, initial_clocks, initial_discrete, prepare
 from tachk.semantics.step import satisfies_invariant
 from tachk.semantics.timed_trace import TimedState
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -167,7 +167,7 @@ def _explored_everything(network: Network, verdict: Verdict) -> bool:
 
 def check_initial_state(model: PreparedNetwork) -> None:
     """Raises InputError (E0409) where the initial state violates an invariant."""
-    start = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
+    start = TimedState(initial_discrete(model), initial_clocks(model), Fraction(0))
     violated = []
     for number, process in enumerate(model.network.processes):
         # An invariant that cannot be evaluated is a run-time error, which the search reports.
@@ -180,7 +180,7 @@ def check_initial_state(model: PreparedNetwork) -> None:
                 "E0409",
                 f"the invariant of the initial location {name}.{location.name} does not hold in the initial state",
                 location.span,
-                "every clock starts at 0 and every variable at its initial value",
+                "every variable has its initial value, and every clock, too: 0 where none is written",
             )
             for name, location in violated
         )

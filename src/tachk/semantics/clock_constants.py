@@ -23,7 +23,7 @@ DIAGONAL_VALUES = 1000
 class ClockConstants:
     """Attributes:
     maximum: for each clock (entry 0 is 0) no constant it is compared with, alone or in a difference, is larger in
-        absolute value.
+        absolute value. Where it is compared in a difference, there is room for what both clocks may be set to.
     diagonals: the difference constraints between two real clocks, each for every value its bound can have.
     compared: the clocks that are compared at all.
     """
@@ -56,7 +56,31 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
             elif len(clocks) > 2:
                 raise ValueError(f"{comparison.span}: a comparison with more than two clocks")
     _carry(clock_copies(network), maximum, diagonals, compared)
+    values = _values(network, layout)
+    for i, j, raw in diagonals:
+        for number in (i, j):
+            maximum[number] = max(maximum[number], abs(bound_value(raw)) + max(values[i], values[j]))
     return ClockConstants(tuple(maximum), tuple(sorted(diagonals)), frozenset(compared))
+
+
+def _values(network: Network, layout: CellLayout) -> list[int]:
+    """The largest number that each clock may begin with or be set to; entry 0 is 0."""
+    values = [0, *layout.starts]
+    for assignment in clock_assignments(e for process in network.processes for e in process_expressions(process)):
+        whole = clock_sum(assignment.value)
+        if whole is not None and whole.offset is not None and whole.clock is None:
+            high = interval(whole.offset)[1]
+            for clock in _denoted(assignment.target, layout):
+                values[clock] = max(values[clock], high)
+    return values
+
+
+def _denoted(place: Expression, layout: CellLayout) -> frozenset[int]:
+    """The clocks that a place may mean."""
+    variables = tuple(roots(place))
+    if any(variable not in layout.first for variable in variables):  # passed by reference
+        return frozenset(range(1, len(layout.clock_cells) + 1))
+    return frozenset(n for variable in variables for n in _numbers(Reference(variable), layout))
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,19 +95,18 @@ class Copies:
 def clock_copies(network: Network) -> list[Copies]:
     """What sets clocks to the values of clocks. Offsets are not negative: that is a run-time error."""
     layout = cell_layout(network)
-
-    def denoted(place: Expression) -> frozenset[int]:
-        variables = tuple(roots(place))
-        if any(variable not in layout.first for variable in variables):  # passed by reference
-            return frozenset(range(1, len(layout.clock_cells) + 1))
-        return frozenset(n for variable in variables for n in _numbers(Reference(variable), layout))
-
     found = []
     for assignment in clock_assignments(e for process in network.processes for e in process_expressions(process)):
         whole = clock_sum(assignment.value)
         if whole is not None and whole.clock is not None:
             low, high = (0, 0) if whole.offset is None else interval(whole.offset)
-            found.append(Copies(denoted(assignment.target), denoted(whole.clock), (max(low, 0), max(high, 0))))
+            found.append(
+                Copies(
+                    _denoted(assignment.target, layout),
+                    _denoted(whole.clock, layout),
+                    (max(low, 0), max(high, 0)),
+                )
+            )
     return found
 
 

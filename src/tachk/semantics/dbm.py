@@ -102,6 +102,12 @@ def close(dimension: int, bounds: Iterable[int]) -> Zone | None:
     return Zone(n, tuple(m))
 
 
+def point(values: Sequence[int]) -> Zone:
+    """The zone where the clocks have these values."""
+    clocks = (0, *values)
+    return Zone(len(clocks), tuple(raw_bound(x - y, strict=False) for x in clocks for y in clocks))
+
+
 def origin(dimension: int) -> Zone:
     """The zone where every clock is 0."""
     return Zone(dimension, (LESS_EQUAL_ZERO,) * (dimension * dimension))

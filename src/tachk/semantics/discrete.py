@@ -125,6 +125,10 @@ def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...],
     return tuple(tuple(i) for i in by_location)
 
 
+def initial_clocks(model: PreparedNetwork) -> tuple[Fraction, ...]:
+    return tuple(map(Fraction, model.layout.starts))
+
+
 def initial_discrete(model: PreparedNetwork) -> DiscreteState:
     return DiscreteState(tuple(p.initial for p in model.network.processes), model.layout.initial)
 

@@ -30,6 +30,7 @@ from tachk.semantics.discrete import (
     clocks_after,
     environment,
     execute_updates,
+    initial_clocks,
     initial_discrete,
     initiators,
     is_urgent,
@@ -50,7 +51,7 @@ class StepError(ValueError):
 
 def initial_state(model: PreparedNetwork) -> TimedState:
     """The initial state. Raises StepError if it violates an invariant."""
-    state = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
+    state = TimedState(initial_discrete(model), initial_clocks(model), Fraction(0))
     if not satisfies_invariants(model, state):
         raise StepError("the initial state violates an invariant")
     return state

@@ -284,7 +284,7 @@ def initial_situation(model: PreparedNetwork) -> tuple[Situation, Federation]:
     start = situation(model, initial_discrete(model))
     if start.invariant is None:
         return start, []
-    return start, elapse(start, [z for z in [dbm.intersect(dbm.origin(model.dimension), start.invariant)] if z])
+    return start, elapse(start, [z for z in [dbm.intersect(dbm.point(model.layout.starts), start.invariant)] if z])
 
 
 def fire(here: Situation, zones: Iterable[Zone], move: Move) -> Federation:

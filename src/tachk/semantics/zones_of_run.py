@@ -24,7 +24,7 @@ def zones_of_run(network: Network, run: TimedTrace) -> tuple[Zone, ...]:
     """
     model = prepare(network)
     here = situation(model, run.initial.discrete)
-    arrived = [dbm.origin(model.dimension)]
+    arrived = [dbm.point(model.layout.starts)]
     zones: list[Zone] = []
     clocks = run.initial.clocks
     for step in run.steps:

@@ -64,6 +64,7 @@ class Shape:
         language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
         copies: the share of updates that set a clock to the value of a clock.
         advances: such updates add to the value.
+        starts: the share of the clocks that do not begin with 0.
         faults: in which share of the networks something can be a run-time error; needs ``language``.
     """
 
@@ -94,6 +95,7 @@ class Shape:
     groups: int = 1
     copies: float = 0.0
     advances: bool = True
+    starts: float = 0.0
     language: bool = False
     faults: float = 0.0
 
@@ -136,7 +138,7 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
         process = network.process(f"P{number}", priority)
         used = parts
         if shape.apart and random.random() < shape.apart:
-            used = _own(random, parts, process)
+            used = _own(random, shape, parts, process)
             clocks, integers = [*mentioned.clocks, *used.clocks], [*mentioned.integers, *used.integers]
             mentioned = replace(mentioned, clocks=clocks, integers=integers)
         handles.append(_locations(random, shape, used, process))
@@ -211,7 +213,7 @@ def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:
 
 
 def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str = "") -> _Parts:
-    clocks = [network.clock(f"{prefix}x{i}") for i in range(random.randint(1, shape.clocks))]
+    clocks = [network.clock(f"{prefix}x{i}", _start(random, shape)) for i in range(random.randint(1, shape.clocks))]
     integers = [network.integer(f"{prefix}n{i}", 0, INTEGER_TOP) for i in range(random.randint(1, 2))]
     scratch = network.integer(f"{prefix}scratch", 0, INTEGER_TOP, initial=1, meta=True)
     channels = []
@@ -231,9 +233,16 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str 
     return _Parts(clocks, integers, channels, scratch)
 
 
-def _own(random: Random, parts: _Parts, process: ProcessBuilder) -> _Parts:
+def _start(random: Random, shape: Shape) -> int:
+    """What a clock begins with."""
+    if not shape.starts or random.random() >= shape.starts:
+        return 0
+    return _time(random, shape, random.randint(1, shape.constant))
+
+
+def _own(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> _Parts:
     """Clocks and variables of a process, and now and then one that others use, too."""
-    clocks = [process.clock(f"y{i}") for i in range(random.randint(1, 2))]
+    clocks = [process.clock(f"y{i}", _start(random, shape)) for i in range(random.randint(1, 2))]
     integers = [process.integer("m", 0, INTEGER_TOP)]
     if random.random() < 0.15:
         clocks.append(random.choice(parts.clocks))

@@ -112,8 +112,7 @@ TYPE_CODES: dict[str, Explanation] = {
     ),
     "E0318": Explanation(
         "wrong initial value",
-        "An array needs a value for each element, a struct for each field, each once. Clocks start at 0 and channels "
-        "have no value.",
+        "An array needs a value for each element, a struct for each field, each once. Channels have no value.",
         "int a[3] = {1, 2};",
         "int a[3] = {1, 2, 3};",
     ),

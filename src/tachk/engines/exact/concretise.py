@@ -19,6 +19,7 @@ from tachk.semantics.discrete import (
     clocks_after,
     environment,
     execute_updates,
+    initial_clocks,
     initial_discrete,
     may_delay,
     stopped_clocks,
@@ -97,7 +98,7 @@ def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> t
     Behind the clocks of the model the phases have one more, which is 0 at the beginning of every phase.
     """
     states = [initial_discrete(model)]
-    resets = [(0, 0)] * (model.dimension + 1)
+    resets = [(0, value) for value in (0, *model.layout.starts, 0)]
     phases = [Phase(tuple(resets), stopped_clocks(model, states[0]))]
     for number, transition in enumerate(path, start=1):
         if transition is None:
@@ -182,7 +183,7 @@ def reached(
     model: PreparedNetwork, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition | None]
 ) -> Zone:
     """A zone that holds the clock values in which the path can end, and as a rule little more."""
-    zone = dbm.origin(model.dimension)
+    zone = dbm.point(model.layout.starts)
     for number, state in enumerate(states):
         invariant = symbolic.invariant_zone(model, state)
         needed: list[Iterable[Constraint]] = [] if invariant is None else [invariant.constraints()]
@@ -230,7 +231,7 @@ def timed_trace(
 ) -> TimedTrace:
     """The run that takes the transitions of a path after these durations. None in the path ends no delay."""
     zero = Fraction(0)
-    state = TimedState(states[0], (zero,) * (model.dimension - 1), zero)
+    state = TimedState(states[0], initial_clocks(model), zero)
     initial, steps, waited = state, [], zero
     for phase, transition in enumerate([*path, None]):
         wait, stopped = durations[phase], phases[phase].stopped

@@ -19,6 +19,7 @@ from math import floor
 
 from tachk.engines.options import Limits
 from tachk.engines.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics, Status
+from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import Assign, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
@@ -68,7 +69,7 @@ def _largest_reset(network: Network) -> int:
     updates = [update for process in network.processes for edge in process.edges for update in edge.updates]
     inside = (e for expression in with_bodies(updates) for e in walk(expression))
     resets = (e for e in inside if isinstance(e, Assign) and isinstance(e.type, ClockType))
-    return max((interval(e.value)[1] for e in resets), default=0)
+    return max((interval(e.value)[1] for e in resets), default=0) + max(cell_layout(network).starts, default=0)
 
 
 def _capped(clocks: Clocks, maximum: Sequence[int]) -> Clocks:

@@ -74,7 +74,7 @@ def _with_clock(network: Network) -> tuple[Network, Variable]:
 def _starts(graph: _Zones, trigger: Expression | None, budget: Budget) -> dict[Node, tuple[Transition, ...]]:
     """Where runs begin to avoid the goal, each with the way to it. Raises LimitError and EvaluationFault."""
     start, _ = symbolic.initial_situation(graph.model)
-    zones = [z for z in [start.invariant and dbm.intersect(dbm.origin(graph.model.dimension), start.invariant)] if z]
+    zones = [z for z in [start.invariant and dbm.intersect(dbm.point(graph.model.layout.starts), start.invariant)] if z]
     if not zones:
         raise ValueError("the initial state violates an invariant")
     if trigger is None:

@@ -91,7 +91,7 @@ class Relation:
             for number, process in zip(frame.locations, self.network.processes, strict=True)
         ]
         parts += [number.is_value(value) for number, value in zip(frame.cells, self.layout.initial, strict=True)]
-        parts += [reset == 0 for reset in frame.resets]
+        parts += [reset == -start for reset, start in zip(frame.resets, self.layout.starts, strict=True)]
         return all_of([*parts, frame.entered == 0])
 
     def any_frame(self, frame: Frame) -> Formula:

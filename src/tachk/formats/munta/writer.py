@@ -28,7 +28,7 @@ from tachk.formats.munta.formula import (
 )
 from tachk.formats.munta.invariants import constant_invariant
 from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaNetwork, MuntaProcess, Names, Variables
-from tachk.model.cell_layout import CellLayout
+from tachk.model.cell_layout import CellLayout, begun_clocks
 from tachk.model.expressions import Deadlock, Expression, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -74,6 +74,8 @@ def _check_features(network: Network) -> None:
                 raise refused("clocks that stand still", location.rates[0][0].span)
         if process.priority != network.processes[0].priority:
             raise refused("priorities of processes", process.span)
+    for variable in begun_clocks(network):
+        raise refused("clocks that do not begin with 0", variable.span, "set the clock on the first edge")
     for variable in network.all_variables():
         if any(p != network.default_priority for p in variable.priorities):
             raise refused("priorities of channels", variable.span)

@@ -22,6 +22,7 @@ from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choic
 from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, refused, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
+from tachk.model.cell_layout import begun_clocks
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Network, Process
 from tachk.model.query import Query
@@ -102,6 +103,8 @@ class _Exporter:
                     break
             if any(p != network.default_priority for p in variable.priorities):
                 self._refuse("priorities of channels", variable.span)
+        for variable in begun_clocks(network):
+            self._refuse("clocks that do not begin with 0", variable.span, "set the clock on the first edge")
         for process in network.processes:
             if process.priority != network.processes[0].priority:
                 self._refuse("priorities of processes", process.span)

@@ -41,6 +41,7 @@ from tachk.model.types import (
     element_type,
     leaves,
 )
+from tachk.operators import CONSTANT_HIGH
 from tachk.records import dataclass
 from tachk.syntax import ast
 
@@ -203,12 +204,10 @@ def _initial_cells(
 def checked_cells(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
     """The cells of a constant of the given type, checked against its ranges."""
     cells = context.constant_cells(value, what)
-    if cells is None or isinstance(type_, ClockType):
+    if cells is None:
         return cells
     for (path, leaf), cell in zip(leaves(type_), cells, strict=True):
-        if isinstance(leaf, ClockType):
-            continue
-        low, high = cell_bounds(leaf)
+        low, high = (0, CONSTANT_HIGH) if isinstance(leaf, ClockType) else cell_bounds(leaf)
         if not low <= cell <= high:
             at = f" at {path}" if path else ""
             context.error(

@@ -37,7 +37,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, ScalarType, Type, cell_count
 from tachk.operators import BinaryOperator, UnaryOperator
 
-_EMPTY = Environment(CellLayout({}, (), (), (), (), (), (), ()), [])
+_EMPTY = Environment(CellLayout({}, (), (), (), (), (), (), (), ()), [])
 
 
 def _computed(expression: Expression, span: Span) -> Expression:

@@ -8,9 +8,9 @@ from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import Scope
-from tachk.model.expressions import Aggregate, Constant, Expression
+from tachk.model.expressions import Aggregate, Expression
 from tachk.model.floating import DOUBLE
-from tachk.model.types import ArrayType, ClockType, RecordType, Type
+from tachk.model.types import ArrayType, ClockType, IntType, RecordType, Type
 from tachk.syntax import ast
 
 
@@ -22,14 +22,22 @@ def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Contex
     if value is None:
         return None
     if isinstance(type_, ClockType):
-        if isinstance(value, Constant) and value.value == 0:
-            return value
-        context.error("E0318", node.span, "clocks start at 0", "set the clock in an update to start from another value")
-        return None
+        return _clock_value(value, node, context)
     if not can_assign(type_, value.type):
         context.error("E0302", node.span, f"{describe(value.type)} cannot initialise {describe(type_)}")
         return None
     return converted(value, type_)
+
+
+def _clock_value(value: Expression, node: ast.Expression, context: Context) -> Expression | None:
+    if value.type == DOUBLE:
+        help = "`tachk simulate` and `tachk estimate` know them; write an integer"
+        context.error("E0750", node.span, "an initial value of a clock that is no integer is not supported", help)
+        return None
+    if not isinstance(value.type, IntType):
+        context.error("E0302", node.span, f"{describe(value.type)} cannot initialise clock")
+        return None
+    return value
 
 
 def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context) -> Expression | None:
