@@ -106,6 +106,7 @@ def conform(
     ports: Iterable[int] = (),
     limits: Limits | None = None,
     applications: Iterable[str | os.PathLike[str]] = (),
+    explain: str = "short",
 ) -> Conformance:
     """Whether a recording of the real system is a run of a model, which says in ``recording { ... }`` how to read it.
 
@@ -117,15 +118,22 @@ def conform(
         ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
         limits: of each search; the seconds are for all of them together.
         applications: files of events that applications noted; beside a capture with times since 1970.
+        explain: what is told of a recording that is no run. ``"none"``: only that; ``"short"``: where it leaves the
+            model, and an edit that would make it a run if one is found in a few seconds; ``"full"``: all edits near
+            that place are tried.
 
     Raises UsageError if the recording does not fit the model, or it says nothing of them, UnsupportedError.
     """
-    from tachk.conformance.asking import Question, conform_file
+    from tachk.conformance.asking import conform_file
+    from tachk.conformance.question import Explanation, Question
     from tachk.loading.recorded_models import recorded_model
 
     model = model if isinstance(model, Model) else load(model)
     model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
-    asked = Question(tolerance, late, unit, tuple(ports), tuple(os.fspath(each) for each in applications))
+    if explain not in list(Explanation):
+        raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(Explanation)}")
+    logs = tuple(os.fspath(each) for each in applications)
+    asked = Question(tolerance, late, unit, tuple(ports), logs, Explanation(explain))
     return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
 
 

@@ -12,8 +12,9 @@ from tachk.conformance.carried import BEST_EFFORT, most_pieces
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.event_tables import read_events
 from tachk.conformance.events import Recording
-from tachk.conformance.nearby import smallest_edit
+from tachk.conformance.nearby import SHORT_WORK, smallest_edit
 from tachk.conformance.packet_events import SUFFIXES, read_capture
+from tachk.conformance.question import Explanation, Question
 from tachk.conformance.queues import Constants
 from tachk.conformance.tolerances import duration, least
 from tachk.diagnostics.diagnostic import UsageError
@@ -21,7 +22,6 @@ from tachk.engines.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
-from tachk.records import dataclass
 from tachk.time_limit import OutOfTimeError
 
 AUTO = "auto"
@@ -31,17 +31,6 @@ _STATES_OF_EDIT = 20_000
 _STATES_OF_EVENT = 20
 """So many states at most, and so many more for each event, are stored when a recording is held against the model with
 an edit."""
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """How a recording is to be read, as `tachk.api.conform` says."""
-
-    tolerance: str | None = None
-    late: str | None = None
-    unit: str | None = None
-    ports: tuple[int, ...] = ()
-    applications: tuple[str, ...] = ()
 
 
 def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
@@ -60,7 +49,8 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
 
     def ask(allowed: Fraction | None) -> Conformance:
         left = limits.after(monotonic() - started)
-        return conform(network, mapping, events, constants, allowed, lateness, limits=left)
+        explain = asked.explanation is not Explanation.NONE
+        return conform(network, mapping, events, constants, allowed, lateness, limits=left, explain=explain)
 
     if asked.tolerance == AUTO:
         return least(ask)
@@ -78,8 +68,9 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
         return tried.accepted is True
 
     try:
-        edit = smallest_edit(network, mapping, events, constants, found, left, accepts)
-        return replace(found, edit=edit)
+        work = None if asked.explanation is Explanation.FULL else SHORT_WORK
+        search = smallest_edit(network, mapping, events, constants, found, left, accepts, work)
+        return replace(found, edit=search.edit, untried=search.untried)
     except OutOfTimeError:
         return replace(found, left_out="whether an edit of the recording would make it a run")
 

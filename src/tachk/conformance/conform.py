@@ -49,6 +49,7 @@ class Refusal:
         event: the number of the event that cannot come next; None if all have come and the model would not be silent.
         state: the locations of that part of the model there.
         offers: what it could do there.
+        offers_whole: it could do nothing else.
     """
 
     path: tuple[Transition, ...]
@@ -56,6 +57,7 @@ class Refusal:
     event: int | None
     state: str
     offers: tuple[Offer, ...]
+    offers_whole: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +103,7 @@ class Conformance:
     reached: how far each part goes along, where there is a refusal.
     reason: why there is no answer; empty if there is one.
     edit: of the recording, with which it would be a run; None where it is one, or none was found.
+    untried: how many edits near the event were not tried, since that would have taken too long.
     left_out: what of the explanation the time limit left no time for, in words; empty if there is all of it.
     """
 
@@ -116,6 +119,7 @@ class Conformance:
     reached: tuple[Reached, ...] = ()
     reason: str = ""
     edit: Edit | None = None
+    untried: int = 0
     left_out: str = ""
 
 
@@ -320,7 +324,8 @@ def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
     ]
     end = end_of(following, program, found.path, found.actions)
     allowed = offers(search.network, search.mapping, following, queues, happened, end)
-    return Refusal(found.path, sum(happened) + len(others), event, state_text(following, end), allowed)
+    count, state = sum(happened) + len(others), state_text(following, end)
+    return Refusal(found.path, count, event, state, allowed.offers, allowed.whole)
 
 
 def _happened(following: Following, queues: Queues, path: Sequence[Transition]) -> list[int]:

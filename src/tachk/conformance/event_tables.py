@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -14,6 +15,10 @@ from tachk.time_units import NANOSECONDS, SPELLINGS
 
 TIME, NAME, ID, AFTER = "time", "event", "id", "after"
 """The columns with a meaning of their own. All others are what events say."""
+_LONGEST = 100
+"""So many characters a time has at most."""
+_HUGE_EXPONENT = re.compile(r"e[+-]?\d{4}", re.IGNORECASE)
+"""Nothing that is measured has such a one, and numbers with it fill the memory."""
 
 
 def read_events(path: Path, unit: str | None = None) -> Recording:
@@ -70,10 +75,13 @@ def _length(unit: str | None, path: Path) -> Fraction | None:
 
 
 def _number(cell: Cell, path: Path, place: str) -> Fraction:
+    text = str(cell).strip()
     try:
-        return Fraction(str(cell).strip())
+        if len(text) <= _LONGEST and not _HUGE_EXPONENT.search(text):
+            return Fraction(text)
     except (ValueError, ZeroDivisionError):
-        raise UsageError(f"{path}, {place}: `{cell}` is no time", f"the column `{TIME}` has a number") from None
+        pass
+    raise UsageError(f"{path}, {place}: `{text[:_LONGEST]}` is no time", f"the column `{TIME}` has a number")
 
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
@@ -98,6 +106,9 @@ def _json_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]
             row = json.loads(content)
         except json.JSONDecodeError as error:
             raise UsageError(f"{path}, line {line}: this is no JSON: {error}") from None
+        except (ValueError, RecursionError):
+            message = f"{path}, line {line}: this has a number of too many digits, or too many brackets in each other"
+            raise UsageError(message) from None
         if not isinstance(row, dict):
             raise UsageError(f"{path}, line {line}: an event is an object with the names of its columns")
         yield line, {name: _cell(value, path, line) for name, value in row.items()}

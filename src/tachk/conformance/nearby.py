@@ -34,6 +34,24 @@ _BEHIND = range(40, 160)
 """So many events behind it are looked at: up to the longest silence there."""
 _STATES = 20_000
 """So many states at most are stored for each edit and part."""
+SHORT_WORK = 12_000
+"""How much work a short search for an edit may be, in edges that are compiled and states that are explored; a few
+seconds."""
+_STATES_OF_EDGE = 5
+"""So many states are explored in the time in which one edge is compiled."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What a search for an edit has come to.
+
+    Attributes:
+        edit: the first that makes the recording a run.
+        untried: how many there are that were not tried; 0 where there is an edit.
+    """
+
+    edit: Edit | None
+    untried: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,34 +75,40 @@ def smallest_edit(
     found: Conformance,
     left: Callable[[], Limits],
     accepts: Callable[[Recording], bool],
-) -> Edit | None:
-    """The first edit near the event where a recording leaves a model that makes it a run; None if none is found.
+    work: int | None = None,
+) -> Found:
+    """The first edit near the event where a recording leaves a model that makes it a run.
 
     Args:
         found: says where it leaves the model.
         left: the limits of what is still to do.
         accepts: whether a whole recording is a run.
+        work: no further edit is tried after so many edges have been compiled; None: all are tried.
 
     Raises OutOfTimeError.
     """
     refusal = found.refusal
     if refusal is None or refusal.event is None:
-        return None
+        return Found(None)
     near = Near(network, mapping, recording, constants, found, left)
     origin, scale = found.queues.origin, found.queues.scale
     place = near.numbers.index(refusal.event)
-    for edit in edits(near.recording, place, refusal.offers, origin, scale):
+    likely = list(edits(near.recording, place, refusal.offers, origin, scale))
+    for number, edit in enumerate(likely):
+        if work is not None and near.work >= work:
+            return Found(None, len(likely) - number)
         if near.accepts(edited(near.recording, edit, scale)):
             whole = replace(edit, event=near.numbers[edit.event])
             if accepts(edited(recording, whole, scale)):
-                return whole
-    return None
+                return Found(whole)
+    return Found(None)
 
 
 class Near:
     """Attributes:
     numbers: of the events of the recording that are near.
     recording: these events.
+    work: how many edges have been compiled; states that were explored count as edges, too.
     """
 
     def __init__(
@@ -100,6 +124,7 @@ class Near:
         self.network, self.mapping, self.constants = network, mapping, constants
         self.exact = found.tolerance, found.late
         self.left = left
+        self.work = 0
         self.known: list[dict[object, bool]] = [{} for _ in found.reached]
         base = max(found.refusal.event - _BEFORE, 0)
         begun = [_start(reached, base) for reached in found.reached]
@@ -130,6 +155,8 @@ class Near:
             raise OutOfTimeError
         program, goals = lower(following.network, [following.done], following.tables)
         outcome = explore(program, goals, Options(order=SearchOrder.DFS), limits)
+        self.work += sum(len(process.edges) for process in following.network.processes)
+        self.work += outcome.statistics.states_explored // _STATES_OF_EDGE
         return outcome.goals[0].status is Status.REACHED
 
 

@@ -23,9 +23,13 @@ from tachk.model.expressions import Constant, Expression, Index, Reference, Vari
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, IntType, ScalarType
+from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.records import dataclass
 from tachk.time_units import length_of
 from tachk.words import Direction
+
+_SHOWN = 30
+"""So many characters of a cell are shown."""
 
 Constants = Callable[[str], int | None]
 """The value of a constant of the model, by its name."""
@@ -97,7 +101,8 @@ def make_queues(
     tolerance: Fraction,
     late: Fraction,
 ) -> Queues:
-    """The queues of a recording. Raises UsageError for an event that says what is none of the model's."""
+    """The queues of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
+    for its clocks."""
     scale = _scale(network, recording)
     first = recording.events[0].time if recording.events else Fraction(0)
     spread = max(tolerance, late)
@@ -136,6 +141,12 @@ def make_queues(
         )
     quiet = max([queue.quiet_until for queue in queues], default=0)
     horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
+    if horizon > CONSTANT_HIGH:
+        last = f"the last event of {recording.source}, {recording.events[-1].place}," if recording.events else "the end"
+        raise UsageError(
+            f"{last} may happen more than {CONSTANT_HIGH} units of the model after its start, beyond its clocks",
+            "cut the recording, give the model a larger time unit, or allow less lateness",
+        )
     return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale, reader.names)
 
 
@@ -387,11 +398,19 @@ class _Reader:
     def _value(self, event: Event, name: str) -> int | None:
         cell = event.cells.get(name, "")
         if isinstance(cell, int):
-            return int(cell)
+            return self._bounded(event, name, int(cell))
         known = (name, cell)
         if known not in self.read:
-            self.read[known] = self._number(event, name, cell.strip())
+            self.read[known] = self._bounded(event, name, self._number(event, name, cell.strip()))
         return self.read[known]
+
+    def _bounded(self, event: Event, name: str, value: int | None) -> int | None:
+        if value is None or CONSTANT_LOW <= value <= CONSTANT_HIGH:
+            return value
+        raise UsageError(
+            f"{self.recording.source}, {event.place}: {name} is {_begun(event.cells[name])}, which no model can say",
+            f"numbers of a model lie between {CONSTANT_LOW} and {CONSTANT_HIGH}",
+        )
 
     def _number(self, event: Event, name: str, text: str) -> int | None:
         if not text:
@@ -405,14 +424,20 @@ class _Reader:
                 return int(text, 0)
             except ValueError:
                 raise UsageError(
-                    f"{self.recording.source}, {event.place}: {name} is `{text}`, which is neither a number nor a "
-                    "constant of the model"
+                    f"{self.recording.source}, {event.place}: {name} is `{_begun(text)}`, which is neither a "
+                    "number nor a constant of the model"
                 ) from None
         return value
 
     def _name(self, column: str, text: str, value: int | None) -> None:
         if value is not None:
             self.names.setdefault(column, {})[value] = text
+
+
+def _begun(cell: object) -> str:
+    """A cell as messages show it: of a long one the beginning."""
+    text = str(cell).strip()
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def index_type(variable: Variable) -> IntType | ScalarType:

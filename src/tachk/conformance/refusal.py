@@ -7,6 +7,7 @@ event that it could do is an offer, whether it was recorded or not, with the tim
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import isqrt
 
 from tachk.compiler.program import Program
@@ -20,12 +21,16 @@ from tachk.model.recording import RecordingMap
 from tachk.model.types import cell_count
 from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
+from tachk.semantics.constraints import TooManyCasesError
 from tachk.semantics.dbm import INFINITY, Zone
 from tachk.semantics.discrete import PreparedNetwork, execute_updates, may_delay, prepare
 from tachk.semantics.timed_trace import DiscreteState, Transition
+from tachk.time_limit import check_time
 
 _STATES = 200
 """At most so many states behind the longest run are looked at."""
+_CASES = 1_000
+"""States are not looked at whose steps have guards that are disjunctions of more conjunctions than this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +46,17 @@ class Offer:
     cells: tuple[tuple[str, int], ...]
     earliest: int
     latest: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Offers:
+    """Attributes:
+    offers: by the earliest time.
+    whole: there are no others.
+    """
+
+    offers: tuple[Offer, ...]
+    whole: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +107,8 @@ def end_by_reference(following: Following, path: Sequence[Transition]) -> End:
 
 def offers(
     network: Network, mapping: RecordingMap, following: Following, queues: Queues, happened: Sequence[int], end: End
-) -> tuple[Offer, ...]:
-    """What the model could do behind a run, by the earliest time.
+) -> Offers:
+    """What the model could do behind a run.
 
     Of the recording only what is next matters, so that a long one takes no longer than a short one.
 
@@ -103,17 +119,22 @@ def offers(
     near = around(queues, happened)
     following = follow(network, mapping, near, following.kept)
     lenient, said = following.lenient(near)
-    model = prepare(lenient)
+    model = replace(prepare(lenient), most_cases=_CASES)
     start, zones = _start(model, following, happened, end), list(end.zones)
     clock = model.layout.initial[model.layout.first[following.now]]
     found: dict[tuple[int, tuple[tuple[str, int], ...]], tuple[int, int]] = {}
     pending: list[tuple[DiscreteState, list[Zone]]] = [(start, zones)]
     seen: dict[DiscreteState, list[Zone]] = {}
-    looked_at = 0
+    looked_at, whole = 0, True
     while pending and looked_at < _STATES:
+        check_time()
         looked_at += 1
         discrete, arrived = pending.pop(0)
-        here = symbolic.situation(model, discrete)
+        try:
+            here = symbolic.situation(model, discrete)
+        except TooManyCasesError:
+            whole = False
+            continue
         passed = seen.setdefault(discrete, [])
         fresh = [z for z in symbolic.elapse(here, arrived) if not any(dbm.includes(p, z) for p in passed)]
         if not fresh:
@@ -134,10 +155,11 @@ def offers(
                 window = (-dbm.bound_value(zone[0, clock]), zone[clock, 0])
                 before = found.get(key, window)
                 found[key] = (min(window[0], before[0]), max(window[1], before[1]))
-    return tuple(
+    allowed = tuple(
         Offer(queues.queues[queue].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
         for (queue, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
     )
+    return Offers(allowed, whole and not pending)
 
 
 def state_text(following: Following, end: End) -> str:

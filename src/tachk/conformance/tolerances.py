@@ -10,7 +10,7 @@ from tachk.conformance.conform import Conformance
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.time_units import SPELLINGS, length_of
 
-_DURATION = re.compile(r"\s*(\d+(?:\.\d+)?)\s*([a-zµμ]*)\s*", re.IGNORECASE)
+_DURATION = re.compile(r"\s*(\d{1,20}(?:\.\d{1,20})?)\s*([a-zµμ]*)\s*", re.IGNORECASE)
 LARGEST = 2**14
 """Units of the model up to which the least tolerance is looked for."""
 

@@ -33,7 +33,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ClockType, ScalarLike, bounds
 from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.semantics.dbm import INFINITY, Constraint, bound_value, complement, raw_bound
+from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, add, bound_value, complement, raw_bound
 from tachk.time_limit import check_time
 
 Conjunction = tuple[Constraint, ...]
@@ -42,6 +42,12 @@ Disjunction = list[Conjunction]
 
 TRUE: Disjunction = [()]
 FALSE: Disjunction = []
+_FEW = 256
+"""Of so many conjunctions each is compared with each."""
+
+
+class TooManyCasesError(Exception):
+    """A condition is a disjunction of more conjunctions than its reader allows."""
 
 
 def compares_clocks(expression: Expression) -> bool:
@@ -258,6 +264,38 @@ def conjunction(left: Disjunction, right: Disjunction) -> Disjunction:
 def union(left: Disjunction, right: Disjunction) -> Disjunction:
     """Either of two conditions; what both have is there once."""
     return list(dict.fromkeys(left + right))
+
+
+def tidied(condition: Disjunction) -> Disjunction:
+    """The same condition in fewer words: of several bounds on a difference the tightest, no conjunction that two bounds
+    contradict, none twice, and, where there are few, none that implies another one.
+
+    A product of disjunctions over a few clocks stays small if it is tidied after each factor.
+    """
+    kept: dict[Conjunction, dict[tuple[int, int], int]] = {}
+    for constraints in condition:
+        tightest = _tightest(constraints)
+        if tightest is not None:
+            kept.setdefault(tuple(sorted((i, j, raw) for (i, j), raw in tightest.items())), tightest)
+    if len(kept) > _FEW:
+        return list(kept)
+    others = list(kept.values())
+    return [c for c, own in kept.items() if not any(other is not own and _implies(own, other) for other in others)]
+
+
+def _tightest(constraints: Conjunction) -> dict[tuple[int, int], int] | None:
+    """The bounds by the clocks whose difference they bound; None if two of them contradict each other."""
+    found: dict[tuple[int, int], int] = {}
+    for i, j, raw in constraints:
+        if raw < found.get((i, j), INFINITY):
+            found[i, j] = raw
+    contradict = any(add(raw, found.get((j, i), INFINITY)) < LESS_EQUAL_ZERO for (i, j), raw in found.items())
+    return None if contradict else found
+
+
+def _implies(one: dict[tuple[int, int], int], other: dict[tuple[int, int], int]) -> bool:
+    """Whether each bound of the other is met by the one. No two of `tidied` imply each other."""
+    return all(one.get(clocks, INFINITY) <= raw for clocks, raw in other.items())
 
 
 def complemented(condition: Disjunction) -> Disjunction:

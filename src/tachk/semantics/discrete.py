@@ -36,11 +36,13 @@ class PreparedNetwork:
 
     Attributes:
         channels: for each channel its type and priority.
+        most_cases: of so many conjunctions the guards of all transitions of one discrete state may be disjunctions.
     """
 
     network: Network
     layout: CellLayout
     channels: tuple[tuple[ChannelType, int], ...]
+    most_cases: int = 10_000_000
 
     @cached_property
     def instances(self) -> tuple[tuple[tuple[Participant, ...], ...], ...]:

@@ -22,9 +22,11 @@ from tachk.semantics.constraints import (
     TRUE,
     Conjunction,
     Disjunction,
+    TooManyCasesError,
     certain,
     conditional_constraints,
     conjunction,
+    tidied,
 )
 from tachk.semantics.dbm import ClockValues, Federation, Zone
 from tachk.semantics.discrete import (
@@ -45,6 +47,7 @@ from tachk.semantics.discrete import (
 )
 from tachk.semantics.memory import by_state
 from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
+from tachk.time_limit import check_time
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +160,9 @@ def guarded_transitions(
     model: PreparedNetwork, discrete: DiscreteState
 ) -> tuple[list[tuple[Transition, Disjunction]], list[tuple[Disjunction, EvaluationFault]]]:
     """The transitions that the discrete state admits, each with the clock constraints of all its guards; and what
-    cannot be evaluated, with where it is asked for."""
+    cannot be evaluated, with where it is asked for. Raises TooManyCasesError where there are more of them, and of their
+    guards more conjunctions, than the model's `most_cases`."""
+    cases = 0
     guards: dict[Participant, Disjunction] = {}
     found: list[tuple[Transition, Disjunction]] = []
     faults: list[tuple[Disjunction, EvaluationFault]] = []
@@ -194,6 +199,9 @@ def guarded_transitions(
         ):
             with suppress(EvaluationFault):  # which is among the faults
                 found.append((transition, guard_of(model, discrete, transition)))
+                cases += 1 + len(found[-1][1])
+            if cases > model.most_cases:
+                raise TooManyCasesError
     return found, faults
 
 
@@ -202,13 +210,13 @@ def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
     """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
 
     False if the guards rule the transition out in the discrete state. Its committed rule is not looked at. Raises
-    EvaluationFault.
+    EvaluationFault, and TooManyCasesError where they are more conjunctions than the model's `most_cases`.
     """
     scratch = environment(model, discrete)
     whole = TRUE
     for participant in transition.participants:
         bind_selects(model, participant, scratch)
-        whole = conjunction(whole, conditional_constraints(model.edge(participant).guard, scratch))
+        whole = _few(model, conjunction(whole, conditional_constraints(model.edge(participant).guard, scratch)))
     channel = channel_of(model, discrete, transition)
     if channel is None or not model.channels[channel][0].broadcast:
         return whole
@@ -216,8 +224,17 @@ def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
     for of_process in listeners(model, discrete, transition.participants[0], channel):
         for participant in of_process:
             if participant.process not in joined:
-                whole = conjunction(whole, _stays_out(model, participant, channel, scratch))
+                whole = _few(model, conjunction(whole, _stays_out(model, participant, channel, scratch)))
     return whole
+
+
+def _few(model: PreparedNetwork, condition: Disjunction) -> Disjunction:
+    """A product that has grown by a factor. Raises TooManyCasesError."""
+    check_time()
+    found = condition if len(condition) == 1 else tidied(condition)
+    if len(found) > model.most_cases:
+        raise TooManyCasesError
+    return found
 
 
 def _stays_out(model: PreparedNetwork, participant: Participant, channel: int, scratch: Environment) -> Disjunction:

@@ -163,6 +163,14 @@ def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
         ("2,light,3,7\n", "line 2: on = 3 is outside"),
         ("2,light,on,7\n", "`on`, which is neither"),
         ("2,press\n", "2 cells"),
+        ("2,light,1,2147483648\n", "line 2: level is 2147483648, which no model can say"),
+        ("2,light,1,-2147483649\n", "line 2: level is -2147483649, which"),
+        (f"2,press,,\n3,light,1,{10**25}\n", "line 3: level is 1"),
+        (f"3,light,1,0x{'f' * 5000}\n", r"line 2: level is 0xffffffffffffffffffffffffffff\.\.\., which no"),
+        (f"3,light,1,{'9' * 5000}\n", r"line 2: level is `999999999999999999999999999999\.\.\.`, which is neither"),
+        ("2,press,,\n2147483647,press,,\n", "line 3, may happen more than 2147483647 units"),
+        ("1e999,press,,\n", "line 2, may happen more than"),
+        ("1e999999999,press,,\n", "line 2: `1e999999999` is no time"),
         ("x,press,,\n", "is no time"),
         ("3,press,,\n2,press,,\n", "backwards"),
     ],
@@ -170,6 +178,37 @@ def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
 def test_wrong_files(tmp_path: Path, rows: str, message: str) -> None:
     with pytest.raises(tachk.UsageError, match=message):
         accepted(tmp_path, rows)
+
+
+@pytest.mark.parametrize(
+    ("level", "message"),
+    [
+        ("2147483648", "line 2: level is 2147483648, which no model can say"),
+        ("99999999999999999999", "line 2: level is 99999999999999999999, which no model can say"),
+        ("9" * 5000, "line 2: this has a number of too many digits"),
+        ("[" * 100_000, "line 2: this"),
+    ],
+)
+def test_numbers_beyond_all_models_in_json_lines(tmp_path: Path, level: str, message: str) -> None:
+    file = tmp_path / "events.jsonl"
+    file.write_text(f'{{"time": 2, "event": "press"}}\n{{"time": 6, "event": "light", "on": 1, "level": {level}}}\n')
+    with pytest.raises(tachk.UsageError, match=message):
+        tachk.conform(MODEL, file)
+
+
+@pytest.mark.parametrize("number", [-(2**31), 2**31 - 1])
+def test_the_largest_numbers_are_events_that_the_model_does_not_do(tmp_path: Path, number: int) -> None:
+    assert accepted(tmp_path, f"2,press,,\n6,light,1,{number}\n") is False
+
+
+def test_an_explanation_can_be_left_out() -> None:
+    found = [tachk.conform(MODEL, ROOT / "examples/dimmer/too_soon.csv", explain=each) for each in ("none", "full")]
+    assert [each.accepted for each in found] == [False, False]
+    assert found[0].refusal is None and found[0].edit is None
+    assert found[1].refusal is not None and found[1].edit is not None
+    assert len(conformance_to_text(found[0], "dimmer.ta").splitlines()) == 3
+    with pytest.raises(tachk.UsageError, match="no kind of explanation"):
+        tachk.conform(MODEL, ROOT / "examples/dimmer/too_soon.csv", explain="long")
 
 
 def test_limit(tmp_path: Path) -> None:

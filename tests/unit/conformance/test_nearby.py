@@ -105,5 +105,27 @@ def test_the_whole_recording_decides() -> None:
         nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits, lambda _, said=said: said)
         for said in (True, False)
     )
-    assert first is not None and first.what == "lost"
-    assert none is None
+    assert first.edit is not None and first.edit.what == "lost" and not first.untried
+    assert none.edit is None and not none.untried
+
+
+def test_a_short_search_for_an_edit_says_how_many_were_not_tried() -> None:
+    model = tachk.load(ROOT / "examples/dimmer/dimmer.ta")
+    mapping, names = model.loaded.recording, constants_of(model.loaded)
+    assert mapping is not None
+    recording = read_events(ROOT / "examples/dimmer/too_soon.csv", None)
+    found = conform(model.network, mapping, recording, names)
+    asked: list[int] = []
+
+    def search(work: int | None) -> nearby.Found:
+        asked.append(0)
+
+        def refuse(_: Recording) -> bool:
+            asked[-1] += 1
+            return False
+
+        return nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits, refuse, work)
+
+    none_tried, few_tried, all_tried = search(0), search(30), search(None)
+    assert none_tried.untried > few_tried.untried > all_tried.untried == 0
+    assert asked[0] == 0 < asked[1] < asked[2]

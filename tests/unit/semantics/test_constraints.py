@@ -20,7 +20,16 @@ from tachk.model.types import IntType
 from tachk.operators import BinaryOperator
 from tachk.semantics import dbm
 from tachk.semantics.comparisons import comparisons
-from tachk.semantics.constraints import FALSE, TRUE, certain, disjunctive
+from tachk.semantics.constraints import (
+    FALSE,
+    TRUE,
+    Conjunction,
+    certain,
+    conjunction,
+    disjunctive,
+    satisfied,
+    tidied,
+)
 
 NETWORK = NetworkBuilder()
 X, Y = NETWORK.clock("x"), NETWORK.clock("y")
@@ -127,3 +136,23 @@ def test_what_is_true_without_clocks_is_no_longer_than_that() -> None:
     condition = reduce(and_, parts)
     assert certain(condition.expression, Environment(LAYOUT, [1, 2, 3])) == TRUE
     assert certain((~condition).expression, Environment(LAYOUT, [1, 2, 3])) == FALSE
+
+
+bounds = st.tuples(st.integers(0, 2), st.integers(0, 2), st.integers(-6, 6)).filter(lambda bound: bound[0] != bound[1])
+disjunctions = st.lists(st.lists(bounds, max_size=3).map(tuple), max_size=4)
+
+
+@given(disjunctions, disjunctions)
+def test_tidied_means_the_same(left: list[Conjunction], right: list[Conjunction]) -> None:
+    whole = conjunction(left, right)
+    fewer = tidied(whole)
+    assert len(fewer) <= len(whole)
+    for point in ((Fraction(a, 2), Fraction(b, 2)) for a in range(8) for b in range(8)):
+        assert satisfied(fewer, point) == satisfied(whole, point)
+
+
+def test_products_over_one_clock_stay_small() -> None:
+    whole = TRUE
+    for n in range(50):
+        whole = tidied(conjunction(whole, [((1, 0, 2 * n),), ((0, 1, -400 + n),)]))
+    assert len(whole) <= 51

@@ -8,6 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import ReportForm
+from tachk.conformance.question import Explanation
 
 
 @click.command(name="conform", short_help="Ask whether recordings are runs of a model.")
@@ -51,6 +52,15 @@ from tachk.cli.reporting import ReportForm
     help="What an application noted, as events (CSV or JSON lines); beside a capture with times since 1970, such as "
     "`time [ns]`. Rows `told` say when it called the run function, rows `written` when it wrote. Can be given several "
     "times.",
+)
+@click.option(
+    "explanation",
+    "--explain",
+    type=options.Choice(Explanation),
+    default=Explanation.SHORT,
+    show_default=True,
+    help="What to tell of a recording that is no run. none: only that; short: where it leaves the model, and an edit "
+    "that would make it a run if one is found in a few seconds; full: try all edits near that place.",
 )
 @click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
 @options.max_states()

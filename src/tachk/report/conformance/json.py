@@ -36,6 +36,7 @@ def _answer(found: Conformance) -> dict[str, Any]:
         "seconds": found.statistics.seconds,
         "refusal": _refusal(found),
         "edit": None if found.edit is None else _edit(found, found.edit),
+        "untried_edits": found.untried,
         "left_out": found.left_out,
     }
 
@@ -74,6 +75,7 @@ def _refusal(found: Conformance) -> dict[str, Any] | None:
             }
             for offer in refusal.offers
         ],
+        "allowed_whole": refusal.offers_whole,
     }
 
 

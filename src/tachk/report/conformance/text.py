@@ -32,7 +32,8 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
             if found.edit is not None:
                 yield f"it would be a run if {edit_text(found, found.edit)}"
             elif found.refusal is not None and found.refusal.event is not None and not found.left_out:
-                yield "no edit of a single event near it was found that would make it a run"
+                tried = f"; {grouped(found.untried)} were not tried, see --explain full" if found.untried else ""
+                yield f"no edit of a single event near it was found that would make it a run{tried}"
             if found.left_out:
                 yield f"the time limit was over before it was known {found.left_out}"
         case None:
@@ -70,5 +71,7 @@ def _refusal(found: Conformance) -> Iterator[str]:
         if offer.latest is not None:
             window += f" to {moment(found, offer.latest)}"
         yield f"  the model allows {offer_text(found, offer)}, {window}"
-    if not refusal.offers:
+    if not refusal.offers and refusal.offers_whole:
         yield "  the model allows no event there"
+    if not refusal.offers_whole:
+        yield "  there may be other events that the model allows: it can go on in too many ways to look at all"

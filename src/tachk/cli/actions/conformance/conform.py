@@ -12,6 +12,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.conformance.coverage import coverage
+from tachk.conformance.question import Explanation
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.loading.recorded_models import recorded_model
@@ -34,6 +35,7 @@ class Conforming:
     states: int | None = None
     applications: tuple[str, ...] = ()
     coverage: bool = False
+    explanation: Explanation = Explanation.SHORT
 
 
 def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) -> ExitStatus:
@@ -52,6 +54,7 @@ def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) 
             asked.ports,
             limits.after(monotonic() - started),
             asked.applications,
+            asked.explanation,
         )
         for each in asked.recordings
     ]

@@ -1,0 +1,30 @@
+"""What is asked about a recording. Imports nothing heavy: command lines are made of it."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from tachk.records import dataclass
+
+
+class Explanation(StrEnum):
+    """How much is told of a recording that is no run."""
+
+    NONE = "none"
+    """Only that it is none."""
+    SHORT = "short"
+    """Where it leaves the model, and an edit that would make it a run if one is found in a few seconds."""
+    FULL = "full"
+    """The same, and all edits near that place are tried."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """How a recording is to be read, as `tachk.api.conform` says."""
+
+    tolerance: str | None = None
+    late: str | None = None
+    unit: str | None = None
+    ports: tuple[int, ...] = ()
+    applications: tuple[str, ...] = ()
+    explanation: Explanation = Explanation.SHORT
