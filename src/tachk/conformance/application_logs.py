@@ -1,7 +1,8 @@
 """Logs of applications beside a recording: what no packet tells, such as when an application calls the run function.
 
 A log is a file of events, which become events of the recording. But its rows `written` stand for samples that the
-recording shows anyway, each for the next one of its client: what the log tells behind such a row happened after it.
+recording shows anyway, each for the next one of its client, also where a message carries several: what the log tells
+behind the row of the last sample of a message happened after the message was put into the stream.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
+from tachk.conformance.carried import samples_in
 from tachk.conformance.events import Cell, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
 
@@ -27,7 +29,7 @@ def with_log(recording: Recording, log: Recording) -> Recording:
     samples: dict[Cell | None, deque[int]] = defaultdict(deque)
     for number, event in enumerate(recording.events):
         if event.name in _WRITES and _is_sample(event.cells.get(DETAIL)):
-            samples[event.cells.get(CLIENT)].append(number)
+            samples[event.cells.get(CLIENT)].extend([number] * samples_in(event.cells.get(DETAIL)))
     added: list[Event] = []
     before: dict[Cell | None, int] = {}
     for event, time in zip(log.events, _times(recording, log), strict=True):
@@ -36,7 +38,9 @@ def with_log(recording: Recording, log: Recording) -> Recording:
             if time < _end(recording, client):
                 added.append(Event(time, event.name, event.cells, f"{log.source}, {event.place}", before.get(client)))
         elif samples[client]:
-            before[client] = samples[client].popleft()
+            number = samples[client].popleft()
+            if not samples[client] or samples[client][0] != number:
+                before[client] = number
     if log.events and not added:
         raise UsageError(
             f"nothing of {log.source} happens while {recording.source} is recorded",

@@ -94,9 +94,18 @@ def _asked(read: Event) -> int:
     if count == _UNLIMITED:
         return code
     number = 1 if count is None else int(str(count))
+    if number == 0:
+        raise UnknownContentError(
+            "READ_DATA has max_samples 0, which cancels one before: the automata do not know that"
+        )
     if stream == 0 or number >= _MOST_READ:
         raise UnknownContentError(f"READ_DATA asks for {number} samples on stream {stream:02x}, which has no word")
     return code - number
+
+
+def samples_in(detail: object) -> int:
+    """How many samples a message carries."""
+    return detail // _BATCH + 1 if isinstance(detail, int) and detail >= 0 else 1
 
 
 def begins_sample(event: Event) -> bool:

@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 from tachk.conformance.carried import BEST_EFFORT, Contents, UnknownContentError, begins_sample
 from tachk.conformance.events import Cell, Closing, Event, Recording
+from tachk.conformance.unspoken import Objects
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 from tachk.xrce.events import Event as Submessage
@@ -85,6 +86,7 @@ class _Reader:
         self.transmissions = transmissions
         self.client = _numbered(transmissions, links)
         self.contents = Contents()
+        self.objects = Objects()
         self.rows: list[_Row] = []
         self.written = [0] * links
         self.deleted: list[int | None] = [None] * links
@@ -131,6 +133,8 @@ class _Reader:
             return
         if None in kinds:
             self._reject_damaged(one)
+        for why in self.objects.unspoken(one):
+            self._reject(one, why)
         for content in self._contents(one):
             cells: dict[str, Cell] = {
                 "client": client,

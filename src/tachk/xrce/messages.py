@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import field
 from ipaddress import IPv6Address
+from typing import Final
 
 import numpy as np
 
@@ -17,6 +18,11 @@ from tachk.xrce.datagrams import TCP, Datagrams, Flags
 from tachk.xrce.packets import Numbers, Octets
 from tachk.xrce.tcp_stream import Found, TcpStream
 from tachk.xrce.wire import Kind
+
+_LENGTH: Final = 2
+"""Bytes of length before a message by TCP."""
+_MOST_HELD: Final = 1024
+"""Of so many connections that may be to an Agent a length is remembered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +82,8 @@ class MessageReader:
 
     def __init__(self, ports: Iterable[int] = ()) -> None:
         """Args:
-        ports: of Agents; without any 8888, and each one to which a session is created, from then on.
+        ports: of Agents; without any 8888, and each one to which a session is created, from then on; by TCP from the
+            first segment of that connection on.
         """
         given = sorted(set(ports))
         self._ports = np.array(given or [wire.DEFAULT_PORT], np.int64)
@@ -85,13 +92,18 @@ class MessageReader:
         self._numbers: dict[bytes, int] = {}
         self._streams: dict[tuple[int, int, bool], TcpStream] = {}
         self._last: dict[tuple[int, int, bool], _Row] = {}
+        self._keys: list[bytes] = []
+        self._held: dict[tuple[bytes, bytes], tuple[int, bytes]] = {}
 
     def read(self, found: Datagrams) -> Messages:
         """The messages that these datagrams complete."""
         if self._found is not None:
             self._find(found, self._found)
         to_agent = self._are_agents(found.destination_ports, found.packets)
-        ours = np.flatnonzero(to_agent | self._are_agents(found.source_ports, found.packets))
+        chosen = to_agent | self._are_agents(found.source_ports, found.packets)
+        if self._found is not None:
+            self._hold(found, ~chosen)
+        ours = np.flatnonzero(chosen)
         to_agent = to_agent[ours]
         sources = self._number(found.sources[ours], found.source_ports[ours])
         destinations = self._number(found.destinations[ours], found.destination_ports[ours])
@@ -119,7 +131,46 @@ class MessageReader:
                 at = int(kind[entry]) + 4
                 port, packet = int(found.destination_ports[entry]), int(found.packets[entry])
                 if octets[at : at + 4].tobytes() == wire.COOKIE:
+                    if found.protocol[entry] == TCP:
+                        packet = self._begin(found, entry)
                     ports[port] = min(packet, ports.get(port, packet))
+
+    def _begin(self, found: Datagrams, entry: int) -> int:
+        """The packet of the first segment here of the connection to which a segment belongs: the length of its message
+        may be in a segment of its own."""
+        same = (found.protocol == TCP) & (found.source_ports == found.source_ports[entry])
+        same &= found.destination_ports == found.destination_ports[entry]
+        same &= (found.sources == found.sources[entry]).all(axis=1)
+        same &= (found.destinations == found.destinations[entry]).all(axis=1)
+        return int(found.packets[np.flatnonzero(same)[0]])
+
+    def _hold(self, found: Datagrams, others: Flags) -> None:
+        """Remembers segments that may be the length of the first message to an Agent whose port is not known yet."""
+        small = (found.sizes > 0) & (found.sizes <= _LENGTH) & (found.protocol == TCP) & (found.missing == 0)
+        for entry in np.flatnonzero(others & small).tolist():
+            start, header = int(found.starts[entry]), int(found.headers[entry])
+            number = int.from_bytes(found.octets[header + 4 : header + 8].tobytes(), "big")
+            octets = found.octets[start : start + int(found.sizes[entry])].tobytes()
+            way = (
+                _key(found.sources[entry], int(found.source_ports[entry])),
+                _key(found.destinations[entry], int(found.destination_ports[entry])),
+            )
+            before = self._held.pop(way, (0, b""))
+            joined = (before[0] + len(before[1])) % 2**32 == number and len(before[1] + octets) <= _LENGTH
+            self._held[way] = (before[0], before[1] + octets) if before[1] and joined else (number, octets)
+            if len(self._held) > _MOST_HELD:
+                del self._held[next(iter(self._held))]
+
+    def _stream(self, way: tuple[int, int, bool], number: int) -> TcpStream:
+        """The stream of a direction; a new one begins with what was remembered of it before this number."""
+        stream = self._streams.get(way)
+        if stream is None:
+            stream = self._streams[way] = TcpStream()
+            client, agent = self._keys[way[0]], self._keys[way[1]]
+            first, octets = self._held.pop((client, agent) if way[2] else (agent, client), (0, b""))
+            if octets and (first + len(octets)) % 2**32 == number:
+                stream.push(first, octets, 0, 0)
+        return stream
 
     def _are_agents(self, ports: Numbers, packets: Numbers) -> Flags:
         known = np.isin(ports, self._ports)
@@ -137,6 +188,7 @@ class MessageReader:
         if key not in self._numbers:
             host = IPv6Address(key[:16])
             self._numbers[key] = len(self.endpoints)
+            self._keys.append(key)
             self.endpoints.append(Endpoint(str(host.ipv4_mapped or host), int.from_bytes(key[16:], "big")))
         return self._numbers[key]
 
@@ -152,10 +204,10 @@ class MessageReader:
                 rows.add(row, start, size, missing)
                 continue
             way = (client, agent, to_agent)
-            stream = self._streams.setdefault(way, TcpStream())
             self._last[way] = row
             header = int(headers[at])
             number = int.from_bytes(octets[header + 4 : header + 8], "big")
+            stream = self._stream(way, number)
             rows.append(row, stream.push(number, octets[start : start + size], missing, octets[header + 13]))
         return rows.messages()
 
@@ -165,6 +217,10 @@ class MessageReader:
         for way, stream in self._streams.items():
             rows.append(self._last[way], stream.close())
         return rows.messages()
+
+
+def _key(host: Octets, port: int) -> bytes:
+    return host.tobytes() + port.to_bytes(2, "big")
 
 
 _Row = tuple[int, int, int, int, bool]

@@ -21,7 +21,7 @@ from tachk.xrce.packets import CaptureError, read_packets
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.serial_repair import repaired
-from tachk.xrce.wire import COOKIE, Kind
+from tachk.xrce.wire import COOKIE, SESSIONS_OF_NOBODY, Kind
 
 _LONGEST_RELAY: Final = 5_000_000_000
 """Nanoseconds from a CREATE_CLIENT to its copy behind a relay."""
@@ -86,7 +86,7 @@ class Transmission:
         return self.arrivals[0].time if self.arrivals else self.sent
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Recording:
     """Attributes:
     links: in the order in which they began.
@@ -102,7 +102,7 @@ class Recording:
     def begin(self) -> int:
         return self.transmissions[0].sent if self.transmissions else 0
 
-    @property
+    @cached_property
     def end(self) -> int:
         return max((t.arrivals[-1].time if t.arrivals else t.sent for t in self.transmissions), default=0)
 
@@ -145,7 +145,7 @@ def _on_one_line(legs: list[_Leg]) -> list[_Leg]:
     if len(clients) != 1:
         return legs
     (client,) = clients
-    client.messages = sorted((m for leg in legs for m in leg.messages), key=lambda message: message.packet)
+    client.take(leg for leg in legs if leg is not client)
     return clients
 
 
@@ -238,6 +238,25 @@ class _Leg:
             return ""
         return next(str(e.fields["key"]) for e in self.creation.events if e.kind is Kind.CREATE_CLIENT)
 
+    @cached_property
+    def session(self) -> int | None:
+        """As the client says in the headers of its messages; None if it says none."""
+        said = (e.session for m in self.messages if m.to_agent for e in m.events if e.session is not None)
+        return next((one for one in said if one not in SESSIONS_OF_NOBODY), None)
+
+    def goes_on(self, other: _Leg, legs: Sequence[_Leg]) -> bool:
+        """Whether the client of the other leg, whose relay was recorded on both sides, has got this address later: the
+        messages have its session, come to the same port of the relay, and it is the only client with it there."""
+        here = [leg for leg in legs if leg.agent == self.agent and leg.session == self.session and leg.creation]
+        begins = self.messages[0]
+        later = begins.to_agent and begins.packet > other.messages[0].packet
+        return later and self.creation is None and self.session is not None and here == [other]
+
+    def take(self, others: Iterable[_Leg]) -> None:
+        """Has their messages, too."""
+        messages = [*self.messages, *(message for leg in others for message in leg.messages)]
+        self.messages = sorted(messages, key=lambda message: message.packet)
+
     def is_before(self, other: _Leg) -> bool:
         """Whether a relay hands on to the other leg what comes over this one."""
         ours, theirs = self.creation, other.creation
@@ -257,6 +276,10 @@ def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
     while left:
         near = left.pop(0)
         far = next((other for other in left if near.is_before(other)), None)
+        if far is not None:
+            later = [leg for leg in left if leg.goes_on(near, legs)]
+            left = [leg for leg in left if leg not in later]
+            near.take(later)
         number = len(links)
         if far is None:
             links.append(Link(near.client, near.agent, near.key, None))

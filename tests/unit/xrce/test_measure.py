@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,8 +15,10 @@ from click.testing import CliRunner
 import tachk
 from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.xrce.measuring.conversation import Moment, conversations
 from tachk.xrce.measuring.measure import Measurement, measure
 from tachk.xrce.measuring.quantity import Confidence, roundest
+from tachk.xrce.measuring.traffic import repairs
 from tachk.xrce.transmissions import read_transmissions
 from tests.unit.xrce.captures import CREATE_CLIENT, RECORDED, needs_recorded, pcap, udp
 
@@ -102,6 +105,50 @@ def test_a_long_wait_of_an_idle_line_says_that_run_calls_are_short(tmp_path: Pat
     assert found.quantity("client_heartbeat").value is None
     assert found.quantity("client_heartbeat").confidence is Confidence.BOUND
     assert found.definitions()["SPIN"] == 50
+
+
+def test_one_wait_is_no_period_but_a_bound(tmp_path: Path):
+    """Run calls of 99 ms put the only HEARTBEAT off to 298 ms: the period is not 290."""
+    period = direct(tmp_path, (0, up(write(0))), (298, up(heartbeat(0, 0)))).quantity("client_heartbeat")
+    assert (period.value, period.confidence) == (None, Confidence.BOUND)
+    assert period.how.startswith("at most 298 ms")
+    short = direct(tmp_path, (0, up(write(0))), (50, up(heartbeat(0, 0)))).quantity("client_heartbeat")
+    assert (short.value, short.confidence) == (50, Confidence.BOUND)
+    assert direct(tmp_path, (0, up(write(0))), (100, up(heartbeat(0, 0)))).quantity("client_heartbeat").value == 100
+
+
+def test_a_client_up_to_2_0_is_known_by_two_heartbeats(tmp_path: Path):
+    """Each 1 ms behind the only message that is unacknowledged; with an older one it would be overdue."""
+    answered = [(0, up(write(0))), (1, up(heartbeat(0, 0))), (3, down(acknack(1)))]
+    more = [(500, up(write(1))), (501, up(heartbeat(1, 1))), (503, down(acknack(2)))]
+    settings = direct(tmp_path, *answered, *more).recorded_definitions()
+    assert (settings["HEARTBEAT_LAW"], settings["CLIENT_HEARTBEAT"], settings["LOSSES"]) == (2, 1, 14)
+    assert "PAUSES" not in settings
+
+
+def test_a_line_that_was_recorded_twice_is_told(tmp_path: Path):
+    once = [(20 * n, up(write(n))) for n in range(20)]
+    assert not direct(tmp_path, *once).problems
+    twice = sorted([*once, *((time + 1, packet) for time, packet in once)], key=lambda pair: pair[0])
+    (problem,) = direct(tmp_path, *twice).problems
+    assert "is there twice" in problem and problem.startswith("run.pcap: ")
+
+
+def test_repairs_look_at_the_moments_twice_however_many_acknacks_there_are(tmp_path: Path):
+    class Counted(tuple[Moment, ...]):
+        looks = 0
+
+        def __iter__(self):
+            self.looks += 1
+            return super().__iter__()
+
+    rows = [row for n in range(50) for row in ((20 * n, up(write(n))), (20 * n + 5, down(acknack(n + 1))))]
+    recording = read_transmissions(capture(tmp_path / "run.pcap", (0, up(CREATE_CLIENT)), *rows))
+    for conversation in conversations("run.pcap", recording):
+        counted = Counted(conversation.moments)
+        assert list(repairs(replace(conversation, moments=counted))) == list(repairs(conversation)) == []
+        assert counted.looks == 2
+    assert recording.end is recording.end
 
 
 def test_a_heartbeat_behind_a_message_says_nothing_of_the_period(tmp_path: Path):

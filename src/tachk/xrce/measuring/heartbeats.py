@@ -35,6 +35,9 @@ _AT_ONCE: Final = 5.0
 _TICK: Final = 1.0
 """Milliseconds by which a client's timer is late: its clock has no finer steps."""
 
+_FIRST_OF_OLD: Final = (0.9, 1.4)
+"""Milliseconds; clients up to 2.0 send the first HEARTBEAT 1 ms after a message, by a clock of such steps."""
+
 _FEW: Final = 4
 """With fewer waits, what else a client does cannot be told from its period."""
 
@@ -103,8 +106,11 @@ def waits(conversation: Conversation) -> Iterator[Wait]:
 
 def _overdue(activity: Moment, beat: Beat) -> bool:
     """Whether the timer had run out while the client was in no run function: then HEARTBEAT follows at once what the
-    next call sends first."""
-    return isinstance(activity, Sent) and _between(activity, beat) < _AT_ONCE
+    next call sends first. Where nothing but that is unacknowledged, and HEARTBEAT does not follow at once but a tick
+    of the clock later, it is the first one of an old client."""
+    if not isinstance(activity, Sent) or _between(activity, beat) >= _AT_ONCE:
+        return False
+    return beat.unacknowledged > 1 or not _FIRST_OF_OLD[0] < _between(activity, beat) < _FIRST_OF_OLD[1]
 
 
 def overdue(conversation: Conversation) -> Iterator[Sample]:
@@ -203,9 +209,10 @@ def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
     if not since:
         return seen(name, title, (), "the client sends no HEARTBEAT with messages unacknowledged")
     prompt = punctual(since)
-    if len(since) == 1 and since[0].value > 3 * USUAL_PERIOD:
-        how = "one HEARTBEAT, after a time in which the timer may have been started again and again"
-        return Quantity(name, title, Unit.MILLISECONDS, tuple(since), None, Confidence.BOUND, how)
+    if len(since) == 1 and not _fits_usual(since[0].value) and law is not HeartbeatLaw.DOUBLING:
+        how = f"at most {since[0].value:.0f} ms: one HEARTBEAT came so late, and something may have put it off"
+        least = since[0].value if since[0].value < USUAL_PERIOD else None
+        return Quantity(name, title, Unit.MILLISECONDS, tuple(since), least, Confidence.BOUND, how)
     confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
     shortest = min(s.value for s in prompt)
     fitting = [s for s in since if _fits_usual(s.value)]

@@ -16,11 +16,14 @@ from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, se
 from tachk.xrce.measuring.recorded_settings import Recorded, recorded_settings
 from tachk.xrce.measuring.settings import Findings, Setting, Way, settings
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.transmissions import Recording, read_transmissions
+from tachk.xrce.transmissions import Recording, Transmission, read_transmissions
 from tachk.xrce.wire import Kind
 
 _LATE_READING = 2000.0
 """Milliseconds from the first sample to READ_DATA; what is shorter is set-up."""
+
+_ENOUGH, _NEARLY_ALL, _SHORTLY = 20, 0.9, 50_000_000
+"""Of at least so many messages this part are there twice within so many nanoseconds where a line was recorded twice."""
 
 _NO_RELAY = "only a capture of both sides of a relay shows what is lost, copied or late"
 
@@ -32,7 +35,7 @@ class Measurement:
     quantities: everything that was looked for, also what no capture shows.
     settings: constants of a model of the protocol; see `tachk.xrce.measuring.settings`.
     recorded: those of a model that recordings are held against; see `tachk.xrce.measuring.recorded_settings`.
-    problems: which captures end too early, and why.
+    problems: which captures end too early, and why; which seem to have each message twice.
     """
 
     files: tuple[str, ...]
@@ -121,7 +124,9 @@ class _Measuring:
         findings = Findings(
             known, law, dozing, tuple(readings), reading_late, ways, written, pace, again, self._lost(asleep, stopped)
         )
-        problems = tuple(f"{file}: {recording.problem}" for file, recording in self.recordings if recording.problem)
+        problems = tuple(
+            f"{file}: {problem}" for file, recording in self.recordings for problem in _problems(recording)
+        )
         chosen = settings(findings)
         by_name = {setting.name: setting for setting in chosen}
         unheard = sum(
@@ -245,6 +250,31 @@ class _Measuring:
             for file, recording in self.recordings
             for one in recording.transmissions
         )
+
+
+def _problems(recording: Recording) -> Iterator[str]:
+    if recording.problem:
+        yield recording.problem
+    for number, link in enumerate(recording.links):
+        ours = [one for one in recording.transmissions if one.link == number]
+        if link.relay is None and len(ours) >= _ENOUGH and 2 * _twice(ours) > _NEARLY_ALL * len(ours):
+            yield (
+                f"nearly every message of {link.name} is there twice: the line was recorded at two places that nothing "
+                "tells apart, so repetitions and times are wrong; cut out what was recorded at one of them"
+            )
+
+
+def _twice(ours: Sequence[Transmission]) -> int:
+    """How many messages follow an equal one of the same direction shortly behind, which is counted with no other."""
+    open_: dict[tuple[bool, str], int] = {}
+    count = 0
+    for one in ours:
+        key = one.to_agent, str([(e.kind, e.stream, e.sequence, e.fields) for e in one.events])
+        if one.sent - open_.pop(key, one.sent - _SHORTLY) < _SHORTLY:
+            count += 1
+        else:
+            open_[key] = one.sent
+    return count
 
 
 def _created_again(recording: Recording) -> int:

@@ -55,27 +55,22 @@ def repairs(conversation: Conversation) -> Iterator[Sample]:
     """From a message that is lost to its first arrival; without a recording behind the loss, from a message that is
     repeated to the ACKNACK that says that it has arrived."""
     first: dict[int, Sent] = {}
+    unseen: dict[int, Sent] = {}
+    repeated = {each.number for each in conversation.moments if isinstance(each, Sent) and each.again}
     for moment in conversation.moments:
         if isinstance(moment, Sent):
             if not moment.again:
-                first[moment.number] = moment
+                (unseen if moment.transmission.arrivals is None else first)[moment.number] = moment
             elif moment.number in first and moment.transmission.arrivals and first[moment.number].transmission.is_lost:
                 lost = first.pop(moment.number)
                 places = conversation.place(lost), conversation.place(moment)
                 yield Sample((moment.transmission.arrived - lost.time) / _MILLISECOND, places)
         elif isinstance(moment, Came) and moment.first is not None:
-            yield from _acknowledged_late(conversation, first, moment, moment.first)
-
-
-def _acknowledged_late(conversation: Conversation, first: dict[int, Sent], came: Came, end: int) -> Iterator[Sample]:
-    repeated = {each.number for each in conversation.moments if isinstance(each, Sent) and each.again}
-    for number in [each for each in first if each < end]:
-        sent = first[number]
-        if sent.transmission.arrivals is None:
-            del first[number]
-            if number in repeated:
-                places = conversation.place(sent), conversation.place(came)
-                yield Sample((came.time - sent.time) / _MILLISECOND, places)
+            for number in [each for each in unseen if each < moment.first]:
+                sent = unseen.pop(number)
+                if number in repeated:
+                    places = conversation.place(sent), conversation.place(moment)
+                    yield Sample((moment.time - sent.time) / _MILLISECOND, places)
 
 
 def paces(conversation: Conversation) -> Iterator[Sample]:

@@ -47,6 +47,7 @@ class Side:
     Attributes:
         client_endpoint, agent_endpoint: their numbers.
         owner: whose packets they are.
+        session: as the client says in the headers of its messages; None before it has said one.
         heard: when the client sent something last.
         asked: since when it owes an answer to what was sent to it; None if to nothing. While it is awake it is noted
             only where arrivals are seen.
@@ -62,6 +63,7 @@ class Side:
         self.client_endpoint = client_endpoint
         self.agent_endpoint = agent_endpoint
         self.owner = Client("", [self])
+        self.session: int | None = None
         self.heard = time
         self.asked: int | None = None
         self.asked_by = 0

@@ -164,13 +164,13 @@ class Follower:
         of_message = (times, messages.packets, messages.clients, messages.agents, messages.to_agent)
         of_stream = (found.kind, found.stream, found.sequence, found.first, found.last, found.bitmap, found.subject)
         columns = [message, *(column[message] for column in of_message), *(column[chosen] for column in of_stream)]
-        columns += [found.place[chosen], chosen]
+        columns += [found.place[chosen], found.session[chosen], chosen]
         octets = messages.octets.tobytes()
         self._base, self._before = self._rows, len(self._inserted)
         for index, time, packet, client, agent, to_agent, kind, stream, sequence, first, last, bitmap, subject, \
-                place, entry in zip(*(column.tolist() for column in columns), strict=True):  # fmt: skip
+                place, session, entry in zip(*(column.tolist() for column in columns), strict=True):  # fmt: skip
             if place == 0:
-                self._message(index, time, client, agent, to_agent)
+                self._message(index, time, client, agent, to_agent, session)
                 side = self._side
                 held = None
                 if stream >= _RELIABLE and kind >= 0:
@@ -196,25 +196,34 @@ class Follower:
             elif held is not None and kind in _CARRYING:
                 if held.state.carries(number, place, _item(found, entry, kind, octets)):
                     self._unaltered, self._changed = False, True
+            elif kind == _DATA and held is None and not to_agent and self._side is self._side.owner.own_side:
+                self._delivered(self._side.owner, (to_agent, stream), _item(found, entry, kind, octets))
+                self._stand()
             if self._changed:
                 self._look(self._row)
         self._rows += len(times)
         self._times.append(times)
         self._packets.append(messages.packets)
 
-    def _message(self, index: int, time: int, client: int, agent: int, to_agent: bool) -> None:
+    def _message(self, index: int, time: int, client: int, agent: int, to_agent: bool, session: int) -> None:
         """The next message begins.
 
         Args:
             index: its place in the piece.
+            session: as in its header.
         """
         row = self._base + index + len(self._inserted) - self._before
         if time >= self._alarm:
             self._rows += self._time_passes(time, row)
             row = self._base + index + len(self._inserted) - self._before
         self._row, self._time = row, time
-        side = self._side = self._by_endpoints.get((client, agent)) or self._new_side(client, agent, time)
+        known = self._by_endpoints.get((client, agent)) or (
+            self._moved_on(client, agent, session) if to_agent else None
+        )
+        side = self._side = known or self._new_side(client, agent, time)
         if to_agent:
+            if _is_session(session):
+                side.session = session
             if side.asleep:
                 self._woken(side, time)
             else:
@@ -242,7 +251,7 @@ class Follower:
             for side in owner.sides:
                 side.forgotten = True
                 self.sides.remove(side)
-                self._by_endpoints.pop((side.client_endpoint, side.agent_endpoint), None)
+            self._by_endpoints = {ends: one for ends, one in self._by_endpoints.items() if one not in owner.sides}
             self._clients.pop(owner.key, None)
             self._exchange.forget(owner)
         if vanished:
@@ -287,6 +296,18 @@ class Follower:
         self.sides.append(side)
         self._alarm = min(self._alarm, time + self._silence)
         return side
+
+    def _moved_on(self, client: int, agent: int, session: int) -> Side | None:
+        """The only client behind a relay, both sides of which were recorded, that has this session at this port of it:
+        it has another address now, which the Agent does not see. None if there is none."""
+        if not _is_session(session):
+            return None
+        here = [side for side in self.sides if side.agent_endpoint == agent and side.session == session]
+        if len(here) != 1 or here[0].ended or len(here[0].owner.sides) == 1 or here[0] is not here[0].owner.own_side:
+            return None
+        self._by_endpoints[client, agent] = here[0]
+        here[0].client_endpoint = client
+        return here[0]
 
     def _woken(self, side: Side, time: int) -> None:
         if side.asleep:
@@ -402,6 +423,10 @@ class Follower:
                 self._unaltered, self._changed = False, True
             for item in content.values():
                 self._delivered(stream.side.owner, stream.way, item)
+        self._stand()
+
+    def _stand(self) -> None:
+        """Looks again at what readers have got."""
         standing = self._exchange.standing()
         if standing != (self._complete, self._ordered):
             self._complete, self._ordered = standing
@@ -454,6 +479,10 @@ class Follower:
         if now != self._known:
             self._known = now
             self._situation_log.note(row, now)
+
+
+def _is_session(number: int) -> bool:
+    return number > 0 and number not in wire.SESSIONS_OF_NOBODY
 
 
 def _item(found: Submessages, entry: int, kind: int, octets: bytes) -> Item:

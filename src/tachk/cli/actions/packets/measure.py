@@ -8,6 +8,7 @@ from pathlib import Path
 from tachk import api
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
+from tachk.conformance.packet_events import read_capture
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 from tachk.report.json_text import json_text
@@ -28,8 +29,12 @@ class Measuring:
 
 
 def run_measure(measuring: Measuring) -> ExitStatus:
-    """Raises UsageError for a file that is no capture, and for a model without a unit of time."""
+    """Raises UsageError for a file that is no capture, for a model without a unit of time, and for a capture with
+    something of which a model for recordings does not speak."""
     time = _time_of(measuring.model)
+    if time.is_for_recordings:
+        for file in measuring.files:
+            read_capture(file, measuring.ports)  # refuses what such a model does not speak of
     found = measure(*measuring.files, ports=measuring.ports)
     for problem in found.problems:
         print(f"warning: {problem}", file=sys.stderr)
