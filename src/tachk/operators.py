@@ -169,9 +169,14 @@ class BinaryOperator(StrEnum):
             raise ValueError(f"{self} is not a comparison")
         return bool(row.meaning(left, right))
 
+    @property
+    def rights(self) -> tuple[tuple[int, int], ...]:
+        """The intervals of right sides for which there is a value."""
+        return _ROWS[self].rights
+
     def defined_for(self, low: int, high: int) -> bool:
         """Whether there is a value for every right side from ``low`` to ``high``."""
-        return any(first <= low and high <= last for first, last in _ROWS[self].rights)
+        return any(first <= low and high <= last for first, last in self.rights)
 
     def _other(self, name: str) -> BinaryOperator:
         if not name:

@@ -361,3 +361,36 @@ def test_a_run_time_error_leaves_no_wrong_note_about_a_left_side() -> None:
     loaded = load_model(Source("model.ta", text))
     (found,) = verify(loaded.network, loaded.queries)
     assert (found.answer.value, found.notes) == ("unknown", ())
+
+
+@pytest.mark.parametrize(
+    ("bound", "kind"),
+    [
+        ("5 / D", RuntimeErrorKind.DIVISION),
+        ("5 % D", RuntimeErrorKind.DIVISION),
+        ("n / D", RuntimeErrorKind.DIVISION),
+        ("1 << (D - 1)", RuntimeErrorKind.SHIFT),
+        ("2 ** (D - 1)", RuntimeErrorKind.NEGATIVE_EXPONENT),
+    ],
+)
+def test_a_bound_of_a_clock_that_never_has_a_value(bound: str, kind: RuntimeErrorKind) -> None:
+    """It was refused for its range."""
+    for text in ("const int D = 0;", "int d; const int D = 0;"):
+        process = f"process P() {{ state A, B; init A; trans A -> B {{ guard x >= {bound}; assign n = 1; }}; }}"
+        found = verdict(f"{text} clock x; int n; {process} system P;", "E<> P.B")
+        assert found.fault is not None and found.fault.kind is kind
+        assert found.fault.span.text == bound
+
+
+def test_a_bound_of_a_clock_may_divide_by_a_variable() -> None:
+    """The quotient lies in -10..10, whatever the range of the divisor."""
+    text = """
+        int d; clock x;
+        process P() {
+            state A, B, C; init A;
+            trans A -> B { guard d == 0; assign d = 3; }, B -> C { guard x >= 10 / d; };
+        }
+        system P;
+    """
+    assert verdict(text, "E<> P.C && x < 3").answer.value == "fails"
+    assert verdict(text, "E<> P.C && x <= 3").answer.value == "holds"

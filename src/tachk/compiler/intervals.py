@@ -140,7 +140,10 @@ def _call(call: Call, known: Known, given: Mapping[Variable, Interval]) -> Inter
 
 
 def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
-    """The values of ``left operator right`` where there is one."""
+    """The values of ``left operator right`` where there is one; 0 where there is none, for that is not evaluated to a
+    value but to a run-time error."""
+    if not _ever_defined(operator, right):
+        return 0, 0
     match operator:
         case BinaryOperator.ADD:
             return _fit(left[0] + right[0], left[1] + right[1])
@@ -164,7 +167,7 @@ def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Int
             return 0, min(i[1] for i in (left, right) if i[0] >= 0)
         case BinaryOperator.BIT_OR | BinaryOperator.BIT_XOR if left[0] >= 0 and right[0] >= 0:
             return 0, (1 << max(left[1], right[1]).bit_length()) - 1
-        case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT if right[0] <= 31 and right[1] >= 0:
+        case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
             distances = max(right[0], 0), min(right[1], 31)
             shifted = [a << d if operator is BinaryOperator.SHIFT_LEFT else a >> d for a in left for d in distances]
             return _fit(min(shifted), max(shifted))
@@ -176,6 +179,11 @@ def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Int
             return ANYTHING
 
 
+def _ever_defined(operator: BinaryOperator, right: Interval) -> bool:
+    """Whether there is a value for some right side in an interval."""
+    return operator.total or any(first <= right[1] and right[0] <= last for first, last in operator.rights)
+
+
 def _divisors(interval_: Interval) -> Iterator[int]:
     """The divisors at which a quotient takes its extreme values."""
     for candidate in (interval_[0], interval_[1], -1, 1):
@@ -184,8 +192,6 @@ def _divisors(interval_: Interval) -> Iterator[int]:
 
 
 def _extremes(operator: BinaryOperator, left: Interval, right: tuple[int, ...]) -> Interval:
-    if not right:
-        return ANYTHING
     values = [apply_binary(operator, a, b) for a in left for b in right]
     known = [v for v in values if v is not None]
     return (min(known), max(known)) if len(known) == len(values) else ANYTHING
