@@ -110,6 +110,49 @@ def test_comments_and_queries_survive(with_layout: bool) -> None:
     assert [formula.name for formula in loaded.formulas] == ["q1", "q2", "q3"]
 
 
+HEADINGS = """\
+<nta><declaration>int n;</declaration>
+<template><name>P</name><location id="id0"><name>A</name></location><init ref="id0"/></template>
+<system>system P;</system>
+<queries><query><formula/><comment>== Safety ==</comment></query>
+<query><formula>A[] n == 0</formula><comment>stays</comment></query>
+<query><formula></formula><comment>Two lines\n  */ of \\n // a heading</comment></query>
+<query><formula>E&lt;&gt; P.A</formula><comment/></query>
+<query><formula>E&lt;&gt; Gone.x</formula><comment>about something\nthat is gone</comment></query>
+<query><formula>A[] P.x</formula><comment>named: a title</comment></query>
+<query><formula>E&lt;&gt; (</formula><comment>unreadable</comment></query>
+<query><formula>sat: Scenario</formula><comment/></query>
+<query><formula>== Reach ==</formula><comment>sub</comment></query>
+</queries></nta>
+"""
+
+
+@pytest.mark.parametrize("with_layout", [True, False])
+def test_headings_and_wrong_queries_survive_in_their_places(with_layout: bool) -> None:
+    Path("a.xml").write_text(HEADINGS)
+    text = convert("a.xml", "a.ta")
+    if not with_layout:
+        Path("a.layout.json").unlink()
+    listed = r"<query>\s*<formula/?>(?:([^<]*)</formula>)?\s*<comment/?>(?:([^<]*)</comment>)?"
+    assert re.findall(listed, convert("a.ta", "b.xml")) == re.findall(listed, HEADINGS)
+    Path("b.layout.json").unlink(missing_ok=True)
+    assert convert("b.xml", "b.ta") == text
+    with pytest.raises(SystemExit) as end:
+        app(["diff", "a.xml", "a.ta"], prog_name="tachk")
+    assert end.value.code == 0
+
+
+def test_another_wrong_query_is_a_difference(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.xml").write_text(HEADINGS)
+    convert("a.xml", "a.ta")
+    Path("b.xml").write_text(HEADINGS.replace("Gone.x", "Gone.y"))
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as end:
+        app(["diff", "b.xml", "a.ta"], prog_name="tachk")
+    assert end.value.code == 1
+    assert capsys.readouterr().out == "queries that are wrong\n  - E<> Gone.y\n  + E<> Gone.x\n"
+
+
 def test_a_query_about_an_absent_process_is_refused_and_no_mistake(capsys: pytest.CaptureFixture[str]) -> None:
     Path("a.xml").write_text(VARIANTS.replace("<query><formula>E&lt;&gt; Gone.s</formula><comment/></query>", ""))
     convert("a.xml", "a.ta")

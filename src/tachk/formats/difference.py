@@ -62,6 +62,8 @@ def difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
             _compare_templates(where, old[name], new[name], changes)
     _compare("system", _system(before), _system(after), changes)
     _compare_many("properties", _queries(before), _queries(after), changes)
+    old_wrong, new_wrong = ([(text, "") for text in model.wrong] for model in (before, after))
+    _compare_many("queries that are wrong", old_wrong, new_wrong, changes)
     return tuple(changes)
 
 

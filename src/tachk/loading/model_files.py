@@ -19,12 +19,14 @@ class ReadModel:
     layout: the picture, where the file has one.
     broken: queries that cannot be read.
     warnings: what else is to be said.
+    headings: entries of a list of queries without a formula, as comments in their places.
     """
 
     document: ast.Document
     layout: Layout | None = None
     broken: tuple[BrokenQuery, ...] = ()
     warnings: tuple[Diagnostic, ...] = ()
+    headings: tuple[ast.Comment, ...] = ()
 
 
 def read_model(source: Source) -> ReadModel:
@@ -39,7 +41,7 @@ def read_model(source: Source) -> ReadModel:
         read = parse_uppaal_xml(source)
         if has_errors(read.diagnostics):
             raise InputError(read.diagnostics)
-        return ReadModel(read.document, read.layout, read.broken, read.diagnostics)
+        return ReadModel(read.document, read.layout, read.broken, read.diagnostics, read.headings)
     if is_tchecker(source):
         from tachk.formats.tchecker.reader import parse_tchecker
 

@@ -18,9 +18,9 @@ from tachk.formats.exported import Writing
 from tachk.formats.layout_json import layout_path, layout_to_json
 from tachk.formats.plain.expansion import document_repairs
 from tachk.formats.plain.plain_model import PlainQuery, Step
+from tachk.formats.uppaal.query_asides import wrong_query
 from tachk.formats.uppaal.query_file import print_queries
-from tachk.formats.uppaal.query_reader import without_properties, wrong_query
-from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.formats.uppaal.query_reader import comment_of, without_properties
 from tachk.loading.load import load_model
 from tachk.loading.model_files import read_model
 from tachk.syntax import ast
@@ -70,12 +70,18 @@ def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], 
     read = read_model(read_source(source))
     print_diagnostics(read.warnings)
     document, layout = read.document, read.layout
-    wrong = () if layout is None else _wrong_queries(source)
-    aside = [*(query.text for query in read.broken), *(query.text for query in wrong)]
+    aside = [*read.headings, *(_aside(query.span, query.text, query.comment) for query in read.broken)]
+    wrong = set() if layout is None else _wrong_queries(source)
     if layout is not None and wrong:
-        layout = without_properties(layout, document, {query.name for query in wrong})
-        names = {query.name for query in wrong}
-        kept = (i for i in document.items if not (isinstance(i, ast.PropertyDeclaration) and i.name.name in names))
+        comments = {query.name: query.comment for query in layout.queries}
+        layout = without_properties(layout, document, wrong)
+        kept: list[ast.Item] = []
+        for item in document.items:
+            if isinstance(item, ast.PropertyDeclaration) and item.name.name in wrong:
+                said = comments.get(item.name.name)
+                aside.append(_aside(item.span, item.formula.span.text, comment_of(item) if said is None else said))
+            else:
+                kept.append(item)
         document = replace(document, items=tuple(kept))
     properties = [item for path in query_files for item in _properties(path, document.span)]
     if properties:
@@ -83,18 +89,24 @@ def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], 
     if fix:
         document, steps = document_repairs(document)
         _tell(steps)
-    text = print_document(document) + "".join(f"\n{wrong_query(query)}\n" for query in aside)
-    return {output: text} | ({} if layout is None else {layout_path(output): layout_to_json(layout)})
+    document = replace(document, comments=tuple(sorted((*document.comments, *aside), key=lambda c: c.span.start)))
+    return {output: print_document(document)} | (
+        {} if layout is None else {layout_path(output): layout_to_json(layout)}
+    )
 
 
-def _wrong_queries(source: Path) -> tuple[UncheckedQuery, ...]:
-    """The readable queries of an XML file that are wrong, as far as its model can be loaded."""
+def _aside(place: Span, formula: str, comment: str) -> ast.Comment:
+    return ast.Comment(place, wrong_query(formula, comment), True)
+
+
+def _wrong_queries(source: Path) -> set[str]:
+    """The names of the readable queries of an XML file that are wrong, as far as its model can be loaded."""
     try:
         loaded = load_model(source)
     except TachkError:
-        return ()
+        return set()
     named = {item.name.name for item in loaded.items if isinstance(item, ast.PropertyDeclaration)}
-    return tuple(query for query in loaded.unchecked if query.is_wrong and query.name in named)
+    return {query.name for query in loaded.unchecked if query.is_wrong and query.name in named}
 
 
 def _tell(steps: list[Step]) -> None:

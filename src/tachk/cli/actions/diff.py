@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from tachk import api
 from tachk.cli.arguments import parse_definitions
@@ -13,6 +14,7 @@ from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.formats.difference import least_difference, print_difference
 from tachk.formats.plain.expansion import expand, expand_document
 from tachk.formats.plain.plain_model import PlainModel
+from tachk.formats.uppaal.query_asides import wrong_query_in
 from tachk.loading.model_files import read_model
 from tachk.syntax.source_files import read_source
 
@@ -40,13 +42,21 @@ def _models(before: str, after: str, constants: Mapping[str, str]) -> tuple[Plai
             if constants:
                 raise
         else:
-            return (
-                expand(first.loaded, first.definitions, repair_names=False),
-                expand(second.loaded, second.definitions, repair_names=False),
-            )
+            return _expanded(first), _expanded(second)
     elif constants:
         raise UsageError("-D sets constants of two models, and one of these is no file")
     return _as_written(before), _as_written(after)
+
+
+def _expanded(model: api.Model) -> PlainModel:
+    """The model in full. A query that no model can have stands in the list of a XML file and in a comment of a text."""
+    loaded = model.loaded
+    plain = expand(loaded, model.definitions, repair_names=False)
+    wrong = {query.name: query.text for query in loaded.unchecked if query.is_wrong}
+    in_comments = (wrong_query_in(comment.text) for comment in loaded.document.comments)
+    texts = [*wrong.values(), *(text for text in in_comments if text is not None)]
+    kept = tuple(query for query in plain.queries if query.name not in wrong)
+    return replace(plain, queries=kept, wrong=tuple(" ".join(text.split()) for text in texts))
 
 
 def _as_written(path: str) -> PlainModel:

@@ -49,6 +49,7 @@ class PlainModel:
     templates: all in the classic form.
     comments: those of the document itself.
     steps: how it came from the original.
+    wrong: the texts of queries that no model can have, where it matters that they are told apart.
     observed: there are observers in it, whose steps of their own leave no deadlock.
     """
 
@@ -64,6 +65,7 @@ class PlainModel:
     comments: tuple[ast.Comment, ...] = ()
     steps: tuple[Step, ...] = ()
     observed: bool = False
+    wrong: tuple[str, ...] = ()
 
     def items(self) -> tuple[ast.Item, ...]:
         """Everything but the queries in the order in which UPPAAL reads it."""

@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from tachk.diagnostics.span import Source, Span
+from tachk.formats.uppaal.query_asides import heading
 from tachk.formats.uppaal.template_reader import plain_text
 from tachk.formats.uppaal.xml_text import Extract, Extracted
 from tachk.formats.uppaal.xml_tree import Element
@@ -30,7 +31,6 @@ _EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect 
 _SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 _HEADING = re.compile(r"\s*([=#*_~])\1")
 """How people set off headings in a list of queries; no formula begins like that."""
-_WRONG = "// a query that is wrong: "
 MEASURES = (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
 
 
@@ -48,6 +48,7 @@ class QueriesReader:
 
     Attributes:
         broken: queries that cannot be read.
+        headings: entries without a formula, as comments in their places.
         layouts: of all entries, in order.
         options: of the whole list.
     """
@@ -56,6 +57,7 @@ class QueriesReader:
         self.elements = [element for element in elements if element.name == "query"]
         self.options = _options(elements)
         self.broken: list[BrokenQuery] = []
+        self.headings: list[ast.Comment] = []
         self.layouts: list[QueryLayout] = []
 
     def outline(self, extract: Extract) -> None:
@@ -84,6 +86,9 @@ class QueriesReader:
             if formula is None or place is None or _is_empty(place) or _HEADING.match(place.text):
                 text = formula.text or None if formula is not None else None
                 self.layouts.append(_with(kept, "", comment, text))
+                told = heading(text or "", plain_text(comment))
+                if told:
+                    self.headings.append(ast.Comment(texts.tag(element), told, True))
                 continue
             if not said.name or said.name in used:
                 name = _automatic_name(number, taken | used)
@@ -121,16 +126,6 @@ class QueriesReader:
                 )
             )
         return found
-
-
-def wrong_query(formula: str) -> str:
-    """A query that no model can have, as a comment from which it comes back when XML is written."""
-    return f"{_WRONG}{' '.join(formula.split())}"
-
-
-def wrong_query_in(comment: str) -> str | None:
-    """The formula in a comment that `wrong_query` made; None for other comments."""
-    return comment.removeprefix(_WRONG).strip() if comment.startswith(_WRONG) else None
 
 
 def set_aside(formula: str) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tachk.diagnostics.span import Source
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery
 from tachk.formats.uppaal.limits import refused, refuses_deadlock
+from tachk.formats.uppaal.query_asides import aside_in
 from tachk.formats.uppaal.query_reader import (
     MEASURES,
     comment_of,
@@ -15,7 +16,6 @@ from tachk.formats.uppaal.query_reader import (
     outcome,
     says,
     set_aside,
-    wrong_query_in,
 )
 from tachk.formats.uppaal.xml_tree import parse_xml
 from tachk.frontend.loaded import LoadedModel
@@ -48,11 +48,28 @@ def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLa
             views.append(QueryView(layout.formula or "", layout.comment or "", layout.options, layout.results))
         elif layout.name in known:
             views.append(_view(known.pop(layout.name), properties[layout.name], layout, refuses))
-    views += [_view(query, properties[query.name], QueryLayout(query.name), refuses) for query in known.values()]
-    written = {" ".join(view.formula.split()) for view in views}
-    wrong = (wrong_query_in(comment.text) for comment in model.document.comments)
-    views += [QueryView(formula, "") for formula in wrong if formula is not None and formula not in written]
-    return tuple(views)
+    rest = list(_asides(model, views))
+    place = 0
+    for query in known.values():
+        node = properties[query.name]
+        if node.span.source is model.document.span.source:
+            place = node.span.start
+        rest.append((place, _view(query, node, QueryLayout(query.name), refuses)))
+    return (*views, *(view for _, view in sorted(rest, key=lambda entry: entry[0])))
+
+
+def _asides(model: LoadedModel, listed: Sequence[QueryView]) -> Iterator[tuple[int, QueryView]]:
+    """What comments of the text say to be entries, with their places; without those that are listed already."""
+    formulas = {" ".join(view.formula.split()) for view in listed}
+    headings = {" ".join(view.comment.split()) for view in listed if not view.formula.strip()}
+    for comment in model.document.comments:
+        entry = aside_in(comment.text)
+        if entry is None:
+            continue
+        formula, said = entry.formula or "", entry.comment or ""
+        known = formula in formulas if formula else " ".join(said.split()) in headings
+        if not known:
+            yield comment.span.start, QueryView(formula, said)
 
 
 def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout, refuses: bool) -> QueryView:

@@ -31,6 +31,7 @@ class XmlModel:
     """Attributes:
     broken: queries that cannot be read; they are not part of the document, and harm nothing else.
     diagnostics: about everything else.
+    headings: entries of the list of queries without a formula, as comments in their places.
     charts: the names of the message sequence charts.
     """
 
@@ -39,6 +40,7 @@ class XmlModel:
     broken: tuple[BrokenQuery, ...]
     diagnostics: tuple[Diagnostic, ...]
     charts: frozenset[str] = frozenset()
+    headings: tuple[ast.Comment, ...] = ()
 
 
 def parse_uppaal_xml(source: Source) -> XmlModel:
@@ -112,7 +114,8 @@ class _Reader:
         document = ast.Document(whole, tuple(items), self._comments(texts, items))
         names = (element.first("name") for element in self.root.all("lsc"))
         charts = frozenset(name.text.strip() for name in names if name is not None)
-        return XmlModel(document, layout, tuple(self.queries.broken), _one_legacy_warning(self.diagnostics), charts)
+        broken, headings = tuple(self.queries.broken), tuple(self.queries.headings)
+        return XmlModel(document, layout, broken, _one_legacy_warning(self.diagnostics), charts, headings)
 
     def _parsed(self, parse: Callable[[Span], tuple[Any, tuple[Diagnostic, ...]]], span: Span) -> Any:
         items, diagnostics = parse(span)

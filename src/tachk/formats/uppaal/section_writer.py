@@ -10,7 +10,7 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
 from tachk.formats.plain.plain_model import PlainModel
-from tachk.formats.uppaal.query_reader import wrong_query_in
+from tachk.formats.uppaal.query_asides import aside_in
 from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import (
@@ -182,7 +182,7 @@ def _comments_beside(
         found += placement.closing.get(id(model.document), [])
     formulas = [query.formula for query in layout.queries if query.formula is not None]
     for comment in sorted(found, key=lambda comment: comment.span.start):
-        elsewhere = wrong_query_in(comment.text) is not None or any(comment.text in formula for formula in formulas)
+        elsewhere = aside_in(comment.text) is not None or any(comment.text in formula for formula in formulas)
         if not elsewhere:
             yield comment.text
 

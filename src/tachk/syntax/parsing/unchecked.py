@@ -18,6 +18,7 @@ _PREFIXES = {
     "saveStrategy": "learning",
     "loadStrategy": "learning",
     "scenario": "scenario",
+    "sat": "scenario",
 }
 
 _AFTER_PREFIX = {
@@ -31,6 +32,7 @@ _AFTER_PREFIX = {
     "maxPr": ("(", "["),
     "saveStrategy": ("(",),
     "scenario": (":",),
+    "sat": (":",),
 }
 
 
