@@ -14,14 +14,16 @@ from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
+    Binary,
     Constant,
     Deadlock,
     Expression,
 )
-from tachk.model.network import Edge, Network
+from tachk.model.network import Edge, Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import reads_clock, walk
 from tachk.model.types import ChannelType
+from tachk.operators import COMPARISONS
 from tachk.records import dataclass
 from tachk.words import Direction
 
@@ -124,6 +126,50 @@ def uncomputed_chances(network: Network) -> tuple[Diagnostic, ...]:
     ]
     wrong = [replace(chance, code="W0722") for chance in chances if isinstance(chance, Diagnostic)]
     return tuple({str(found.span): found for found in wrong}.values())
+
+
+def undrawn_ends(network: Network) -> tuple[Diagnostic, ...]:
+    """Warnings about locations whose invariant ends although their process can only receive, in a network with
+    exponential delays: who acts then is tachk's reading, see docs/simulation.md."""
+    drawing = [number for number, process in enumerate(network.processes) if _draws_exponentially(process)]
+    found = {}
+    for number, process in enumerate(network.processes):
+        if not set(drawing) - {number}:
+            continue
+        acting = {edge.source for edge in process.edges if not _only_receives(edge)}
+        for place, location in enumerate(process.locations):
+            waits = location.invariant is not None and not (location.urgent or location.committed)
+            if waits and place not in acting and _limits_time(location.invariant):
+                found[str(location.span)] = _undrawn_end(process.name, location.name, location.span)
+    return tuple(found.values())
+
+
+def _draws_exponentially(process: Process) -> bool:
+    acting = {edge.source for edge in process.edges if not _only_receives(edge)}
+    return any(process.locations[place].exponential_rate is not None for place in acting)
+
+
+def _only_receives(edge: Edge) -> bool:
+    return edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE
+
+
+def _limits_time(invariant: Expression | None) -> bool:
+    return invariant is not None and any(
+        isinstance(part, Binary)
+        and part.operator in COMPARISONS
+        and (reads_clock(part.left) or reads_clock(part.right))
+        for part in walk(invariant)
+    )
+
+
+def _undrawn_end(process: str, location: str, span: Span) -> Diagnostic:
+    return Diagnostic(
+        "W0724",
+        f"the invariant of {process}.{location} ends, and the process has no edge of its own to take then",
+        span,
+        "in simulations a process with an exponential delay is made to act at that moment; give the process an edge "
+        "of its own, or the other one an invariant, to leave nothing open",
+    )
 
 
 def _check_no_deadlock(predicate: Expression) -> None:

@@ -1,9 +1,9 @@
 """Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
 
 Clocks that are declared so are, and plain ones that are used like them: with rates that are not certainly 0 or 1, with
-floating point numbers, in guards over urgent channels, or in arithmetic other than `x = y + e`. Only names are looked
-at; a plain clock that is taken for a hybrid one needlessly has the same runs, but for the rounding of floating point
-numbers.
+floating point numbers, in guards over urgent channels, in weights, or in arithmetic other than `x = y + e`. Only names
+are looked at; a plain clock that is taken for a hybrid one needlessly has the same runs, but for the rounding of
+floating point numbers.
 """
 
 from __future__ import annotations
@@ -43,6 +43,8 @@ def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
     ]
     found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating)}
     found |= {name for guard in urgent_guards(tree) for name in _names(guard, clocks)}
+    for edge in (inner for item in tree for inner in nodes_of_kind(item, ast.EdgeDeclaration)):
+        found.update(_names(edge.probability, clocks))
     while True:
         more = found | {name for node in nodes for name in _used(node, clocks, floating | found, truths)}
         if more <= found:

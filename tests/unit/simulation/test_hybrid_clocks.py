@@ -276,3 +276,24 @@ def test_a_rate_that_is_0_or_1_leaves_a_clock_plain(rate: str) -> None:
     model = tachk.loads(RATED.replace("RATE", rate))
     assert hybrid_clocks(model.loaded.items) == frozenset()
     assert reached_at_5(rate) == [5] * 3
+
+
+def test_weights_may_read_clocks() -> None:
+    text = """
+        clock x;
+        process M() {
+            init location s { invariant x <= 4; to b; }
+            branchpoint b { to t { probability x; } to u { probability 4 - x; } }
+            location t;
+            location u;
+        }
+        system M;
+    """
+    # The share of t is x / 4, with x uniform on 0 to 4.
+    (found,) = tachk.loads(text).estimate("Pr[<=5](<> M.t)", runs=4000, confidence=0.999)
+    assert isinstance(found, Estimated)
+    assert found.low < 0.5 < found.high
+    assert found.high - found.low < 0.06
+    (late,) = tachk.loads(text.replace("to b; }", "to b { guard x >= 4; } }")).estimate("Pr[<=5](<> M.t)", runs=200)
+    assert isinstance(late, Estimated)
+    assert late.sample.hits == 200

@@ -52,10 +52,12 @@ def test_check_warns_of_such_rates_and_weights(tmp_path: Path, capsys: pytest.Ca
     path.write_text(
         """
         double z = 1.5;
+        int a[2];
         process P(const int[0, 1] me) {
             clock x;
-            init location A { exponential_rate z; to way; }
-            branchpoint way { to A { probability x; } to A { probability 2; } }
+            init location A { exponential_rate a; to way; }
+            location B { exponential_rate z; to A; }
+            branchpoint way { to A { probability a; } to B { probability x; } to B { probability 2; } }
         }
         system P;
         """
@@ -95,3 +97,28 @@ def test_columns_are_signals_locations_and_variables() -> None:
     assert [column.truth for column in chosen_columns(network, ["P.B", "n"])] == [True, False]
     with pytest.raises(UsageError):
         chosen_columns(network, ["P.C"])
+
+
+ENDS = """
+broadcast chan go;
+process P() { clock x; init location A { invariant x <= 5; to B { sync go?; } OWN } location B; }
+process Q() { init location C { RATE to D { sync go!; } } location D; }
+system P, Q;
+"""
+
+
+@pytest.mark.parametrize(
+    ("rate", "own", "warnings"),
+    [
+        ("exponential_rate 1 : 10;", "", 1),
+        ("", "", 0),
+        ("exponential_rate 1 : 10;", "to B { guard x >= 5; }", 0),
+    ],
+)
+def test_check_warns_of_an_end_that_nobody_has_drawn(
+    rate: str, own: str, warnings: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(ENDS.replace("RATE", rate).replace("OWN", own))
+    assert app.main(["check", str(path)], standalone_mode=False) == 0
+    assert capsys.readouterr().err.count("warning[W0724]") == warnings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -14,8 +15,8 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import OUT_OF_TIME, complain, print_diagnostics
 from tachk.cli.reporting import ReportForm
-from tachk.compiler.features import uncomputed_chances
-from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
+from tachk.compiler.features import uncomputed_chances, undrawn_ends
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
 from tachk.engines.options import Limits
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
@@ -110,7 +111,19 @@ def _check(
         len(model.properties),
     )
     other = None if version is None else portability(model.loaded, version)
-    return Checked(path, size, (*model.warnings, *uncomputed_chances(model.network)), other), model
+    of_simulations = (*_uncomputed(model, strict_xta), *undrawn_ends(model.network))
+    return Checked(path, size, (*model.warnings, *of_simulations), other), model
+
+
+def _uncomputed(model: api.Model, strict_xta: bool) -> tuple[Diagnostic, ...]:
+    """The rates and weights that no simulation computes. It has floating point variables and hybrid clocks besides."""
+    wrong = uncomputed_chances(model.network)
+    if wrong:
+        with suppress(TachkError):
+            constants = {name: value.span.text for name, value in model.loaded.overrides.items()}
+            simulated = load_model(model.path, constants, strict_xta, keeps_doubles=True)
+            return uncomputed_chances(simulated.network)
+    return wrong
 
 
 def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> None:

@@ -110,16 +110,27 @@ LOWERING_CODES: dict[str, Explanation] = {
     "E0722": Explanation(
         "rate or weight that is not computed",
         "A simulation needs the rate of each location and the weight of each branch as a number. A search does not "
-        "look at them, so that it accepts any. They may use constants, also floating point ones, and integers.",
+        "look at them, so that it accepts any. They may use numbers, also floating point ones, and weights clocks.",
         "location A { exponential_rate speed; to B; }",
         "location A { exponential_rate 1 : 20; to B; }",
     ),
     "W0722": Explanation(
         "rate or weight that no simulation computes",
         "A search does not look at rates and weights, so that the model can be verified as it is. `tachk simulate` "
-        "refuses it with E0722. They may use constants, also floating point ones, and integers.",
+        "refuses it with E0722. They may use numbers, also floating point ones, and weights clocks.",
         "location A { exponential_rate speed; to B; }",
         "location A { exponential_rate 1 : 20; to B; }",
+    ),
+    "W0724": Explanation(
+        "an invariant that ends while nobody has to act",
+        "In a simulation a process draws when it acts. Where the invariant of a process that can only receive ends "
+        "before anybody has drawn a moment, UPPAAL's documentation leaves open what happens. tachk lets one of the "
+        "processes act that can, also one whose delay is exponential. That changes probabilities, and no search.",
+        "process P() { clock x; init location A { invariant x <= 5; to B { sync go?; } } location B; }\n"
+        "process Q() { init location C { exponential_rate 1 : 10; to D { sync go!; } } location D; }",
+        "process P() { clock x; init location A { invariant x <= 5; to B { sync go?; } to Late { guard x >= 5; } } "
+        "location B; location Late; }\n"
+        "process Q() { init location C { exponential_rate 1 : 10; to D { sync go!; } } location D; }",
     ),
     "E0729": Explanation(
         "hybrid clocks where they are not known",
