@@ -36,7 +36,9 @@ LIBRARIES = {
     "markdown_it": {"report.page"},
     "markupsafe": {"formats.uppaal", "report.page"},
     "matplotlib": {"report"},
+    "lz4": {"runtime.logs"},
     "mcap": {"runtime.logs"},
+    "mcap_protobuf": {"runtime.logs"},
     "networkx": {"drawing.placement", "report.run"},
     "numpy": {
         "certify",
@@ -61,6 +63,7 @@ LIBRARIES = {
     "vcd": {"runtime", "simulation"},
     "xml": {"fmi", "formats.uppaal", "report"},
     "z3": {"engines"},
+    "zstandard": {"runtime.logs"},
 }
 """The packages that may use what is not tachk's own or the standard library's; of the latter, `xml`."""
 

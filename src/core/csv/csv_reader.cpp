@@ -218,6 +218,7 @@ const char* CsvReader::read_lines(const char* begin, const char* end) {
 }
 
 const char* CsvReader::read_line(const char* begin) {
+  row_ = times_.size();
   const char* p = begin;
   const auto cells = static_cast<std::int32_t>(plan_.size());
   for (std::int32_t cell = 0; cell < cells; ++cell) {
@@ -482,8 +483,7 @@ const char* CsvReader::fail(CsvFaultKind kind, const char* begin, const char* li
 
 // After a fault within a row: every column ends with the row before it.
 void CsvReader::forget_partial_row() {
-  std::size_t rows = times_.size();
-  for (const CsvColumn& column : columns_) rows = std::min(rows, column.truths.size() + column.numbers.size());
+  const std::size_t rows = row_;
   times_.resize(rows);
   for (CsvColumn& column : columns_) {
     if (column.is_number) {

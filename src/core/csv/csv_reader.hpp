@@ -116,6 +116,7 @@ class CsvReader {
   char point_;
   bool dates_;
   std::uint64_t line_;
+  std::size_t row_ = 0;  // the number of the row that is being read, among those that wait to be taken
   bool any_row_ = false;
   bool complete_ = false;  // every column has a value
   bool cut_off_ = false;

@@ -212,14 +212,14 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
     def change(node: Any) -> Any:
         match node:
             case ast.NameExpression(name=name, span=span) if name in constants:
-                return _literal(span, Fraction(constants[name]))
+                return literal(span, Fraction(constants[name]))
             case _:
                 return node
 
     return rewrite(scaled(formula, _ratio(own, unit)), change)
 
 
-def _literal(span: Span, value: Fraction) -> ast.Expression:
+def literal(span: Span, value: Fraction) -> ast.Expression:
     """A number as it stands in a condition, in which numbers are floating-point ones."""
     size = abs(value)
     whole = size.denominator == 1

@@ -1,14 +1,17 @@
-"""Locations of processes in recordings: a column `P` of texts says where the process P is, as files of runs hold it."""
+"""Names in formulas that mean values in columns: locations of processes, constants of messages, enumerations."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 from tachk.monitoring.compiler import columns_read
-from tachk.monitoring.formulas import NamedFormula
+from tachk.monitoring.formulas import NamedFormula, literal
 from tachk.operators import BinaryOperator
+from tachk.runtime.logs.named_values import named_values
+from tachk.runtime.trace import Recording
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
@@ -23,6 +26,25 @@ def located(named: NamedFormula, columns: Collection[str]) -> NamedFormula:
     if formula is named.formula and siblings == (named.siblings or {}):
         return named
     return replace(named, formula=formula, siblings=siblings or None, written=named.text)
+
+
+def with_named_values(formulas: Sequence[NamedFormula], recording: Recording) -> list[NamedFormula]:
+    """Formulas with values in place of the names that the recording has for them; columns and constants come first."""
+    names = {name for named in formulas for name in named.columns - named.constant_names}.difference(recording.columns)
+    values = {name: value for name, value in named_values(recording).items() if name in names} if names else {}
+    if not values:
+        return list(formulas)
+
+    def change(node: Any) -> Any:
+        if isinstance(node, (ast.NameExpression, ast.MemberExpression)):
+            value = values.get(node.name if isinstance(node, ast.NameExpression) else print_expression(node))
+            if isinstance(value, str):
+                return ast.StringLiteral(node.span, value)
+            if value is not None:
+                return literal(node.span, Fraction(value))
+        return node
+
+    return [replace(named, formula=rewrite(named.formula, change), written=named.text) for named in formulas]
 
 
 def _located(formula: Formula, columns: Collection[str]) -> Formula:

@@ -21,7 +21,7 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.conditions import condition_findings
 from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, names_file, read_formulas
 from tachk.monitoring.line_compiler import line_findings
-from tachk.monitoring.locations import located
+from tachk.monitoring.locations import located, with_named_values
 from tachk.monitoring.reading import Reading, reading_of
 from tachk.monitoring.texts import Texts, text_columns
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
@@ -134,7 +134,7 @@ def judge(
             "robustness in time is defined only if values stay constant between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
-    formulas = [located(named, recording.columns) for named in formulas]
+    formulas = [located(named, recording.columns) for named in with_named_values(formulas, recording)]
     if isinstance(recording, TableRecording) and judging.interpolation is Interpolation.CONSTANT and formulas:
         # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
         try:

@@ -192,13 +192,25 @@ def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int
     if os.path.isdir(path):  # unlike Path.is_dir false for a name that is too long
         if (path / "metadata.yaml").is_file():
             return _bag(path, time, unit, ports)
-        raise UsageError(f"{path} is a folder, not a trace", "a bag of ROS 2 is one with metadata.yaml")
+        return _bag_without_metadata(path, time, unit, ports)
     known = _format_of(path)
     if known is not None:
         return known.open(path, time, unit, ports)
     if not path.suffix or not os.path.isfile(path):
         return CSV.open(path, time, unit, ports)
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")
+
+
+def _bag_without_metadata(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    """The file of a bag whose recorder was stopped before it wrote `metadata.yaml`. Raises UsageError."""
+    parts = sorted(each for suffix in (".mcap", ".db3") for each in path.glob(f"*{suffix}"))
+    if not parts:
+        raise UsageError(f"{path} is a folder, not a trace", "a bag of ROS 2 is one with metadata.yaml")
+    if len(parts) > 1:
+        raise UsageError(
+            f"{path} is a bag of several files without metadata.yaml", f"make that with: ros2 bag reindex {path}"
+        )
+    return _opened(parts[0], time, unit, ports)
 
 
 def _format_of(path: Path) -> TraceFormat | None:

@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.trace import Trace, Values
+from tachk.runtime.trace import Trace, Values, cut_off_warning
 from tachk.runtime.trace_header import no_such_column
 from tachk.time_units import NANOSECONDS
 from tachk.xrce.events import DEFAULT_PORT
@@ -56,12 +56,16 @@ PROPERTIES: Final = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PacketRecording:
-    """``signals``: what gives the values of each column."""
+    """Attributes:
+    signals: what gives the values of each column.
+    warnings: as of a `Trace`.
+    """
 
     name: str
     recorded: Recorded
     signals: dict[str, Callable[[], Values]]
     unit: str = _UNIT
+    warnings: tuple[str, ...] = ()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -83,6 +87,7 @@ class PacketRecording:
             _UNIT,
             Fraction(0),
             packets=self.recorded.packets,
+            warnings=self.warnings,
         )
 
 
@@ -108,12 +113,14 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
         raise UsageError(f"{path}: {error}") from None
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
-    if recorded.problem:
+    is_cut_off = recorded.problem.startswith("the file ends inside") and len(recorded.times) > 0
+    if recorded.problem and not is_cut_off:
         raise UsageError(f"{path}: {recorded.problem}", f"tachk decode {path} tells what comes before")
     if not len(recorded.times):
         asked = ", ".join(map(str, ports or (DEFAULT_PORT,)))
         raise UsageError(f"{path} has no packet to or from port {asked}", "give the port of the Agent with --port")
-    return PacketRecording(str(path), recorded, dict(_signals(recorded, again)))
+    warnings = (cut_off_warning(str(path), recorded.problem),) if is_cut_off else ()
+    return PacketRecording(str(path), recorded, dict(_signals(recorded, again)), warnings=warnings)
 
 
 class _Again:

@@ -76,7 +76,17 @@ def open_parquet(path: str | Path, time: str | None = None, unit: str | None = N
 def _unreadable(path: str, error: Exception) -> UsageError:
     """pyarrow's errors about what a file holds are subclasses of built-in ones."""
     reason = (str(error).splitlines() or [type(error).__name__])[0]
+    if "footer" in reason and _begins_as_parquet(path):
+        return UsageError(
+            f"{path} is cut off: a Parquet file says at its end what it holds, and that is missing",
+            "write it again, to its end",
+        )
     return UsageError(f"{path} is not a readable Parquet file: {reason}")
+
+
+def _begins_as_parquet(path: str) -> bool:
+    with open(path, "rb") as stream:
+        return stream.read(4) == b"PAR1"
 
 
 def _numpy(column: Any) -> Any:

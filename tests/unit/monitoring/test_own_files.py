@@ -13,7 +13,7 @@ from tachk.cli.actions.simulation.formulas import columns_with
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.monitoring.formulas import read_formulas
 from tachk.runtime.node_signal import Truth
@@ -110,3 +110,14 @@ def test_locations_in_data_frames() -> None:
     report = tachk.monitor("G (P.A -> n != 1)", trace)
     assert (report.truth, report[0].formula) == (Truth.TRUE, "G (P.A -> n != 1)")
     assert tachk.monitor("F P.C", trace).truth is Truth.FALSE
+
+
+def test_several_runs_that_are_damaged(tmp_path: Path) -> None:
+    path = tmp_path / "runs.csv"
+    path.write_text("run,time,x\n# a, note, here\n0,0,1\n0,2,5\n1,0,1\n1,3")
+    trace = tachk.monitor("G (x < 9)", path, run=1).record.trace
+    assert (trace.rows, len(trace.warnings)) == (1, 1)
+    for text in ("run,time,x\n", "run,time,x\n0,0,1\n1,soon,1\n", "run,time,x\n0,0,1\n1,nan,1\n", "run,time,x\n0\n1\n"):
+        path.write_text(text)
+        with pytest.raises((UsageError, InputError)):
+            tachk.monitor("G (x < 9)", path)

@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import isnan
+from math import isfinite, isnan
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -36,6 +36,13 @@ SAMPLES = 200
 _STEP = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
 _NANOSECONDS = 10**9
 
+_SECONDS = ("sec", "secs", "seconds")
+_REST = ("nanosec", "nsecs", "nsec", "nanos")
+"""The parts of a stamp, in ROS 2, ROS 1 and protocol buffers."""
+
+LAST_TIME = 2**62
+"""In nanoseconds since 1970."""
+
 
 class Messages(Protocol):
     """A file of messages.
@@ -58,6 +65,15 @@ class Messages(Protocol):
 
     def samples(self) -> Iterator[tuple[str, Any]]:
         """The first `SAMPLES` messages of each topic that can be decoded."""
+        ...
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """As of a `Trace`."""
+        ...
+
+    def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
+        """Of each topic the constants of its type, and of the types in it."""
         ...
 
 
@@ -120,9 +136,11 @@ class MessageRecording:
         events: list[tuple[int, Mapping[str, Any]]] = []
         met: set[str] = set()
         getters = {topic: _getters(topic_name(topic), names) for topic, names in paths.items()}
-        for topic, logged, content in self.messages.decoded(topics):
+        for number, (topic, logged, content) in enumerate(self.messages.decoded(topics)):
             check_time()
             time = logged if self.time is None else self._stamp(topic, content)
+            if abs(time) > LAST_TIME:
+                raise self._out_of_range(f"message {number + 1} of {topic}", time)
             given = {column: get(content) for column, get in getters.get(topic, {}).items()}
             met.update(column for column, value in given.items() if value is not None)
             events.append((time, given))
@@ -133,10 +151,18 @@ class MessageRecording:
             raise UsageError(f"{self.name} has no messages", "the verdict needs at least the state at the beginning")
         events.sort(key=lambda event: event[0])
         end = self.messages.end if self.time is None else None
+        if end is not None and end > LAST_TIME:
+            raise self._out_of_range("the last message", end)
         if end is not None and end > events[-1][0]:
             events.append((end, {}))
         recording = sparse(self.name, "s", events, np.array([time for time, _ in events], "datetime64[ns]"))
-        return recording.read(list(wanted))
+        return replace(recording.read(list(wanted)), calendar=True, warnings=self.messages.warnings)
+
+    def _out_of_range(self, message: str, time: int) -> UsageError:
+        return UsageError(
+            f"{self.name}: {message} is at {time} ns since 1970, which is beyond what can be counted",
+            "a time that rolled over? --time takes the times of a field, as --time header.stamp, or publish_time",
+        )
 
     def _topic(self, column: str) -> str:
         """The topic of a column. Raises UsageError where there is none, or several."""
@@ -228,15 +254,16 @@ def _plain(value: Any) -> Any:
 
 def _nanoseconds(value: Any) -> int | None:
     """A stamp of ROS, a number of seconds, or a date."""
-    seconds = next((part for key in ("sec", "secs") if (part := _part(value, key)) is not None), None)
+    seconds = next((part for key in _SECONDS if (part := _part(value, key)) is not None), None)
     if seconds is not None:
-        rest = next((part for key in ("nanosec", "nsecs", "nsec") if (part := _part(value, key)) is not None), 0)
-        return int(seconds) * _NANOSECONDS + int(rest)
+        rest = next((part for key in _REST if (part := _part(value, key)) is not None), 0)
+        parts = [part.item() if isinstance(part, np.generic) else part for part in (seconds, rest)]
+        return parts[0] * _NANOSECONDS + parts[1] if all(isinstance(part, int) for part in parts) else None
     if isinstance(value, str):
         try:
             return round(seconds_of(value) * _NANOSECONDS)
         except ValueError:
             return None
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or isnan(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
         return None
     return round(Fraction(repr(value)) * _NANOSECONDS)

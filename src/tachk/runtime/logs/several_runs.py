@@ -114,7 +114,10 @@ def _runs(rows: list[tuple[Any, Any]]) -> dict[str, Run]:
         rows: the number of the run and the time of each row.
     """
     places = [row for row, (before, here) in enumerate(pairwise(rows), 1) if before[0] != here[0]]
-    if any(rows[row][1] > rows[row - 1][1] for row in places):
+    try:
+        if not rows or any(rows[row][1] > rows[row - 1][1] for row in places):
+            return {}
+    except (TypeError, InvalidOperation):  # whoever reads the times tells what is wrong with them
         return {}
     edges = [0, *places, len(rows)]
     runs = {str(rows[first][0]): (first, end) for first, end in pairwise(edges)}
@@ -138,9 +141,13 @@ def _csv_runs(recording: CsvRecording) -> Iterator[tuple[str, CsvRecording]]:
         number = recording.line
         while line := stream.readline():
             check_time()
-            cells = _cells(line, recording.separator)
+            cells = [] if line.lstrip().startswith(b"#") else _cells(line, recording.separator)
             if len(cells) > max(place, clock):
                 rows.append((cells[place], _time(cells[clock], recording.point)))
+                numbers.append(number)
+                lines.append(line)
+            elif rows and not line.endswith(b"\n"):  # half written, as its run will tell
+                rows.append(rows[-1])
                 numbers.append(number)
                 lines.append(line)
             elif line.strip() and not line.lstrip().startswith(b"#"):

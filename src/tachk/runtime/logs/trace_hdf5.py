@@ -55,6 +55,19 @@ class Hdf5Table:
         header = Header(("time", *wanted), 0, self.unit)
         return TableRecording(self.name, header, cells).read(wanted)
 
+    def enumerations(self) -> Mapping[str, Mapping[str, int]]:
+        """Of each column of an enumeration the names of its values."""
+        import h5py
+
+        found: dict[str, Mapping[str, int]] = {}
+        with _reading(Path(self.name)) as file:
+            for name, place in self.places.items():
+                dtype = file[place.path].dtype
+                dtype = dtype[place.part] if isinstance(place.part, str) else dtype
+                if known := h5py.check_enum_dtype(dtype):
+                    found[name] = {key: int(value) for key, value in known.items()}
+        return found
+
 
 def open_hdf5(path: Path, time: str | None, unit: str | None) -> Recording:
     """Finds out what a file holds. Raises UsageError, also where h5py is not installed."""

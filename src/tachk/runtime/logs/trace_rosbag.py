@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -35,6 +35,14 @@ class BagMessages(WithSummary[Collection[str]]):
                 for _, _, raw in islice(reader.messages([connection]), SAMPLES):
                     yield connection.topic, reader.deserialize(raw, connection.msgtype)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        return ()
+
+    def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
+        with self._reading() as reader:
+            return {each.topic: constants_of(reader.typestore, each.msgtype) for each in reader.connections}
+
     @contextmanager
     def _reading(self) -> Iterator[Any]:
         from rosbags.highlevel import AnyReader
@@ -45,6 +53,31 @@ class BagMessages(WithSummary[Collection[str]]):
             AnyReader([self.path], default_typestore=get_typestore(Stores.LATEST)) as reader,
         ):
             yield reader
+
+
+def constants_of(store: Any, name: str) -> dict[str, int | float | str]:
+    """The constants of a message type of ROS, and of the types of its fields."""
+    found: dict[str, int | float | str] = {}
+    waiting, seen = [name], set()
+    while waiting:
+        kind = waiting.pop()
+        if kind in seen or kind not in store.fielddefs:
+            continue
+        seen.add(kind)
+        constants, fields = store.fielddefs[kind]
+        for constant, _, value in constants:
+            found.setdefault(constant, value)
+        waiting += [each for _, field in fields for each in _types_in(field)]
+    return found
+
+
+def _types_in(field: Any) -> Iterator[str]:
+    """The names of message types in the description of a field by rosbags: pairs of a kind and what belongs to it."""
+    if isinstance(field, str):
+        yield field
+    elif isinstance(field, tuple):
+        for part in field:
+            yield from _types_in(part)
 
 
 def open_bag(path: Path, time: str | None, unit: str | None) -> MessageRecording:
