@@ -19,7 +19,7 @@ struct OnlyStates {
 };
 
 // How a state that a path may lead through is reached.
-struct Step {
+struct BackwardStep {
   Path actions;             // more than one where states between were not stored
   std::size_t previous;     // among the states one step before
   Arrangement arrangement;  // of the state, behind the actions; empty where processes keep their places
@@ -32,7 +32,7 @@ struct Recogniser : OnlyStates {
   PassingStates& passing;
   std::uint32_t node;
   std::vector<SymbolicState>& states;
-  std::vector<Step>& steps;
+  std::vector<BackwardStep>& steps;
   std::size_t previous = 0;
   std::vector<Edges> failing = {};  // actions that are a run-time error
 
@@ -124,7 +124,7 @@ class Unsorted {
 };
 
 // The numbers of the states of each layer that lie on the way to the first of the last ones.
-std::vector<std::size_t> way_back(const std::vector<std::vector<Step>>& layers) {
+std::vector<std::size_t> way_back(const std::vector<std::vector<BackwardStep>>& layers) {
   std::vector<std::size_t> numbers(layers.size(), 0);
   for (std::size_t layer = layers.size() - 1; layer > 0; --layer)
     numbers[layer - 1] = layers[layer][numbers[layer]].previous;
@@ -133,7 +133,7 @@ std::vector<std::size_t> way_back(const std::vector<std::vector<Step>>& layers) 
 
 // The same way with processes that keep their places: what the search calls the member at some place is another one
 // whenever a state has been sorted.
-Path unsorted_path(ZoneGraph& graph, const std::vector<std::vector<Step>>& layers,
+Path unsorted_path(ZoneGraph& graph, const std::vector<std::vector<BackwardStep>>& layers,
                    std::vector<std::vector<SymbolicState>>& states, SymbolicState* last) {
   const std::vector<std::size_t> numbers = way_back(layers);
   const Unsorted unsorted(graph);
@@ -162,11 +162,11 @@ Path unsorted_path(ZoneGraph& graph, const std::vector<std::vector<Step>>& layer
 }
 
 // The way back from the first of the last states; `layers`: the steps to the states of each layer.
-Path actions_through(std::vector<std::vector<Step>>& layers) {
+Path actions_through(std::vector<std::vector<BackwardStep>>& layers) {
   Path actions;  // from the last to the first
   std::size_t number = 0;
   for (std::size_t layer = layers.size() - 1; layer > 0; --layer) {
-    Step& step = layers[layer][number];
+    BackwardStep& step = layers[layer][number];
     std::move(step.actions.rbegin(), step.actions.rend(), std::back_inserter(actions));
     number = step.previous;
   }
@@ -185,10 +185,10 @@ Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, s
   PassingStates passing(graph, most_passing);
   SymbolicState source = graph.blank();
   std::vector<SymbolicState> states;  // of the last layer
-  std::vector<std::vector<Step>> layers;
+  std::vector<std::vector<BackwardStep>> layers;
   for (const std::uint32_t child : chain_of_parents(passed, node)) {
     std::vector<SymbolicState> next;
-    std::vector<Step>& steps = layers.emplace_back();
+    std::vector<BackwardStep>& steps = layers.emplace_back();
     passing.begin(false);
     if (layers.size() == 1) graph.start(Recogniser{{}, graph, passed, passing, child, next, steps});
     for (std::size_t number = 0; number < states.size(); ++number) {

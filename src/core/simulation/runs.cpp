@@ -12,7 +12,6 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint64_t between_stops = 1 << 16;  // transitions
 constexpr Ticks rows = 1000;
 
 // How far rows are apart that tell how hybrid clocks go on.

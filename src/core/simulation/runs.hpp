@@ -13,6 +13,9 @@
 
 namespace tachk {
 
+// So many transitions lie between two looks at whether to stop.
+inline constexpr std::uint64_t between_stops = 1 << 16;
+
 // What is kept of a run beside how it ends.
 struct Recording {
   bool actions = false;   // the edges of each transition

@@ -11,7 +11,6 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint64_t between_stops = 1 << 16;
 constexpr std::uint64_t steps_at_once = 1'000'000;
 constexpr std::uint64_t streams = std::uint64_t{1} << 62;  // these numbers are not those of runs
 

@@ -10,7 +10,6 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint64_t between_stops = 1 << 16;  // transitions
 constexpr std::uint64_t steps_at_once = 1'000'000;
 
 class Watch {

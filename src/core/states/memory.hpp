@@ -13,6 +13,9 @@
 
 namespace tachk {
 
+// Records of a block where there may be few of them.
+inline constexpr std::size_t small_block = std::size_t{1} << 15;
+
 // Records of a fixed number of bytes, numbered from 0, aligned to 64 bytes per block. Addresses are stable.
 class RecordPool {
  public:

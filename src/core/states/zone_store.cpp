@@ -1,11 +1,6 @@
 #include "states/zone_store.hpp"
 
 namespace tachk {
-namespace {
-
-constexpr std::size_t small_block = std::size_t{1} << 15;
-
-}  // namespace
 
 ZoneStore::ZoneStore(const ZoneOperations& operations, int dimension, const std::vector<ZoneOperations>& smaller,
                      std::uint32_t rows_after)

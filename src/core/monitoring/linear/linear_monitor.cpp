@@ -11,7 +11,6 @@
 namespace tachk {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 bool is_constant(const LinearSignal& signal) {
@@ -20,7 +19,7 @@ bool is_constant(const LinearSignal& signal) {
 
 // The offsets of a bounded or unbounded window ahead.
 LinearWindow window_of(const MonitorNode& node) {
-  return {static_cast<double>(node.lower), node.upper == unbounded ? infinity : static_cast<double>(node.upper),
+  return {static_cast<double>(node.lower), node.upper == unbounded ? without_end : static_cast<double>(node.upper),
           node.lower_closed, node.upper_closed};
 }
 
@@ -42,11 +41,11 @@ template <class Visit>
 void visit_signs(const LinearSignal& signal, Visit visit) {
   for (std::size_t n = 0; n < signal.size(); ++n) {
     const LinearPiece& piece = signal[n];
-    const double end = n + 1 < signal.size() ? signal[n + 1].start : infinity;
+    const double end = n + 1 < signal.size() ? signal[n + 1].start : without_end;
     if ((piece.after < 0 && piece.before > 0) || (piece.after > 0 && piece.before < 0)) {
       const double share = piece.after / (piece.after - piece.before);
-      const double zero = std::clamp(piece.start + (end - piece.start) * share, std::nextafter(piece.start, infinity),
-                                     std::nextafter(end, 0.0));
+      const double zero = std::clamp(piece.start + (end - piece.start) * share,
+                                     std::nextafter(piece.start, without_end), std::nextafter(end, 0.0));
       visit(piece.start, zero, piece.at, piece.after);
       visit(zero, end, 0.0, piece.before);
     } else {
@@ -250,7 +249,7 @@ LinearSignal LinearMonitor::atom(const MonitorAtom& what) const {
       return maximum(difference, negated(difference));
     default: {
       LinearSignal result;
-      const auto worth = [](double v) { return v != 0 ? infinity : -infinity; };
+      const auto worth = [](double v) { return v != 0 ? without_end : -without_end; };
       visit_signs(difference, [&](double start, double, double at, double inner) {
         result.push_back({start, worth(at), worth(inner), worth(inner)});
       });
@@ -351,7 +350,7 @@ LinearSignal LinearMonitor::lasting(std::size_t number, bool high) const {
       const double at = sign * (run.start - run.since);
       result.push_back({run.start, at, at, sign * (end - run.since)});
     } else if (!run.until && high == run.truth) {
-      result.push_back({run.start, sign * infinity, sign * infinity, sign * infinity});
+      result.push_back({run.start, sign * without_end, sign * without_end, sign * without_end});
     } else {
       const double until = run.until.value_or(length);
       const double at = sign * (until - run.start);
@@ -378,8 +377,8 @@ LinearSignal LinearMonitor::far_from_changes(std::size_t number, bool high) cons
     if (measure_ == RobustnessKind::behind) {
       result.push_back({start, 0, 0, -gap});
     } else {
-      const double after = last && !high ? -infinity : -gap;
-      result.push_back({start, n == 0 ? after : 0, after, last && !high ? -infinity : 0});
+      const double after = last && !high ? -without_end : -gap;
+      result.push_back({start, n == 0 ? after : 0, after, last && !high ? -without_end : 0});
     }
   }
   if (result.back().before != result.back().after) {
@@ -401,18 +400,18 @@ LinearSignal LinearMonitor::computed(const MonitorNode& node, bool high) {
   const auto operand = [&](std::size_t n) { return evaluate(node.operands[n], high); };
   const auto opposite = [&](std::size_t n) { return negated(evaluate(node.operands[n], !high)); };
   const auto until_the_end = [&](const LinearSignal& signal) {
-    return spliced(signal, constant_signal(high ? infinity : -infinity), static_cast<double>(length()));
+    return spliced(signal, constant_signal(high ? without_end : -without_end), static_cast<double>(length()));
   };
   switch (node.kind) {
     case NodeKind::always_false:
     case NodeKind::always_true:
-      return constant_signal(node.kind == NodeKind::always_true ? infinity : -infinity);
+      return constant_signal(node.kind == NodeKind::always_true ? without_end : -without_end);
     case NodeKind::atom: {
       const bool space = measure_ == RobustnessKind::space;
       return until_the_end(space ? atom(program_.atoms[node.atom]) : lasting(node.atom, high));
     }
     case NodeKind::change:
-      return until_the_end(measure_ == RobustnessKind::space ? changes(node.atom, infinity, -infinity)
+      return until_the_end(measure_ == RobustnessKind::space ? changes(node.atom, without_end, -without_end)
                                                              : far_from_changes(node.atom, high));
     case NodeKind::logical_not:
       return opposite(0);
@@ -450,7 +449,7 @@ LinearSignal LinearMonitor::computed(const MonitorNode& node, bool high) {
 LinearSignal LinearMonitor::ahead(const MonitorNode& node, bool high, const LinearSignal* f,
                                   const LinearSignal& g) const {
   const LinearWindow window = window_of(node);
-  if (is_empty(window)) return constant_signal(-infinity);
+  if (is_empty(window)) return constant_signal(-without_end);
   const auto lower = static_cast<double>(node.lower);
   const auto whole = [&](const LinearSignal& witness) {
     if (f == nullptr) return supremum(witness, window);
@@ -461,14 +460,14 @@ LinearSignal LinearMonitor::ahead(const MonitorNode& node, bool high, const Line
   };
   if (node.upper != unbounded) return whole(g);
   const auto length = static_cast<double>(this->length());
-  const LinearSignal cut = whole(spliced(g, constant_signal(-infinity), length));
+  const LinearSignal cut = whole(spliced(g, constant_signal(-without_end), length));
   const bool now = node.lower == 0 && node.lower_closed;
-  return spliced(cut, high ? whole(g) : now ? g : constant_signal(-infinity), length);
+  return spliced(cut, high ? whole(g) : now ? g : constant_signal(-without_end), length);
 }
 
 LinearSignal LinearMonitor::behind(const MonitorNode& node, const LinearSignal* f, const LinearSignal& g) const {
   const LinearWindow window = reflected(window_of(node));
-  if (is_empty(window)) return constant_signal(-infinity);
+  if (is_empty(window)) return constant_signal(-without_end);
   if (f == nullptr) return supremum(g, window);
   LinearSignal core = strict_since(*f, g);
   if (node.lower_closed) core = maximum(core, g);

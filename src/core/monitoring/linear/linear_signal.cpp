@@ -9,15 +9,13 @@
 namespace tachk {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 double end_of(const LinearSignal& signal, std::size_t number) {
-  return number + 1 < signal.size() ? signal[number + 1].start : infinity;
+  return number + 1 < signal.size() ? signal[number + 1].start : without_end;
 }
 
 // The value of a piece inside of it.
 double inside(const LinearPiece& piece, double end, double time) {
-  if (piece.after == piece.before || end == infinity) return piece.after;
+  if (piece.after == piece.before || end == without_end) return piece.after;
   return piece.after + (piece.before - piece.after) * ((time - piece.start) / (end - piece.start));
 }
 
@@ -28,7 +26,7 @@ class Builder {
     if (!signal_.empty() && signal_.back().start == start) signal_.pop_back();
     if (!signal_.empty() && continues(start, at, after, before)) {
       signal_.back().before = before;
-      end_ = infinity;
+      end_ = without_end;
       return;
     }
     signal_.push_back({start, at, after, before});
@@ -42,13 +40,13 @@ class Builder {
     const LinearPiece& last = signal_.back();
     if (last.before != at || at != after) return false;
     if (last.after == last.before) return after == before;
-    if (end_ == infinity || after == before || std::isinf(before)) return false;
+    if (end_ == without_end || after == before || std::isinf(before)) return false;
     const double whole = (before - last.after) * ((start - last.start) / (end_ - last.start));
     return std::abs(last.after + whole - at) <= 1e-14 * (std::abs(last.after) + std::abs(before));
   }
 
   LinearSignal signal_;
-  double end_ = infinity;
+  double end_ = without_end;
 };
 
 struct Stretch {
@@ -79,7 +77,7 @@ void walk(const LinearSignal& left, const LinearSignal& right, Visit visit) {
     side(left, i, stretch.end, stretch.left_at, stretch.left_after, stretch.left_before);
     side(right, j, stretch.end, stretch.right_at, stretch.right_after, stretch.right_before);
     visit(stretch);
-    if (stretch.end == infinity) return;
+    if (stretch.end == without_end) return;
     i += end_of(left, i) == stretch.end;
     j += end_of(right, j) == stretch.end;
     start = stretch.end;
@@ -119,7 +117,7 @@ LinearSignal chosen(const LinearSignal& left, const LinearSignal& right, Choose 
 LinearSignal inner_breaks(const LinearSignal& signal, const LinearWindow& window) {
   std::deque<std::size_t> candidates;
   const auto peak = [&](std::size_t n) {
-    const double before = n == 0 ? -infinity : signal[n - 1].before;
+    const double before = n == 0 ? -without_end : signal[n - 1].before;
     return std::max({signal[n].at, signal[n].after, before});
   };
   std::vector<double> peaks(signal.size());
@@ -128,7 +126,7 @@ LinearSignal inner_breaks(const LinearSignal& signal, const LinearWindow& window
   const auto leaves = [&](std::size_t n) { return signal[n].start - window.first; };
   std::size_t next = 0;
   const auto push = [&] {
-    if (window.first == -infinity) {
+    if (window.first == -without_end) {
       if (candidates.empty() || peaks[candidates.front()] < peaks[next]) candidates.assign(1, next);
     } else {
       while (!candidates.empty() && peaks[candidates.back()] <= peaks[next]) candidates.pop_back();
@@ -136,7 +134,7 @@ LinearSignal inner_breaks(const LinearSignal& signal, const LinearWindow& window
     }
     ++next;
   };
-  const auto largest = [&] { return candidates.empty() ? -infinity : peaks[candidates.front()]; };
+  const auto largest = [&] { return candidates.empty() ? -without_end : peaks[candidates.front()]; };
   while (next < signal.size() && enters(next) < 0) push();
   Builder result;
   double now = 0;
@@ -146,9 +144,9 @@ LinearSignal inner_breaks(const LinearSignal& signal, const LinearWindow& window
     while (next < signal.size() && enters(next) <= now) push();
     while (!candidates.empty() && leaves(candidates.front()) <= now) candidates.pop_front();
     result.add(now, at, largest(), largest());
-    double then = next < signal.size() ? enters(next) : infinity;
+    double then = next < signal.size() ? enters(next) : without_end;
     if (!candidates.empty()) then = std::min(then, leaves(candidates.front()));
-    if (then == infinity) return result.take();
+    if (then == without_end) return result.take();
     now = then;
   }
 }
@@ -229,7 +227,7 @@ LinearSignal minimum(const LinearSignal& left, const LinearSignal& right) {
 
 LinearSignal moved(const LinearSignal& signal, double offset) {
   LinearSignal result;
-  if (offset < 0) result = constant_signal(-infinity);
+  if (offset < 0) result = constant_signal(-without_end);
   for (std::size_t n = 0; n < signal.size(); ++n) {
     LinearPiece piece = signal[n];
     const double end = end_of(signal, n);
@@ -242,7 +240,7 @@ LinearSignal moved(const LinearSignal& signal, double offset) {
 }
 
 LinearSignal left_limits(LinearSignal signal) {
-  double before = -infinity;
+  double before = -without_end;
   for (LinearPiece& piece : signal) {
     piece.at = before;
     before = piece.before;
@@ -275,12 +273,12 @@ LinearSignal supremum(const LinearSignal& signal, const LinearWindow& window) {
   if (window.first == window.last) return moved(signal, window.first);
   // At its ends the window sees what is there, if they are closed, and the limits from its inside.
   LinearSignal result = inner_breaks(signal, window);
-  if (window.first != -infinity) {
+  if (window.first != -without_end) {
     LinearSignal first = signal;
     for (LinearPiece& piece : first) piece.at = window.first_closed ? std::max(piece.at, piece.after) : piece.after;
     result = maximum(result, moved(first, window.first));
   }
-  if (window.last != infinity) {
+  if (window.last != without_end) {
     LinearSignal last = left_limits(signal);
     if (window.last_closed)
       for (std::size_t n = 0; n < last.size(); ++n) last[n].at = std::max(last[n].at, signal[n].at);
@@ -293,11 +291,11 @@ LinearSignal strict_until(const LinearSignal& f, const LinearSignal& g) {
   std::vector<Stretch> stretches;
   walk(f, g, [&](const Stretch& s) { stretches.push_back(s); });
   LinearSignal reversed;
-  double beyond = -infinity;
+  double beyond = -without_end;
   for (std::size_t n = stretches.size(); n-- > 0;) {
     const Stretch& s = stretches[n];
     double first;  // the limit at the start of the stretch
-    if (s.end == infinity) {
+    if (s.end == without_end) {
       first = std::min(s.left_after, s.right_after);
       reversed.push_back({s.start, 0, first, first});
     } else {
@@ -320,11 +318,11 @@ LinearSignal strict_until(const LinearSignal& f, const LinearSignal& g) {
 
 LinearSignal strict_since(const LinearSignal& f, const LinearSignal& g) {
   Builder result;
-  double limit = -infinity;  // of the result from the left
+  double limit = -without_end;  // of the result from the left
   walk(f, g, [&](const Stretch& s) {
     const double at = std::min(s.left_at, limit);
     const double beyond = std::max(s.right_at, at);
-    if (s.end == infinity) {
+    if (s.end == without_end) {
       const double value = std::min(s.left_after, std::max(s.right_after, beyond));
       result.add(s.start, at, value, value);
       return;

@@ -2,9 +2,12 @@
 // Donze, Ferrere, Maler (2013), with bounds that may be open and signals that may jump.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 namespace tachk {
+
+inline constexpr double without_end = std::numeric_limits<double>::infinity();
 
 // From its start to the next piece, or without end.
 struct LinearPiece {

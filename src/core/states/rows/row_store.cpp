@@ -7,7 +7,6 @@
 namespace tachk {
 namespace {
 
-constexpr std::size_t small_block = std::size_t{1} << 15;
 __extension__ typedef unsigned __int128 Wide;
 
 }  // namespace
