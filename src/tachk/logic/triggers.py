@@ -21,6 +21,25 @@ def demanded_implications(formula: Formula) -> Iterator[Implies]:
         yield formula
 
 
+def demanded_conditions(formula: Formula) -> Iterator[Formula]:
+    """The conditions on one state that are demanded at all instants: p of ``G p`` and of ``G (p && (q -> F r))``."""
+    if isinstance(formula, Always):
+        yield from _conjuncts(formula.operand)
+    elif isinstance(formula, And):
+        for part in formula.operands:
+            yield from demanded_conditions(part)
+
+
+def _conjuncts(formula: Formula) -> Iterator[Formula]:
+    if isinstance(formula, Always):
+        yield from _conjuncts(formula.operand)
+    elif isinstance(formula, And):
+        for part in formula.operands:
+            yield from _conjuncts(part)
+    elif needed_now(formula) is not None:
+        yield formula
+
+
 def needed_state(formula: Formula) -> ast.Expression | None:
     """A condition that is true in some state of every run on which the formula ever is; None where none is known."""
     if isinstance(formula, Rise | Fall | Once):

@@ -30,6 +30,7 @@ class Observer:
         formula: the formula with its bounds as numbers, as text.
         triggers: for each implication that the formula demands always, its left side as text, and what must be true
             in some state so that the left side ever is.
+        demanded: the conditions that must be true at all instants, each with its text.
     """
 
     process: Process
@@ -38,6 +39,7 @@ class Observer:
     endings: tuple[int, ...] = ()
     entries: tuple[int, ...] = ()
     triggers: tuple[tuple[str, Expression], ...] = ()
+    demanded: tuple[tuple[str, Expression], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

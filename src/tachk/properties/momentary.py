@@ -1,9 +1,10 @@
-"""Triggers that are true for no time only: in a chain of committed locations, and no longer at its end.
+"""What is so for no time only: in a chain of committed locations, and no longer at its end.
 
-Temporal properties speak of what lasts, so such a trigger asks for nothing, and a property may hold because of that.
-The verdict then says so. Whether a trigger is ever momentary is a question of reachability about a network in which
-each edge that begins a transition notes what the trigger was when the chain began and whether it has been true since.
-It is no part of the property: where it takes more states than it may, the verdict says that it is not known.
+Temporal properties speak of what lasts. A trigger that is true for no time asks for nothing, a condition that must
+always be true may lapse for no time, and a property may hold because of that. The verdict then says so. Whether it
+happens is a question of reachability about a network in which each edge that begins a transition notes what the
+condition was when the chain began and whether it has been true since. It is no part of the property: where it takes
+more states than it may, the verdict says that it is not known.
 """
 
 from __future__ import annotations
@@ -30,15 +31,27 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.network import Edge, Network
-from tachk.model.query import Query
+from tachk.model.query import Observer, Query
 from tachk.model.traversal import roots, walk, with_bodies, written_variables
 from tachk.model.types import IntType
 from tachk.operators import BinaryOperator
 from tachk.properties.verdict import Answer, Verdict
+from tachk.records import dataclass
 from tachk.words import Direction, QueryKind
 
 FEWEST_STATES = 20_000
 """So many states may be stored for a trigger, or as many as the property took."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Moment:
+    """Attributes:
+    text: of a condition.
+    truth: whether it matters that the condition is true, or that it is false.
+    """
+
+    text: str
+    truth: bool
 
 
 Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
@@ -48,54 +61,65 @@ Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
 def with_momentary_triggers(
     network: Network, verdicts: Sequence[Verdict], limits: Limits, decide: Deciding
 ) -> tuple[Verdict, ...]:
-    """The verdicts, those that hold with a note for each trigger that is true for no time only."""
+    """The verdicts, those that hold with a note for each trigger that is true for no time only, and for each condition
+    that must always be true and is false for no time only."""
     started = monotonic()
     stored = 0
-    triggers: dict[str, Expression] = {}
+    conditions: dict[_Moment, Expression] = {}
     for verdict in verdicts:
-        if verdict.query.observer is not None and verdict.answer is Answer.HOLDS:
-            triggers |= verdict.query.observer.triggers
+        if _may_be_noted(verdict):
+            conditions |= _moments(verdict.query.observer)
             stored = max(stored, verdict.statistics.states_stored)
     committed = _committed(network)
-    chains = {text: _left_in_chains(network, condition) for text, condition in triggers.items() if committed}
-    goals = {text: both(left, triggers[text]) for text, left in chains.items() if left and cannot_fail(triggers[text])}
+    chains = {of: _left_in_chains(network, condition) for of, condition in conditions.items() if committed}
+    goals = {of: both(left, conditions[of]) for of, left in chains.items() if left and cannot_fail(conditions[of])}
     if committed is None or not goals:
         return tuple(verdicts)
-    # First whether a trigger is true in a chain at all: that looks at fewer processes.
+    # First whether it is so in a chain at all: that looks at fewer processes.
     bounded = limits.of_states(max(FEWEST_STATES, stored))
     found = _reached(network, goals, bounded, decide)
-    in_chains = {text: triggers[text] for text in goals if found[text].answer is Answer.HOLDS}
+    in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
     watched, momentary = _watched(network, committed, in_chains)
     left = bounded.after(monotonic() - started)
-    notes = {text: _note(text, answer) for text, answer in _reached(watched, momentary, left, decide).items()}
+    notes = {of: _note(of, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
     return tuple(_noted(verdict, notes) for verdict in verdicts)
 
 
-def _noted(verdict: Verdict, notes: Mapping[str, str]) -> Verdict:
-    if verdict.query.observer is None or verdict.answer is not Answer.HOLDS:
-        return verdict
-    own = [notes[text] for text, _ in verdict.query.observer.triggers if notes.get(text)]
-    return replace(verdict, notes=(*verdict.notes, *dict.fromkeys(own))) if own else verdict
+def _may_be_noted(verdict: Verdict) -> bool:
+    return verdict.query.observer is not None and verdict.answer is Answer.HOLDS
+
+
+def _moments(observer: Observer | None) -> dict[_Moment, Expression]:
+    """What may be so for no time, each as a condition."""
+    if observer is None:
+        return {}
+    found = {_Moment(text, True): condition for text, condition in observer.triggers}
+    return found | {_Moment(text, False): negation(condition) for text, condition in observer.demanded}
+
+
+def _noted(verdict: Verdict, notes: Mapping[_Moment, str]) -> Verdict:
+    own = [notes[of] for of in _moments(verdict.query.observer) if notes.get(of)] if _may_be_noted(verdict) else []
+    return replace(verdict, notes=(*verdict.notes, *own)) if own else verdict
 
 
 def _reached(
-    network: Network, goals: Mapping[str, Expression], limits: Limits, decide: Deciding
-) -> Mapping[str, Verdict]:
+    network: Network, goals: Mapping[_Moment, Expression], limits: Limits, decide: Deciding
+) -> Mapping[_Moment, Verdict]:
     """Whether each of the goals is reached."""
     queries = [Query(f"momentary {number}", QueryKind.POSSIBLY, goal) for number, goal in enumerate(goals.values())]
     verdicts = decide(network, queries, limits) if queries else ()
     return dict(zip(goals, verdicts, strict=True))
 
 
-def _note(text: str, answer: Verdict) -> str:
-    shown = " ".join(text.split())
+def _note(of: _Moment, answer: Verdict) -> str:
+    shown, truth = " ".join(of.text.split()), "true" if of.truth else "false"
     match answer.answer:
         case Answer.HOLDS:
-            return f"`{shown}` is also true for no time, in committed locations; that does not count"
+            return f"`{shown}` is also {truth} for no time, in committed locations; that does not count"
         case Answer.UNKNOWN:
             return (
-                f"`{shown}` is also true in committed locations, where it does not count; "
-                f"whether it is true only there at some moment is not known ({answer.reason})"
+                f"`{shown}` is also {truth} in committed locations, where it does not count; "
+                f"whether it is {truth} only there at some moment is not known ({answer.reason})"
             )
         case Answer.FAILS:
             return ""
@@ -152,14 +176,14 @@ def _nodes(condition: Expression) -> Iterator[Expression]:
 
 
 def _watched(
-    network: Network, committed: Expression, conditions: Mapping[str, Expression]
-) -> tuple[Network, Mapping[str, Expression]]:
+    network: Network, committed: Expression, conditions: Mapping[_Moment, Expression]
+) -> tuple[Network, Mapping[_Moment, Expression]]:
     """The network with two variables for each condition, and what is true where it has been true for no time.
 
     The variables are set before a transition changes anything, so they tell of the states before it.
     """
     variables, noted, over = [], [], {}
-    for number, (text, condition) in enumerate(conditions.items()):
+    for number, (of, condition) in enumerate(conditions.items()):
         before, risen = (_variable(f"{name}{number}") for name in ("before", "risen"))
         was, has_been = Reference(before), Reference(risen)
         again = _as_number(both(negation(_is_set(was)), either(_is_set(has_been), condition)))
@@ -168,7 +192,7 @@ def _watched(
             Assign(has_been, Conditional(committed, again, Constant(0), INT), INT),
             Assign(was, Conditional(committed, was, _as_number(condition), INT), INT),
         ]
-        over[text] = both(both(negation(committed), negation(condition)), _is_set(has_been))
+        over[of] = both(both(negation(committed), negation(condition)), _is_set(has_been))
     processes = tuple(
         replace(
             process,

@@ -71,6 +71,20 @@ def test_what_the_property_says_of_committed_states_needs_no_note() -> None:
     assert [(verdict.answer, verdict.notes) for verdict in report] == [(tachk.Answer.HOLDS, ())] * 2
 
 
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        ("G !Gate.Tell", "`!Gate.Tell` is also false for no time, in committed locations; that does not count"),
+        ("G (Gate.Free || Gate.Occ)", "`Gate.Free || Gate.Occ` is also false for no time, in committed locations;"),
+        ("!Gate.Tell must be true.", "`!Gate.Tell` is also false for no time, in committed locations;"),
+    ],
+)
+def test_a_demand_that_lapses_in_a_chain(text: str, note: str) -> None:
+    (verdict,) = tachk.loads(LEFT_IN_A_CHAIN).verify(text)
+    assert verdict.answer is tachk.Answer.HOLDS
+    assert [found.startswith(note) for found in verdict.notes] == [True]
+
+
 def test_what_is_not_known_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(momentary, "FEWEST_STATES", 4)
     text = LEFT_IN_A_CHAIN.replace("to Occ { sync stop!; }", "").replace("to Cross { guard x >= 10; }", "")
@@ -114,7 +128,7 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
         committed = momentary._committed(case.network)
         if committed is None:
             continue
-        watched, goals = momentary._watched(case.network, committed, {"it": condition})
+        watched, goals = momentary._watched(case.network, committed, {momentary._Moment("it", True): condition})
         (answer,) = momentary._reached(watched, goals, tachk.Limits(states=5000), _decided_plainly).values()
         expected = visited(case.network, condition)
         if expected is not None and answer.answer is not tachk.Answer.UNKNOWN:

@@ -15,7 +15,7 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, Ending, NoObserver, build_observer
 from tachk.logic.sentences import meaning
-from tachk.logic.triggers import demanded_implications, needed_state
+from tachk.logic.triggers import demanded_conditions, demanded_implications, needed_now, needed_state
 from tachk.model.connectives import both, either
 from tachk.model.expressions import BOOL, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
@@ -65,6 +65,7 @@ def elaborate_temporal(
         tuple(places[e.location] for e in built.endings),
         tuple(places[e.entry] for e in built.endings if e.entry is not None),
         tuple(_triggers(formula, scope, context)),
+        tuple(_demanded(formula, scope, context)),
     )
     query = Query(name, QueryKind.INVARIANTLY, None, (), node.sentence or node.span.text, title, expectation, node.span)
     query = replace(query, observer=observer)
@@ -124,6 +125,14 @@ def _triggers(formula: Formula, scope: Scope, context: Context) -> Iterator[tupl
         value = None if needed is None else condition(needed, scope, context)
         if value is not None:
             yield print_formula(implication.left), value
+
+
+def _demanded(formula: Formula, scope: Scope, context: Context) -> Iterator[tuple[str, Expression]]:
+    for part in demanded_conditions(formula):
+        now = needed_now(part)
+        value = None if now is None else condition(now, scope, context)
+        if value is not None:
+            yield print_formula(part), value
 
 
 def temporal_formula(node: ast.TemporalFormula, scope: Scope, context: Context) -> Formula | None:
