@@ -1,4 +1,4 @@
-"""The one place that finds the data files: grammar/, templates/, models/, queries/.
+"""The one place that finds the data files: grammar/, templates/, models/, queries/, docs/schema/.
 
 In a checkout they lie beside ``src/``; in an installed wheel in ``tachk/_data``.
 """
@@ -26,3 +26,8 @@ def grammar_text(name: str) -> str:
 def template_text(name: str) -> str:
     """The text of ``templates/NAME``."""
     return (data_root() / "templates" / name).read_text(encoding="utf-8")
+
+
+def schema_text(report: str) -> str:
+    """The text of ``docs/schema/REPORT.schema.json``."""
+    return (data_root() / "docs" / "schema" / f"{report}.schema.json").read_text(encoding="utf-8")

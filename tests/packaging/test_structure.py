@@ -32,6 +32,7 @@ LIBRARIES = {
     "h5py": {"runtime.logs"},
     "hypothesis": {"testing"},
     "jinja2": {"formats.uppaal", "report"},
+    "jsonschema": {"report"},
     "lark": {"syntax.parsing"},
     "markdown_it": {"report.page"},
     "markupsafe": {"formats.uppaal", "report.page"},

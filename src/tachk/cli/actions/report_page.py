@@ -90,7 +90,7 @@ def _read(path: Path, number: int) -> Iterator[Part]:
         yield Text(_text(path))
         return
     document = read_result(path)
-    runs = runs_of_verify(document)
+    runs = runs_of_verify(document, path)
     for place, run in enumerate(runs):
         try:
             yield answers_part(run, number + place, {})

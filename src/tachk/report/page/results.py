@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -17,6 +16,7 @@ from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
 from tachk.report.statistics.text import interval_text, times_text
+from tachk.report.written_reports import check_report, read_json
 
 _MOST_ROWS = 200
 """A table of more is not on the page."""
@@ -26,31 +26,24 @@ _KNOWN = "tachk verify, sweep, simulate, estimate and monitor write such files w
 
 def read_result(path: Path) -> Mapping[str, Any]:
     """The object in a file. Raises UsageError."""
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise UsageError(f"{path}: {error}", _KNOWN) from None
-    if not isinstance(document, dict):
-        raise UsageError(f"{path} is no result of tachk", _KNOWN)
-    return document
+    return read_json(path, _KNOWN)
 
 
-def runs_of_verify(document: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
-    """The runs of `tachk verify` in a result; none if it is another one."""
+def runs_of_verify(document: Mapping[str, Any], path: Path) -> Sequence[Mapping[str, Any]]:
+    """The runs of `tachk verify` in a result; none if it is another one. Raises UsageError."""
     runs = document.get("runs")
-    return runs if isinstance(runs, list) else ()
+    if not isinstance(runs, list):
+        return ()
+    check_report(document, "verify", path, _KNOWN)
+    return runs
 
 
 def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
     """Any other result as a part of a page. Raises UsageError for what is none."""
-    for needed, chapter in _READERS:
+    for needed, report, chapter in _READERS:
         if needed <= document.keys():
-            try:
-                return chapter(document)
-            except (KeyError, TypeError, ValueError, IndexError):
-                break
+            check_report(document, report, path, _KNOWN)
+            return chapter(document)
     raise UsageError(f"{path} is no result that can be shown", _KNOWN)
 
 
@@ -60,6 +53,10 @@ def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
 def _sweep(document: Mapping[str, Any]) -> Chapter:
     grid = Grid(tuple(Axis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
     rows: list[dict[str, Any]] = document["rows"]
+    for number, row in enumerate(rows):
+        for axis in grid.axes:
+            if row.get(axis.name) not in axis.values:
+                raise UsageError(f"$.rows[{number}] of the sweep has none of the values of {axis.name}", _KNOWN)
     asked = list(dict.fromkeys(row["property"] for row in rows))
     varied = ", ".join(axis.name for axis in grid.varied) or "constants"
     lines = [f"{document['cells']} combinations of values of {varied}."]
@@ -163,7 +160,7 @@ def _monitor(document: Mapping[str, Any]) -> Chapter:
     unit = document["unit"] or ""
     lines = [f"{document['rows']:,} rows, from {document['begin']} to {document['end']} {unit}".rstrip() + "."]
     rows = [
-        (result["name"], result["verdict"], str(result["violations"]["count"]), result["title"] or result["formula"])
+        (result["name"], result["verdict"], _count(result["violations"]), result["title"] or result["formula"])
         for result in document["results"]
     ]
     details = [
@@ -175,10 +172,14 @@ def _monitor(document: Mapping[str, Any]) -> Chapter:
     return Chapter(f"{document['trace']}: monitored", lines, [table], details=details)
 
 
-_READERS: Sequence[tuple[frozenset[str], Callable[[Mapping[str, Any]], Chapter]]] = (
-    (frozenset({"cells", "constants", "rows"}), _sweep),
-    (frozenset({"runs", "endings", "formulas"}), _simulation),
-    (frozenset({"answers", "seed", "confidence"}), _estimates),
-    (frozenset({"trace", "results", "pending_counts_as"}), _monitor),
+def _count(violations: Mapping[str, Any] | None) -> str:
+    return "not counted" if violations is None else str(violations["count"])
+
+
+_READERS: Sequence[tuple[frozenset[str], str, Callable[[Mapping[str, Any]], Chapter]]] = (
+    (frozenset({"cells", "constants", "rows"}), "sweep", _sweep),
+    (frozenset({"runs", "endings", "formulas"}), "simulate", _simulation),
+    (frozenset({"answers", "seed", "confidence"}), "estimate", _estimates),
+    (frozenset({"trace", "results", "pending_counts_as"}), "monitor", _monitor),
 )
-"""What a result must have, and what makes a part of it."""
+"""What a result must have, the schema that describes it, and what makes a part of it."""

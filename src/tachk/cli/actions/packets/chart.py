@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from fractions import Fraction
 from pathlib import Path
@@ -18,6 +17,7 @@ from tachk.report.sequence.of_capture import chart_of_capture
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.repetitions import told_once
 from tachk.report.sequence.run_steps import RunSteps, steps_of_report
+from tachk.report.written_reports import check_report, read_json
 from tachk.time_units import length_of
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import read_transmissions
@@ -69,10 +69,10 @@ def _read(charting: Charting) -> Chart:
 
 
 def _report(charting: Charting) -> RunSteps:
-    try:
-        document = json.loads(charting.file.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise UsageError(f"{charting.file}: {error}", "a report of tachk verify --format json is expected") from None
+    how = "a report of tachk verify --format json is expected"
+    document = read_json(charting.file, how)
+    if isinstance(document.get("runs"), list):
+        check_report(document, "verify", charting.file, how)
     return steps_of_report(document, str(charting.file), charting.name)
 
 
