@@ -136,6 +136,8 @@ class CsvReader:
         time: int,
         columns: Sequence[int],
         texts: Sequence[int],
+        arrivals: Sequence[int],
+        unread: Sequence[int],
         dates: bool,
         first_line: int,
         decimals: int,
@@ -152,6 +154,7 @@ class CsvReader:
     def decimals(self) -> int: ...
     def rounded(self) -> bool: ...
     def any_row(self) -> bool: ...
+    def take_arrivals(self) -> list[NDArray[np.uint8]]: ...
     def take(
         self,
     ) -> tuple[NDArray[np.int64], list[NDArray[np.float64] | NDArray[np.uint8]], list[list[bytes]]]: ...

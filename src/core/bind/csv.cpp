@@ -25,12 +25,11 @@ namespace {
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
 using FaultTuple = std::tuple<tachk::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
-std::unique_ptr<tachk::CsvReader> make_reader(char separator, char point, std::uint32_t cells, std::uint32_t time,
-                                              const std::vector<std::uint32_t>& columns,
-                                              const std::vector<std::uint32_t>& texts, bool dates,
-                                              std::uint64_t first_line, std::uint32_t decimals,
-                                              std::uint32_t most_decimals, std::uint32_t usual_decimals, bool binary,
-                                              bool rounding) {
+std::unique_ptr<tachk::CsvReader> make_reader(
+    char separator, char point, std::uint32_t cells, std::uint32_t time, const std::vector<std::uint32_t>& columns,
+    const std::vector<std::uint32_t>& texts, const std::vector<std::uint32_t>& arrivals,
+    const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line, std::uint32_t decimals,
+    std::uint32_t most_decimals, std::uint32_t usual_decimals, bool binary, bool rounding) {
   return std::make_unique<tachk::CsvReader>(
       tachk::CsvOptions{separator,
                         point,
@@ -38,9 +37,17 @@ std::unique_ptr<tachk::CsvReader> make_reader(char separator, char point, std::u
                         time,
                         columns,
                         texts,
+                        arrivals,
+                        unread,
                         dates,
                         first_line,
                         {decimals, most_decimals, usual_decimals, binary, rounding}});
+}
+
+nb::list take_arrivals(tachk::CsvReader& self) {
+  nb::list taken;
+  for (auto& flags : self.take_arrivals()) taken.append(as_array(std::move(flags)));
+  return taken;
 }
 
 nb::tuple take_rows(tachk::CsvReader& self) {
@@ -75,9 +82,9 @@ void bind_csv(nb::module_& m) {
       .value("LINE_TOO_LONG", Kind::line_too_long);
   nb::class_<tachk::CsvReader>(m, "CsvReader")
       .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("point"), nb::arg("cells"),
-           nb::arg("time"), nb::arg("columns"), nb::arg("texts"), nb::arg("dates"), nb::arg("first_line"),
-           nb::arg("decimals"), nb::arg("most_decimals"), nb::arg("usual_decimals"), nb::arg("binary"),
-           nb::arg("rounding"))
+           nb::arg("time"), nb::arg("columns"), nb::arg("texts"), nb::arg("arrivals"), nb::arg("unread"),
+           nb::arg("dates"), nb::arg("first_line"), nb::arg("decimals"), nb::arg("most_decimals"),
+           nb::arg("usual_decimals"), nb::arg("binary"), nb::arg("rounding"))
       .def(
           "feed",
           [](tachk::CsvReader& self, const nb::bytes& piece) {
@@ -99,6 +106,7 @@ void bind_csv(nb::module_& m) {
       .def(
           "rounded", [](const tachk::CsvReader& self) { return self.times().rounded(); },
           "Whether some time was rounded.")
+      .def("take_arrivals", &take_arrivals, "Of the columns that tell it, whether each row had a value; before `take`.")
       .def("take", &take_rows,
            "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
       .def(

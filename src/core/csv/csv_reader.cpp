@@ -113,7 +113,7 @@ CsvReader::CsvReader(CsvOptions options)
       point_(options.point),
       dates_(options.dates),
       line_(options.first_line - 1),
-      complete_(options.columns.empty()),
+      complete_(options.columns.size() == options.unread.size()),
       times_(options.times),
       columns_(options.columns.size()) {
   if (options.time >= options.cells) throw std::invalid_argument("CsvReader: options out of range");
@@ -124,6 +124,12 @@ CsvReader::CsvReader(CsvOptions options)
     plan_[cell] = static_cast<std::int32_t>(i);
     if (std::find(options.texts.begin(), options.texts.end(), cell) != options.texts.end())
       columns_[i].is_text = columns_[i].is_number = true;
+    const auto among = [cell](const std::vector<std::uint32_t>& cells) {
+      return std::find(cells.begin(), cells.end(), cell) != cells.end();
+    };
+    columns_[i].tells_arrivals = among(options.arrivals);
+    columns_[i].is_unread = columns_[i].is_known = among(options.unread);
+    if (columns_[i].is_unread) columns_[i].is_text = columns_[i].is_number = true;
   }
 }
 
@@ -198,6 +204,13 @@ std::vector<CsvColumn> CsvReader::take_columns() {
   return taken;
 }
 
+std::vector<std::vector<std::uint8_t>> CsvReader::take_arrivals() {
+  std::vector<std::vector<std::uint8_t>> taken;
+  for (CsvColumn& column : columns_)
+    if (column.tells_arrivals) taken.push_back(std::exchange(column.arrivals, {}));
+  return taken;
+}
+
 const char* CsvReader::read_lines(const char* begin, const char* end) {
   while (begin != end) {
     ++line_;
@@ -230,7 +243,9 @@ const char* CsvReader::read_line(const char* begin) {
       end = skip_cell(p, begin, cell);
     } else {
       CsvColumn& column = columns_[static_cast<std::size_t>(step)];
+      held_ = false;
       end = column.is_text ? read_text(column, p, begin, cell) : read_value(column, p, begin, cell);
+      if (column.tells_arrivals) column.arrivals.push_back(held_ ? 0 : 1);
     }
     if (end == nullptr) return nullptr;
     const bool last = cell + 1 == cells;
@@ -251,6 +266,7 @@ void CsvReader::begin_later() {
   for (CsvColumn& column : columns_) {
     column.truths.clear();
     column.numbers.clear();
+    column.arrivals.clear();
     column.is_number = column.is_text || (column.is_known && column.last != 0 && column.last != 1);
   }
 }
@@ -258,6 +274,7 @@ void CsvReader::begin_later() {
 // An empty cell. False where it is the place of a value that is not known yet.
 bool CsvReader::hold(CsvColumn& column) {
   const bool is_known = column.is_known;
+  held_ = true;
   put_number(column, column.last);
   column.is_known = is_known;
   return is_known;
@@ -342,7 +359,10 @@ const char* CsvReader::read_text(CsvColumn& column, const char* begin, const cha
     while (end != p && is_blank(end[-1])) --end;
     text.assign(p, end);
   }
-  if (!text.empty()) {
+  held_ = text.empty();
+  if (column.is_unread) {
+    held_ = held_ || is_missing(text);
+  } else if (!text.empty()) {
     const auto [place, is_new] = column.places.try_emplace(text, static_cast<double>(column.labels.size()));
     if (is_new) column.labels.push_back(text);
     column.last = place->second;
@@ -491,6 +511,7 @@ void CsvReader::forget_partial_row() {
     } else {
       column.truths.resize(rows);
     }
+    if (column.tells_arrivals) column.arrivals.resize(rows);
   }
 }
 

@@ -44,13 +44,15 @@ struct CsvFault {
 
 struct CsvOptions {
   char separator = ',';
-  char point = '.';                    // or a comma, before the decimals of numbers
-  std::uint32_t cells = 1;             // in each row
-  std::uint32_t time = 0;              // the cell of the time
-  std::vector<std::uint32_t> columns;  // the cells of the values that are kept; others may hold anything
-  std::vector<std::uint32_t> texts;    // those of them that hold texts
-  bool dates = false;                  // times are dates of ISO 8601, counted in seconds since 1970
-  std::uint64_t first_line = 1;        // the number of the first line that is fed
+  char point = '.';                     // or a comma, before the decimals of numbers
+  std::uint32_t cells = 1;              // in each row
+  std::uint32_t time = 0;               // the cell of the time
+  std::vector<std::uint32_t> columns;   // the cells of the values that are kept; others may hold anything
+  std::vector<std::uint32_t> texts;     // those of them that hold texts
+  std::vector<std::uint32_t> arrivals;  // those of them of which it is told in which rows they have a value
+  std::vector<std::uint32_t> unread;    // those of these that may hold anything: their values do not matter
+  bool dates = false;                   // times are dates of ISO 8601, counted in seconds since 1970
+  std::uint64_t first_line = 1;         // the number of the first line that is fed
   CsvTimeOptions times;
 };
 
@@ -62,7 +64,10 @@ struct CsvColumn {
   bool has_words = false;
   bool is_text = false;   // then the numbers are places in `labels`
   bool is_known = false;  // it has had a value
+  bool tells_arrivals = false;
+  bool is_unread = false;
   double last = 0;
+  std::vector<std::uint8_t> arrivals;  // whether the cell of the row had a value
   std::vector<std::string> labels;
   std::unordered_map<std::string, double> places;
 };
@@ -88,6 +93,8 @@ class CsvReader {
   // Hands over what was read since the last time; the numbering of lines and the values to hold go on.
   std::vector<std::int64_t> take_times() { return times_.take(); }
   std::vector<CsvColumn> take_columns();
+  // Of the columns that tell arrivals, in the order of the columns; before the columns are taken.
+  std::vector<std::vector<std::uint8_t>> take_arrivals();
 
  private:
   static constexpr std::int32_t skip = -2;
@@ -119,6 +126,7 @@ class CsvReader {
   std::size_t row_ = 0;  // the number of the row that is being read, among those that wait to be taken
   bool any_row_ = false;
   bool complete_ = false;  // every column has a value
+  bool held_ = false;      // the last cell had no value
   bool cut_off_ = false;
   CsvTimes times_;
   std::vector<CsvColumn> columns_;

@@ -16,6 +16,7 @@ from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.monitoring.texts import Texts
 from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, PrefixOperator
+from tachk.runtime.arrivals import arrivals_of
 from tachk.runtime.monitor_program import (
     UNBOUNDED,
     MonitorAtom,
@@ -89,10 +90,25 @@ def _names(node: object) -> Iterator[str]:
     """Members and elements count as a whole, so that `P.loc` does not name `P`."""
     inside: set[int] = set()
     inside.update(id(call.function) for call in nodes_of_kind(node, ast.CallExpression))
+    for call in nodes_of_kind(node, ast.CallExpression):
+        if (argument := arrival_argument(call)) is not None:
+            inside.update(id(part) for part in nodes_of_kind(call, *COLUMN_NAMES))
+            yield arrivals_of(column_name(argument))
     for expression in nodes_of_kind(node, *COLUMN_NAMES):
         if id(expression) not in inside:
             inside.update(id(part) for part in nodes_of_kind(expression, *COLUMN_NAMES))
             yield column_name(expression)
+
+
+def arrival_argument(
+    expression: ast.Expression,
+) -> ast.NameExpression | ast.MemberExpression | ast.IndexExpression | None:
+    """What arrives, in ``arrived(hb)``; None for other expressions."""
+    match expression:
+        case ast.CallExpression(function=ast.NameExpression(name="arrived"), arguments=(argument,)):
+            return argument if isinstance(argument, COLUMN_NAMES) else None
+        case _:
+            return None
 
 
 def column_name(expression: ast.NameExpression | ast.MemberExpression | ast.IndexExpression) -> str:
@@ -198,6 +214,8 @@ class _Compiler:
                 self._refuse_chain(expression, left, right)
                 return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
             case _:
+                if (argument := arrival_argument(expression)) is not None:
+                    return self._arrival(expression.span, argument)
                 code = self._value(expression)
                 if not isinstance(expression, (*COLUMN_NAMES, ast.IntegerLiteral)):
                     help_ = f"compare it, as in `{text} > 0`"
@@ -243,6 +261,27 @@ class _Compiler:
         value = self._text_number(expression) if self._is_text(expression) else self._value(expression)
         atom = MonitorAtom(Relation.TRUTH, value, (), print_expression(expression))
         return self._node(NodeKind.CHANGE, text, atom=self._atom_number(atom))
+
+    def _arrival(
+        self,
+        place: Span,
+        argument: ast.NameExpression | ast.MemberExpression | ast.IndexExpression,
+    ) -> int:
+        """Something arrives where the number of arrivals changes, or at the beginning: see `tachk.runtime.arrivals`."""
+        topic = column_name(argument)
+        name = arrivals_of(topic)
+        if name not in self.columns:
+            help_ = did_you_mean(topic, self.columns) or f"the columns are: {', '.join(self.columns) or 'none'}"
+            raise self._report("E0901", f"the trace does not tell when `{topic}` arrives", place, help_)
+        number = self.column_numbers.setdefault(name, len(self.column_numbers))
+        count = (ValueInstruction(ValueOperator.COLUMN, float(number)),)
+        zero = (ValueInstruction(ValueOperator.CONSTANT, 0.0),)
+        changes = self._node(
+            NodeKind.CHANGE, name, atom=self._atom_number(MonitorAtom(Relation.TRUTH, count, (), name))
+        )
+        begins = self._node(NodeKind.RISE, "rise(true)", self._truth(True))
+        at_once = self._atom(MonitorAtom(Relation.LESS, count, zero, f"{name} at the beginning"))
+        return self._node(NodeKind.OR, name, changes, self._node(NodeKind.AND, name, begins, at_once))
 
     def _compares_truth(self, left: ast.Expression, right: ast.Expression) -> bool:
         return (is_condition(left) or is_condition(right) or self.booleans is not None) and all(

@@ -32,6 +32,7 @@ from tachk.monitoring.locations import located
 from tachk.monitoring.monotone import Effect, Occurrence, joint_effect, occurrences
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
 from tachk.monitoring.reading import HeldValues
+from tachk.monitoring.row_names import TIME, row_columns, with_row_columns
 from tachk.monitoring.texts import text_columns
 from tachk.operators import BinaryOperator
 from tachk.report.monitor.mined import Mined, MinedTrace
@@ -109,8 +110,11 @@ def _loaded(recording: Recording, named: NamedFormula, name: str) -> Trace:
     """What a formula reads of a trace."""
     if name in recording.columns:
         raise UsageError(f"{recording.name} has a column {name!r}", "give the parameter another name")
-    wanted = set(named.columns).intersection(recording.columns)
-    return with_texts(recording, text_columns(named.formula) & wanted).read(wanted)
+    of_rows = row_columns([named], recording.columns)
+    own = {*recording.columns, *(name for name in of_rows if name != TIME)}
+    wanted = set(named.columns).intersection(own)
+    trace = with_texts(recording, text_columns(named.formula) & wanted).read(wanted)
+    return with_row_columns(trace, [TIME] if TIME in of_rows else [])
 
 
 @dataclass(frozen=True, slots=True)

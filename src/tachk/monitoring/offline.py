@@ -23,6 +23,7 @@ from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_tra
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.locations import located, with_named_values
 from tachk.monitoring.reading import Reading, reading_of
+from tachk.monitoring.row_names import TIME, row_columns, with_row_columns
 from tachk.monitoring.texts import Texts, text_columns
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
 from tachk.report.monitor.text import print_monitor
@@ -157,8 +158,9 @@ def prepare(
     formulas: Sequence[NamedFormula], recording: Recording, interpolation: Interpolation = Interpolation.CONSTANT
 ) -> tuple[Trace, tuple[MonitorProgram, ...]]:
     """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
-    known = recording.columns
-    formulas = [named.within(known) for named in formulas]
+    formulas = [named.within(recording.columns) for named in formulas]
+    of_rows = row_columns(formulas, recording.columns)
+    known = tuple(dict.fromkeys((*recording.columns, *of_rows)))
     wanted = {name for named in formulas for name in named.columns}.intersection(known)
     resolved = []
     found: list[Diagnostic] = []
@@ -170,7 +172,8 @@ def prepare(
     if found:
         raise InputError(found)
     texts = frozenset(name for formula, _ in resolved for name in text_columns(formula))
-    trace = with_texts(recording, texts & wanted).read(wanted).refined(math.lcm(*(ticks for _, ticks in resolved)))
+    read = with_texts(recording, texts & wanted).read(wanted - {TIME} if TIME in of_rows else wanted)
+    trace = with_row_columns(read, of_rows).refined(math.lcm(*(ticks for _, ticks in resolved)))
     trace = replace(trace, interpolation=interpolation)
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
     formulas_in_units = [formula for formula, _ in resolved]

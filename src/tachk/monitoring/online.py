@@ -22,9 +22,11 @@ from tachk.monitoring.conditions import no_condition
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
+from tachk.monitoring.row_names import TIME, RowNames
 from tachk.monitoring.texts import TextNumbers, Texts, text_columns, texts_of
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
+from tachk.runtime.arrivals import topic_of
 from tachk.runtime.monitor_group import RowFault, open_group
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
@@ -102,12 +104,12 @@ class Monitor:
         """
         self._ending = ending_of(end)
         self._unit = known_unit(unit)
-        self._robust = robustness
-        self._packets = packets
+        self._robust, self._packets = robustness, packets
         formulas = selected(formulas_of(formula, constants), select)
         whole = [named.within(()) for named in formulas]
         self._named = frozenset(name for named in formulas for name in named.named_formulas)
         self.columns = _columns(whole)
+        self._of_rows = RowNames(tuple(name for name in self.columns if name == TIME or topic_of(name) is not None))
         resolved = _resolved(whole, self.columns, self._unit)
         self._texts = TextNumbers(resolved)
         self.decimals = usual_decimals(self._unit) if decimals is None else decimals
@@ -128,8 +130,7 @@ class Monitor:
             self._watch = None if not all_violations else self._violation_watch(programs)
         except ValueError:
             raise UsageError(f"times cannot be counted in units of 1/{self._scale}", "allow fewer decimals") from None
-        self._update = self._group.update
-        self._push = self._group.push
+        self._update, self._push = self._group.update, self._group.push
         self._factors: dict[int, int] = {}
 
     # ---- what comes in ----
@@ -145,6 +146,10 @@ class Monitor:
         """
         if self._named:
             self._check_names({**(values or {}), **more})
+        after = self._of_rows
+        if after.names:
+            values, after = after.row(time, {**(values or {}), **more})
+            more = {}
         if self._texts.columns:
             values, more = self._texts.in_row({**(values or {}), **more}, self.rows), {}
         truth = self._update(time, values, more)
@@ -155,6 +160,7 @@ class Monitor:
             truth = self._look()
         if self._watch is not None:
             self._watch.update(time, values, more)
+        self._of_rows = after
         return truth
 
     def push(self, times: Ticks, columns: Mapping[str, Any], decimals: int) -> Truth:
@@ -165,6 +171,9 @@ class Monitor:
         factor = self._factors.get(decimals) or self._factor(decimals)
         if self._named:
             self._check_names(columns)
+        after = self._of_rows
+        if after.names:
+            columns, after = after.rows(self._whole_numbers(times), columns, decimals)
         if self._texts.columns:
             columns = self._texts.in_rows(columns, f"in what was pushed behind row {self.rows}")
         truth = self._push(times, columns, factor)
@@ -181,6 +190,7 @@ class Monitor:
             truth = self._look()
         if self._watch is not None:
             self._watch.push(times, columns, factor)
+        self._of_rows = after
         return truth
 
     def advance(self, time: Time) -> Truth:

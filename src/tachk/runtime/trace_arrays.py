@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.arrivals import arriving
 from tachk.runtime.decimal_times import USUAL_DECIMALS
 from tachk.runtime.logs.labels import Labels, texts_in
 from tachk.runtime.trace import FloatTimes, Ticks, Trace, Values, rounding_note
@@ -74,7 +75,9 @@ class TableRecording:
         return self.header.columns
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        places = self.header.numbers(columns, self.name)
+        arrivals = arriving(columns or (), self.columns)
+        wanted = None if columns is None else [name for name in columns if name not in arrivals]
+        places = self.header.numbers(wanted, self.name)
         instants = self._times()
         times = (_supposed_times(instants) if self.supposing else None) or exact_ticks(instants, self.name)
         supposing = isinstance(times.ticks, FloatTimes)
@@ -86,6 +89,9 @@ class TableRecording:
                 continue
             supposed = _supposed_values(self.cells[place]) if supposing else None
             held[name] = held_values(self.cells[place], name, self.name) if supposed is None else supposed
+        for name, parts in arrivals.items():
+            own = self.header.numbers(parts, self.name).values()
+            held[name] = np.bitwise_or.reduce([present(self.cells[place]) for place in own])
         for name, values in held.items():
             if len(values) != len(times.ticks):
                 count = len(times.ticks)
@@ -281,6 +287,16 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
         known = ~np.isnan(numbers) if known is None else known & ~np.isnan(numbers)
         numbers = np.asarray(_hold(numbers, known, column, name, before), dtype=np.float64)
     return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
+
+
+def present(values: Any) -> NDArray[np.uint8]:
+    """Whether each cell of a column has a value."""
+    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+    if array.dtype.kind == "O":
+        return np.array([not _is_missing(value) for value in array], dtype=np.uint8)
+    if array.dtype.kind in "fmM":
+        return np.asarray(array == array, dtype=np.uint8)
+    return np.ones(len(array), dtype=np.uint8)
 
 
 def _is_truth(numbers: NDArray[np.float64]) -> bool:

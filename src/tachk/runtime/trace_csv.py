@@ -15,6 +15,7 @@ from tachk import _core
 from tachk._core import CsvFaultKind
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
+from tachk.runtime.arrivals import arriving
 from tachk.runtime.compressed import is_compressed, open_bytes, torn
 from tachk.runtime.csv_beginning import Beginning, ByteStream, read_beginning
 from tachk.runtime.csv_faults import FINEST, is_half_value, told_fault
@@ -43,6 +44,14 @@ class Rows:
     decimals: int
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+
+
+class _Told(NamedTuple):
+    """What is told of arrivals: their columns with their parts, all parts, and those whose values do not matter."""
+
+    arrivals: dict[str, tuple[str, ...]]
+    parts: frozenset[str]
+    unread: frozenset[str]
 
 
 class _Read(NamedTuple):
@@ -87,8 +96,9 @@ class CsvRecording:
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
         """The whole trace: from the first row in which every column has a value to the last one."""
-        places = self.header.numbers(columns, self.name)
-        reader, torn = self._whole(places)
+        places, told = self._places(columns)
+        reader, torn = self._whole(places, told)
+        flags = self._flags(reader, places, told)
         times, cells, labels = reader.take()
         if len(times) == 0:
             raise UsageError(f"{self.name} has no rows", "the verdict needs at least the state at the beginning")
@@ -99,19 +109,37 @@ class CsvRecording:
         held: dict[str, Values] = {
             name: texts.recoded(values, _decoded(words), name) if name in self.texts else values
             for name, values, words in zip(places, cells, labels, strict=True)
+            if name not in told.unread
         }
+        held.update(flags)
         trace = Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale), dated=self.dates)
         return texts.on(replace(trace, notes=self._notes(reader), warnings=self._warnings(reader, torn)))
 
-    def _whole(self, places: dict[str, int]) -> _Read:
+    def _places(self, columns: Collection[str] | None) -> tuple[dict[str, int], _Told]:
+        """The cells that are read, and of which it is told where they have values."""
+        arrivals = arriving(columns or (), self.columns)
+        wanted = None if columns is None else [name for name in columns if name not in arrivals]
+        valued = self.header.numbers(wanted, self.name)
+        parts = {part for parts in arrivals.values() for part in parts}
+        places = self.header.numbers({*valued, *parts}, self.name)
+        return places, _Told(arrivals, frozenset(parts), frozenset(parts - valued.keys()))
+
+    def _flags(self, reader: _core.CsvReader, places: dict[str, int], told: _Told) -> dict[str, Values]:
+        """The columns of arrivals: in which rows one of their parts has a value."""
+        if not told.arrivals:
+            return {}
+        flags = dict(zip((name for name in places if name in told.parts), reader.take_arrivals(), strict=True))
+        return {name: np.bitwise_or.reduce([flags[part] for part in parts]) for name, parts in told.arrivals.items()}
+
+    def _whole(self, places: dict[str, int], told: _Told) -> _Read:
         """All rows."""
         if self.decimals is not None:
-            rounded = self._rows(self._reader(places, self.decimals, self.decimals))
+            rounded = self._rows(self._reader(places, told, self.decimals, self.decimals))
             self._refuse(rounded.reader)
             return rounded
 
         def count(usual: int, binary: bool = False) -> _Read | None:
-            read = self._rows(self._reader(places, 0, MOST_DECIMALS, usual, binary))
+            read = self._rows(self._reader(places, told, 0, MOST_DECIMALS, usual, binary))
             fault = read.reader.fault()
             merged = fault is not None and fault[0] is CsvFaultKind.TIME_MERGED
             if not binary and read.reader.rounded() and read.reader.decimals() > usual:
@@ -143,25 +171,26 @@ class CsvRecording:
         Args:
             decimals: of the times; a row with a finer time is refused, for what was handed out cannot be recounted.
         """
-        places = self.header.numbers(columns, self.name)
-        reader = self._reader(places, decimals, decimals)
+        places, told = self._places(columns)
+        reader = self._reader(places, told, decimals, decimals)
         with closing(self.opened()) as stream:
             while piece := stream.read1(PIECE):
                 check_time()
                 going_on = reader.feed(piece)
                 if reader.rows():
-                    yield self._taken(reader, places)
+                    yield self._taken(reader, places, told)
                 if not going_on:
                     break
             why = torn(stream)
         reader.finish(whole=why is None)
         if reader.rows() or self._warnings(reader, why):
-            yield self._taken(reader, places, why)
+            yield self._taken(reader, places, told, why)
         self._refuse(reader, f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}")
 
     def _reader(
         self,
         places: dict[str, int],
+        told: _Told,
         decimals: int,
         most_decimals: int,
         usual: int = USUAL_DECIMALS,
@@ -174,6 +203,8 @@ class CsvRecording:
             time=self.header.time,
             columns=list(places.values()),
             texts=[place for name, place in places.items() if name in self.texts],
+            arrivals=[place for name, place in places.items() if name in told.parts],
+            unread=[place for name, place in places.items() if name in told.unread],
             dates=self.dates,
             first_line=self.line,
             decimals=decimals,
@@ -183,11 +214,12 @@ class CsvRecording:
             rounding=self.decimals is not None,
         )
 
-    def _taken(self, reader: _core.CsvReader, places: dict[str, int], torn: str | None = None) -> Rows:
+    def _taken(self, reader: _core.CsvReader, places: dict[str, int], told: _Told, torn: str | None = None) -> Rows:
+        flags = self._flags(reader, places, told)
         times, columns, labels = reader.take()
-        held: dict[str, Any] = dict(zip(places, columns, strict=True))
+        held: dict[str, Any] = {**dict(zip(places, columns, strict=True)), **flags}
         for name, words in zip(places, labels, strict=True):
-            if name in self.texts:
+            if name in self.texts and name not in told.unread:
                 held[name] = np.array(_decoded(words), dtype=object)[held[name].astype(np.int64)]
         return Rows(times, held, reader.decimals(), self._notes(reader), self._warnings(reader, torn))
 

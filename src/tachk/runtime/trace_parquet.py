@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.arrivals import arriving
 from tachk.runtime.trace import Trace
 from tachk.runtime.trace_arrays import TableRecording, are_dates
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
@@ -38,8 +39,10 @@ class ParquetRecording:
         return self.header.columns
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        table = self.table(columns)
-        return table.read(table.columns)
+        arrivals = arriving(columns or (), self.columns)
+        parts = {part for parts in arrivals.values() for part in parts}
+        table = self.table(None if columns is None else ({*columns} - arrivals.keys()) | parts)
+        return table.read(table.columns if columns is None else columns)
 
     def table(self, columns: Collection[str] | None = None) -> TableRecording:
         """Some columns in memory. Raises UsageError."""

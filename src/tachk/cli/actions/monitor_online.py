@@ -21,6 +21,7 @@ from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.locations import located
 from tachk.monitoring.offline import Judging
 from tachk.monitoring.online import Monitor
+from tachk.monitoring.row_names import TIME
 from tachk.runtime.compressed import is_compressed, open_bytes, plain_suffix
 from tachk.runtime.csv_beginning import ByteStream
 from tachk.runtime.logs.trace_jsonl import JsonStream
@@ -153,7 +154,9 @@ def _fed(
     when it is. False: it has stopped at a violation, before the trace has ended."""
     told: set[str] = set()
     try:
-        for rows in recording.blocks(monitor.columns, monitor.decimals):
+        known = () if isinstance(recording, LivePackets) else recording.columns
+        columns = [name for name in monitor.columns if name != TIME or name in known]
+        for rows in recording.blocks(columns, monitor.decimals):
             if len(rows.times):
                 monitor.push(rows.times, rows.columns, rows.decimals)
             monitor.notes = rows.notes + rows.warnings

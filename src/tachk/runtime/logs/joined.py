@@ -7,7 +7,7 @@ one of all does.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import lcm
@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.arrivals import arrivals_of, arriving, topic_of
 from tachk.runtime.logs.labels import Labels
 from tachk.runtime.logs.several_runs import SeveralRuns
 from tachk.runtime.logs.trace_jsonl import JsonRecording
@@ -46,12 +47,14 @@ class JoinedRecording:
         return tuple(self.places)
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
+        arrivals = {name: self._place_of(name, parts) for name, parts in arriving(columns or (), self.columns).items()}
         wanted = self.columns if columns is None else tuple(name for name in self.columns if name in columns)
         for name in columns or ():
-            if name not in self.places:
+            if name not in self.places and name not in arrivals:
                 raise no_such_column(name, self.columns, self.name)
+        asked = [*(self.places[name] for name in wanted), *arrivals.values()]
         traces = [
-            recording.read([own for number, own in (self.places[name] for name in wanted) if number == place])
+            recording.read([own for number, own in asked if number == place])
             for place, recording in enumerate(self.recordings)
         ]
         factors = [self._factor(trace) for trace in traces]
@@ -59,14 +62,30 @@ class JoinedRecording:
             *((trace.ticks_per_unit / factor).numerator for trace, factor in zip(traces, factors, strict=True)),
             *((trace.origin * factor).denominator for trace, factor in zip(traces, factors, strict=True)),
         )
-        return self._joined(traces, factors, scale, wanted)
+        return self._joined(traces, factors, scale, wanted, arrivals)
+
+    def _place_of(self, name: str, parts: Sequence[str]) -> tuple[int, str]:
+        """The recording of a column of arrivals, and its name there. Raises UsageError if there are several."""
+        numbers = {self.places[part][0] for part in parts}
+        if len(numbers) > 1:
+            raise UsageError(f"{self.name}: {name} is about several files", "name a column of one of them")
+        number, own = self.places[parts[0]]
+        topic = topic_of(name) or ""
+        return number, arrivals_of(own[: len(own) - (len(parts[0]) - len(topic))])
 
     def _factor(self, trace: Trace) -> Fraction:
         """How many units of the whole make one of a trace."""
         own, common = length_of(trace.unit), length_of(self.unit)
         return Fraction(1) if own is None or common is None else own / common
 
-    def _joined(self, traces: list[Trace], factors: list[Fraction], scale: int, wanted: Sequence[str]) -> Trace:
+    def _joined(
+        self,
+        traces: list[Trace],
+        factors: list[Fraction],
+        scale: int,
+        wanted: Sequence[str],
+        arrivals: Mapping[str, tuple[int, str]],
+    ) -> Trace:
         origins = [trace.origin * factor for trace, factor in zip(traces, factors, strict=True)]
         ends = [trace.clock(trace.end) * factor for trace, factor in zip(traces, factors, strict=True)]
         giving = {self.places[name][0] for name in wanted} or range(len(traces))
@@ -94,6 +113,9 @@ class JoinedRecording:
             if own in traces[number].texts:
                 values = texts.recoded(values, traces[number].labels, name)
             columns[name] = values[np.searchsorted(times[number], instants, side="right") - 1]
+        for name, (number, own) in arrivals.items():
+            arrived = times[number][traces[number].columns[own] != 0]
+            columns[name] = np.isin(instants, arrived).astype(np.uint8)
         end = int((max(ends) - begin) * scale)
         joined = Trace(self.name, instants, columns, end, scale, self.unit, begin)
         return texts.on(

@@ -18,6 +18,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.arrivals import topic_of
 from tachk.runtime.logs.dates import seconds_of
 from tachk.runtime.logs.sparse import sparse
 from tachk.runtime.trace import Trace
@@ -131,7 +132,7 @@ class MessageRecording:
         wanted = self.columns if columns is None else tuple(columns)
         paths: dict[str, dict[str, str]] = {}
         for column in wanted:
-            paths.setdefault(self._topic(column), {})[column] = column
+            paths.setdefault(self._topic(topic_of(column) or column), {})[column] = column
         topics = paths or self.messages.topics
         events: list[tuple[int, Mapping[str, Any]]] = []
         met: set[str] = set()
@@ -217,7 +218,17 @@ def flattened(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def _getters(name: str, columns: Iterable[str]) -> dict[str, Callable[[Any], Any]]:
     """What finds the value of each column in a message; None where it has none."""
-    return {column: _getter(column[len(name) :]) for column in columns}
+    return {
+        column: _getter(column[len(name) :]) if topic_of(column) is None else _arrival(name, column)
+        for column in columns
+    }
+
+
+def _arrival(name: str, column: str) -> Callable[[Any], Any]:
+    """Says that a message of the topic gives what arrives in a column of arrivals."""
+    path = topic_of(column) or ""
+    get = _getter(path[len(name) :])
+    return lambda content: True if path == name or get(content) is not None else None
 
 
 def _getter(path: str) -> Callable[[Any], Any]:

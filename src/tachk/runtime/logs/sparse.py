@@ -7,7 +7,7 @@ before that nothing is known of some; it ends with the last instant of all.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.arrivals import arriving, topic_of
 from tachk.runtime.trace import Trace
 from tachk.runtime.trace_arrays import TableRecording
 from tachk.runtime.trace_header import Header, no_such_column
@@ -49,9 +50,12 @@ class SparseRecording:
         return tuple(self.changes)
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
+        arrivals = arriving(columns or (), self.columns)
+        arrivals |= {name: (name,) for name in columns or () if name in self.changes and topic_of(name) is not None}
         wanted = self.columns if columns is None else tuple(name for name in self.columns if name in columns)
+        wanted = tuple(name for name in wanted if name not in arrivals)
         for name in columns or ():
-            if name not in self.changes:
+            if name not in self.changes and name not in arrivals:
                 raise no_such_column(name, self.columns, self.name)
         known = [int(self.changes[name].rows[0]) for name in wanted if len(self.changes[name].rows)]
         if len(known) < len(wanted):
@@ -63,9 +67,14 @@ class SparseRecording:
         for name in wanted:
             place = np.searchsorted(self.changes[name].rows, instants, side="right") - 1
             cells.append(np.asarray(self.changes[name].values)[place])
-        return TableRecording(self.name, Header((_TIME, *wanted), 0, self.unit), cells, dated=self.dated).read(
-            list(wanted)
-        )
+        header = Header((_TIME, *wanted), 0, self.unit)
+        trace = TableRecording(self.name, header, cells, dated=self.dated).read(list(wanted))
+        flags = {name: self._arrived(parts, instants) for name, parts in arrivals.items()}
+        return replace(trace, columns={**trace.columns, **flags}) if flags else trace
+
+    def _arrived(self, columns: Collection[str], instants: NDArray[np.int64]) -> NDArray[np.uint8]:
+        rows = np.concatenate([self.changes[name].rows for name in columns])
+        return np.isin(instants, rows).astype(np.uint8)
 
 
 def sparse(

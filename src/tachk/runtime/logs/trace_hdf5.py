@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.arrivals import arriving
 from tachk.runtime.logs.foreign import not_installed, reading
 from tachk.runtime.logs.joined import JoinedRecording
 from tachk.runtime.logs.messages import MOST_ELEMENTS
@@ -46,14 +47,17 @@ class Hdf5Table:
         return tuple(self.places)
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        wanted = self.columns if columns is None else tuple(columns)
+        arrivals = arriving(columns or (), self.columns)
+        parts = [part for parts in arrivals.values() for part in parts]
+        asked = self.columns if columns is None else (*columns, *parts)
+        wanted = tuple(dict.fromkeys(name for name in asked if name not in arrivals))
         for name in wanted:
             if name not in self.places:
                 raise no_such_column(name, self.columns, self.name)
         with _reading(Path(self.name)) as file:
             cells = [_values(file, place) for place in (self.time, *(self.places[name] for name in wanted))]
         header = Header(("time", *wanted), 0, self.unit)
-        return TableRecording(self.name, header, cells).read(wanted)
+        return TableRecording(self.name, header, cells).read(wanted if columns is None else columns)
 
     def enumerations(self) -> Mapping[str, Mapping[str, int]]:
         """Of each column of an enumeration the names of its values."""

@@ -22,6 +22,7 @@ import numpy as np
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
+from tachk.runtime.arrivals import belongs, topic_of
 from tachk.runtime.compressed import open_bytes, torn
 from tachk.runtime.csv_beginning import ByteStream
 from tachk.runtime.decimal_times import USUAL_DECIMALS, is_binary, kept_apart, rounded
@@ -151,7 +152,8 @@ class JsonStream:
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """Rows from the first one on at which every column has a value, a few lines at a time."""
-        wanted = tuple(columns or ())
+        topics = {name: topic for name in columns or () if (topic := topic_of(name)) is not None}
+        wanted = tuple(name for name in columns or () if name not in topics)
         held: dict[str, Any] = dict.fromkeys(wanted)
         last: tuple[Fraction, Fraction] | None = None
         lines = JsonLines(self.name, self.time)
@@ -172,12 +174,19 @@ class JsonStream:
             if None in held.values():
                 continue
             ticks = np.array([int(time * 10**decimals)], np.int64)
-            yield Rows(ticks, {name: _column(held[name]) for name in wanted}, decimals, notes)
+            given = [name for name, value in event.values.items() if value is not None]
+            flags = {
+                name: np.array([any(belongs(column, topic) for column in given)], np.uint8)
+                for name, topic in topics.items()
+            }
+            yield Rows(ticks, {**{name: _column(held[name]) for name in wanted}, **flags}, decimals, notes)
         if last is None or None in held.values():
             missing = ", ".join(name for name, value in held.items() if value is None)
             raise UsageError(f"{self.name} has no rows", f"no line gives {missing} a value" if missing else None)
         if lines.warnings:
-            yield Rows(np.array([], np.int64), {name: np.array([]) for name in wanted}, decimals, notes, lines.warnings)
+            yield Rows(
+                np.array([], np.int64), {name: np.array([]) for name in columns or ()}, decimals, notes, lines.warnings
+            )
 
     def _counted(self, event: _Event, decimals: int, binary: bool) -> Fraction:
         """The time as it is counted, where times are binary numbers or not. Raises UsageError where it cannot be."""
