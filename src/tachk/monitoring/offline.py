@@ -24,7 +24,7 @@ from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.locations import located, with_named_values
 from tachk.monitoring.reading import Reading, reading_of
 from tachk.monitoring.row_names import TIME, row_columns, with_row_columns
-from tachk.monitoring.texts import Texts, text_columns
+from tachk.monitoring.texts import Texts, text_columns, unmet_texts
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
 from tachk.report.monitor.text import print_monitor
 from tachk.report.plain_console import plain_console
@@ -178,6 +178,8 @@ def prepare(
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
     formulas_in_units = [formula for formula, _ in resolved]
     labels = Texts(trace.texts, trace.labels)
+    unmet = tuple(dict.fromkeys(each for formula in formulas_in_units for each in unmet_texts(formula, trace)))
+    trace = replace(trace, warnings=(*trace.warnings, *unmet)) if unmet else trace
     programs = tuple(_program(formula, known, trace.ticks_per_unit, booleans, labels) for formula in formulas_in_units)
     unfit = [
         finding

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.operators import BinaryOperator
@@ -15,6 +17,7 @@ from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.walk import nodes_of_kind
 
+_TEXTS_TOLD = 8
 _NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
 
 
@@ -47,6 +50,22 @@ def text_columns(formula: Formula) -> frozenset[str]:
         if more <= found:
             return frozenset(found)
         found |= more
+
+
+def unmet_texts(formula: Formula, trace: Trace) -> Iterator[str]:
+    """A warning for each text that a formula compares with a column which has it in no row."""
+    for comparison in nodes_of_kind(formula, ast.BinaryExpression):
+        for side, other in ((comparison.left, comparison.right), (comparison.right, comparison.left)):
+            if not (isinstance(side, _NAMES) and isinstance(other, ast.StringLiteral)):
+                continue
+            column = _name(side)
+            if column not in trace.texts:
+                continue
+            met = [trace.labels[int(number)] for number in np.unique(trace.columns[column])]
+            if other.value not in met:
+                more = "" if len(met) <= _TEXTS_TOLD else f" and {len(met) - _TEXTS_TOLD} others"
+                known = ", ".join(f'"{each}"' for each in met[:_TEXTS_TOLD])
+                yield f'{trace.name}: no row of `{column}` has the text "{other.value}"; it has {known}{more}'
 
 
 def texts_of(formula: Formula) -> tuple[str, ...]:

@@ -519,3 +519,15 @@ def test_infinite_values_are_drawn(tmp_path: Path) -> None:
     report = tachk.monitor("G (x > -5 || y > x)", INFINITE)
     report.plot(tmp_path / "a.svg", robustness=True)
     tachk.monitor("G (y > 5)", {"time": [0, 1], "y": [math.inf, math.inf]}).plot(tmp_path / "b.svg")
+
+
+def test_a_text_that_no_row_has_is_told(tmp_path: Path) -> None:
+    trace = {"time": [0, 1, 2], "mode": ["idle", "busy", "idle"], "x": [1, 2, 3]}
+    report = tachk.monitor(['G (mode != "idel")', 'F (mode == "busy")', 'G !("idel" == mode)'], trace)
+    (warning,) = report.record.trace.warnings
+    assert warning == 'the trace: no row of `mode` has the text "idel"; it has "busy", "idle"' or warning.endswith(
+        'it has "idle", "busy"'
+    )
+    many = {"time": range(20), "mode": [f"m{n}" for n in range(20)]}
+    (warning,) = tachk.monitor('G (mode != "x")', many).record.trace.warnings
+    assert warning.endswith('"m7" and 12 others')
