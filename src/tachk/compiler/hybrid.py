@@ -103,9 +103,7 @@ def hybrid_clocks(
     """
     slots: list[int] = []
     for variable in network.all_variables():
-        if variable.is_hybrid:
-            first = layout.first_slot(variable)
-            slots += range(first, first + cell_count(variable.type), 2)
+        slots += (layout.first_slot(variable) + offset for offset in variable.hybrid_clocks())
     if not slots:
         return HybridClocks()
     numbers = {slot: number for number, slot in enumerate(slots)}
@@ -146,7 +144,7 @@ def rate_of_computed_clock(span: Span) -> UnsupportedError:
 def refuse_hybrid(network: Network, what: str) -> None:
     """Raises UnsupportedError if the network has hybrid clocks; ``what`` reads like "a unit of co-simulation"."""
     for variable in network.all_variables():
-        if variable.is_hybrid:
+        if variable.has_hybrid_clocks:
             raise UnsupportedError(_refused(variable.span, what))
 
 

@@ -86,14 +86,14 @@ def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: b
     floating = {d.name.name for each in declared if _is_floating(each) for d in each.declarators}
     if measured:
         alone = isinstance(node, ast.NameExpression | ast.MemberExpression | ast.IndexExpression)
-        return frozenset() if alone else frozenset(_mentioned(node, clocks))
+        return frozenset() if alone else frozenset(_names(node, clocks))
     truths = _truths(tree)
     found: set[str] = set()
     for inner in nodes_of_kind(node, ast.BinaryExpression, ast.CallExpression):
         if isinstance(inner, ast.CallExpression):
-            found.update(name for argument in inner.arguments for name in _mentioned(argument, clocks))
+            found.update(name for argument in inner.arguments for name in _names(argument, clocks))
         elif _sides_compute(inner, clocks | floating, floating):
-            found.update(_mentioned(inner, clocks))
+            found.update(_names(inner, clocks))
         else:
             found.update(_used(inner, clocks, floating, truths))
     return frozenset(found)
@@ -103,13 +103,7 @@ def _sides_compute(node: ast.BinaryExpression, named: set[str], floating: set[st
     """Whether a comparison has a floating point number, or a side in which a clock is more than added to numbers."""
     if node.operator not in COMPARISONS:
         return False
-    return not _is_exact(node, floating) and any(_mentioned(node, named))
-
-
-def _mentioned(node: ast.Node, among: set[str]) -> Iterator[str]:
-    """Names, also those inside processes."""
-    yield from _names(node, among)
-    yield from (inner.name.name for inner in nodes_of_kind(node, ast.MemberExpression) if inner.name.name in among)
+    return not _is_exact(node, floating) and any(_names(node, named))
 
 
 def _used(node: ast.Node, clocks: set[str], floating: set[str], truths: set[str]) -> Iterator[str]:
@@ -153,9 +147,13 @@ def _is_copy(target: ast.Expression, value: ast.Expression, clocks: set[str]) ->
 
 
 def _is_place(node: ast.Expression, clocks: set[str]) -> bool:
-    while isinstance(node, ast.IndexExpression | ast.MemberExpression):
+    while isinstance(node, ast.IndexExpression):
         node = node.base
-    return isinstance(node, ast.NameExpression) and node.name in clocks
+    match node:
+        case ast.NameExpression(name=name) | ast.MemberExpression(name=ast.Identifier(name=name)):
+            return name in clocks
+        case _:
+            return False
 
 
 def _is(node: ast.VariableDeclaration, name: str) -> bool:
@@ -235,4 +233,8 @@ def _is_truth(type_: ast.TypeExpression | None, named: dict[str, ast.TypeExpress
 
 
 def _names(node: ast.Node | None, among: set[str]) -> Iterator[str]:
-    yield from (name.name for name in nodes_of_kind(node, ast.NameExpression) if name.name in among)
+    """Names, also those of fields and those inside processes."""
+    for inner in nodes_of_kind(node, ast.NameExpression, ast.MemberExpression):
+        name = inner.name if isinstance(inner, ast.NameExpression) else inner.name.name
+        if name in among:
+            yield name

@@ -6,12 +6,13 @@ its argument, every node knows its type. Equality ignores places.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import field
 from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.floating import FloatingOperation
-from tachk.model.types import BoolType, IntType, Type
+from tachk.model.floating import FloatingOperation, hybrid_offsets
+from tachk.model.types import BoolType, IntType, Type, cell_count
 from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.records import dataclass
 
@@ -38,7 +39,8 @@ class Variable:
         reference: a function parameter passed by reference.
         priorities: for channels, one priority for each cell; empty means the network's default priority.
         carries: the channel whose values pass through this hidden variable, cell by cell.
-        is_hybrid: floating point numbers that change while time passes, with the rates of locations.
+        is_hybrid: floating point numbers that change while time passes, with the rates of locations. Fields of records
+            are so by their type, see `has_hybrid_clocks`.
     """
 
     name: str
@@ -51,6 +53,14 @@ class Variable:
     span: Span = NOWHERE
     carries: Variable | None = None
     is_hybrid: bool = False
+
+    def hybrid_clocks(self) -> Iterator[int]:
+        """Where its hybrid clocks begin, in cells."""
+        return iter(range(0, cell_count(self.type), 2)) if self.is_hybrid else hybrid_offsets(self.type)
+
+    @property
+    def has_hybrid_clocks(self) -> bool:
+        return any(True for _ in self.hybrid_clocks())
 
 
 class QuantifierKind(StrEnum):

@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from enum import IntEnum
 
-from tachk.model.types import ArrayType, BoolType, IntType, RecordType, Type
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, Type, cell_count
 
 _HALF = IntType(-(2**31), 2**31 - 1)
 
 DOUBLE = RecordType("double", (("high", _HALF), ("low", _HALF)))
 """The type `double`."""
+
+HYBRID_DOUBLE = RecordType("hybrid clock", DOUBLE.fields)
+"""What a field of a record is that is a hybrid clock. An expression of it is a `double`."""
 
 
 class FloatingOperation(IntEnum):
@@ -231,8 +234,44 @@ def contains_double(type_: Type) -> bool:
     """Whether a value of the type has a floating point number in it."""
     match type_:
         case RecordType(_, fields):
-            return type_ == DOUBLE or any(contains_double(inner) for _, inner in fields)
+            return is_double(type_) or any(contains_double(inner) for _, inner in fields)
         case ArrayType(element):
             return contains_double(element)
         case _:
             return False
+
+
+def is_double(type_: Type) -> bool:
+    """Whether a place of the type holds one floating point number."""
+    return type_ in (DOUBLE, HYBRID_DOUBLE)
+
+
+def value_type(type_: Type) -> Type:
+    """The type of what a place of the type holds, as an expression has it."""
+    return DOUBLE if type_ == HYBRID_DOUBLE else type_
+
+
+def variable_type(type_: Type) -> Type:
+    """The type of a variable that is declared with a type: `Variable.is_hybrid` tells hybrid clocks."""
+    match type_:
+        case ArrayType(element, index):
+            return ArrayType(variable_type(element), index)
+        case _:
+            return value_type(type_)
+
+
+def hybrid_offsets(type_: Type, first: int = 0) -> Iterator[int]:
+    """Where the hybrid clocks among the fields of a type begin, in cells."""
+    match type_:
+        case RecordType() if type_ == HYBRID_DOUBLE:
+            yield first
+        case RecordType(_, fields):
+            for _, inner in fields:
+                yield from hybrid_offsets(inner, first)
+                first += cell_count(inner)
+        case ArrayType(element):
+            inside = tuple(hybrid_offsets(element))
+            size = cell_count(element)
+            yield from (first + number * size + offset for number in range(type_.size) for offset in inside)
+        case _:
+            return

@@ -168,7 +168,7 @@ class Network:
 
     @property
     def has_hybrid_clocks(self) -> bool:
-        return any(variable.is_hybrid for variable in self.all_variables())
+        return any(variable.has_hybrid_clocks for variable in self.all_variables())
 
     def all_variables(self) -> tuple[Variable, ...]:
         """Global variables first, then those of each process in order: the order of cells everywhere in tachk."""

@@ -35,9 +35,10 @@ from tachk.model.expressions import (
     Variable,
     While,
 )
+from tachk.model.floating import hybrid_offsets
 from tachk.model.network import Process
 from tachk.model.remembered import by_part
-from tachk.model.types import ClockType
+from tachk.model.types import ArrayType, ClockType, RecordType, Type
 from tachk.operators import COMPARISONS
 from tachk.time_limit import check_time
 
@@ -174,8 +175,37 @@ def reads_clock(expression: Expression) -> bool:
 
 def reads_hybrid(expression: Expression) -> bool:
     """Whether the expression, or a function that it calls, names a hybrid clock."""
-    nodes = (node for outer in with_bodies([expression]) for node in walk(outer))
-    return any(isinstance(node, Reference) and node.variable.is_hybrid for node in nodes)
+    pending = with_bodies([expression])
+    while pending:
+        node = pending.pop()
+        if holds_hybrid_clock(node):
+            return True
+        while isinstance(node, Index | Field):
+            # The places around this one are named only to say which it is.
+            if isinstance(node, Index):
+                pending.append(node.index)
+            node = node.base
+        pending += children(node)
+    return False
+
+
+def holds_hybrid_clock(place: Expression) -> bool:
+    """Whether a place is a hybrid clock, or has one in it."""
+    match place:
+        case Reference(variable):
+            return variable.has_hybrid_clocks
+        case Index(base) if isinstance(base.type, ArrayType):
+            return any(variable.is_hybrid for variable in roots(base)) or _has_hybrid_clocks(base.type.element)
+        case Field(base, name) if isinstance(base.type, RecordType):
+            return any(_has_hybrid_clocks(type_) for field, type_ in base.type.fields if field == name)
+        case Conditional(_, then, otherwise):
+            return holds_hybrid_clock(then) or holds_hybrid_clock(otherwise)
+        case _:
+            return False
+
+
+def _has_hybrid_clocks(type_: Type) -> bool:
+    return any(True for _ in hybrid_offsets(type_))
 
 
 def is_clock_comparison(node: Expression) -> bool:

@@ -9,7 +9,7 @@ from itertools import islice
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.model.expressions import Constant, Expression, Field, Index, LocationTest, Reference
-from tachk.model.floating import DOUBLE, contains_double
+from tachk.model.floating import DOUBLE, contains_double, value_type
 from tachk.model.network import Network
 from tachk.model.types import (
     ArrayType,
@@ -109,11 +109,13 @@ def _doubles(name: str, place: Expression, first: int = 0) -> Iterator[tuple[int
             yield first, (name, place)
         case RecordType(_, fields) as record:
             for field, type_ in fields:
-                yield from _doubles(f"{name}.{field}", Field(place, field, type_), first + record.offset(field))
+                yield from _doubles(
+                    f"{name}.{field}", Field(place, field, value_type(type_)), first + record.offset(field)
+                )
         case ArrayType(element) as array:
             for number in range(array.size if contains_double(element) else 0):
                 index = number + array.low
-                inner = Index(place, Constant(index), element)
+                inner = Index(place, Constant(index), value_type(element))
                 yield from _doubles(f"{name}[{index}]", inner, first + number * cell_count(element))
         case _:
             return

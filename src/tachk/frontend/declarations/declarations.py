@@ -25,7 +25,7 @@ from tachk.frontend.priority_readings import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
-from tachk.model.floating import DOUBLE, contains_double, number_of
+from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, contains_double, number_of, variable_type
 from tachk.model.floating_calls import floating_constant
 from tachk.model.types import (
     ArrayType,
@@ -126,12 +126,12 @@ def _declare_kept(node: ast.VariableDeclaration, scope: Scope, declared: Declare
 def _declare_each(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     reader = type_reader(scope, context)
     constant = node.type is None or "const" in node.type.prefixes
-    base: Type | None = IntType() if node.type is None else reader.type(node.type)
+    base: Type | None = IntType() if node.type is None else reader.declared(node.type)
     for declarator in node.declarators:
-        hybrid = base == DOUBLE and node.type is not None and "hybrid" in node.type.prefixes
-        if isinstance(base, ClockType) and context.keeps_doubles and declarator.name.name in context.hybrid_clocks:
-            hybrid = True
-        type_ = None if base is None else reader.dimensions(DOUBLE if hybrid else base, declarator.dimensions)
+        used = isinstance(base, ClockType) and context.keeps_doubles and declarator.name.name in context.hybrid_clocks
+        written: Type | None = HYBRID_DOUBLE if used else base
+        hybrid = written is not None and element_type(written) == HYBRID_DOUBLE
+        type_ = None if written is None else reader.dimensions(variable_type(written), declarator.dimensions)
         symbol: Symbol | None = None
         if type_ is not None:
             if constant:

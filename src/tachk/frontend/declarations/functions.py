@@ -298,7 +298,7 @@ def declare_types(node: ast.TypedefDeclaration, scope: Scope, context: Context) 
         own = Findings()
         inner = replace(context, findings=own)
         reader = type_reader(scope, inner)
-        base = reader.type(node.type, declarator.name.name)
+        base = reader.declared(node.type, declarator.name.name)
         type_ = None if base is None else reader.dimensions(base, declarator.dimensions)
         context.scalar_sets = inner.scalar_sets
         found = own.sorted()

@@ -9,7 +9,7 @@ from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Aggregate, Expression
-from tachk.model.floating import DOUBLE
+from tachk.model.floating import DOUBLE, is_double, value_type
 from tachk.model.types import ArrayType, ClockType, IntType, RecordType, Type
 from tachk.syntax import ast
 
@@ -26,7 +26,7 @@ def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Contex
     if not can_assign(type_, value.type):
         context.error("E0302", node.span, f"{describe(value.type)} cannot initialise {describe(type_)}")
         return None
-    return converted(value, type_)
+    return converted(value, value_type(type_))
 
 
 def _clock_value(value: Expression, node: ast.Expression, context: Context) -> Expression | None:
@@ -51,7 +51,7 @@ def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context
                     context.error("E0318", designator.span, "the elements of an array have no names")
                     return None
             ordered = [item for _, item in node.items]
-        case RecordType(_, fields) if type_ != DOUBLE:
+        case RecordType(_, fields) if not is_double(type_):
             wanted = [t for _, t in fields]
             names = [name for name, _ in fields]
             ordered = [None] * len(fields)

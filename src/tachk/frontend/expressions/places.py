@@ -8,7 +8,7 @@ from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import Conditional, Expression, Field, Index, Reference
-from tachk.model.floating import DOUBLE
+from tachk.model.floating import DOUBLE, value_type
 from tachk.model.floating_calls import as_double
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type
 from tachk.syntax import ast
@@ -68,7 +68,7 @@ def element(base: Expression, number: Expression, node: ast.IndexExpression, con
     if isinstance(wanted, IntType) and not is_integral(number.type):
         context.error("E0306", node.index.span, f"an index must be an integer, not {describe(number.type)}")
         return None
-    return fold.index(base, number, base.type.element, node.span, context.constants)
+    return fold.index(base, number, value_type(base.type.element), node.span, context.constants)
 
 
 def field(base: Expression, node: ast.MemberExpression, context: Context) -> Expression | None:
@@ -78,7 +78,7 @@ def field(base: Expression, node: ast.MemberExpression, context: Context) -> Exp
         return None
     for name, type_ in base.type.fields:
         if name == node.name.name:
-            return fold.field(base, name, type_, node.span, context.constants)
+            return fold.field(base, name, value_type(type_), node.span, context.constants)
     context.error(
         "E0205",
         node.name.span,

@@ -10,7 +10,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES, FOREIGN_TYPES
 from tachk.frontend.expressions.typing import describe, is_bounded
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
-from tachk.model.floating import DOUBLE
+from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, variable_type
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -46,14 +46,19 @@ class TypeReader:
     constant: ConstantInteger
 
     def type(self, node: ast.TypeExpression, name: str = "") -> Type | None:
-        """The type, its ``const`` and ``meta`` prefixes aside; None after a report. ``name`` names a struct or
-        scalar set that a typedef declares."""
+        """The type of expressions, its ``const`` and ``meta`` prefixes aside; None after a report. ``name`` names a
+        struct or scalar set that a typedef declares."""
+        declared = self.declared(node, name)
+        return None if declared is None else variable_type(declared)
+
+    def declared(self, node: ast.TypeExpression, name: str = "") -> Type | None:
+        """The same as it is written, which tells hybrid clocks from other floating point numbers."""
         base = self._base(node.base, name)
         if base is None:
             return None
         if "hybrid" in node.prefixes:
             if isinstance(base, ClockType) and self.context.keeps_doubles:
-                return DOUBLE
+                return HYBRID_DOUBLE
             self._unsupported(node.span, "hybrid clocks", "declare a plain `clock`")
             return None
         channel = {p for p in node.prefixes if p in ("urgent", "broadcast")}
@@ -150,7 +155,7 @@ class TypeReader:
         for declaration in node.fields:
             if declaration.type is None:
                 continue
-            base = self.type(declaration.type)
+            base = self.declared(declaration.type)
             for declarator in declaration.declarators:
                 if declarator.name.name in seen:
                     self.context.error("E0202", declarator.name.span, f"field `{declarator.name.name}` twice")
@@ -162,7 +167,8 @@ class TypeReader:
                         "a field of a struct cannot have an initialiser",
                         "initialise the variables of this type instead",
                     )
-                type_ = None if base is None else self.dimensions(base, declarator.dimensions)
+                element = HYBRID_DOUBLE if self._is_used_as_hybrid(base, declarator) else base
+                type_ = None if element is None else self.dimensions(element, declarator.dimensions)
                 if isinstance(type_, ChannelType | VoidType):
                     self.context.error("E0315", declarator.span, f"a struct cannot have a {describe(type_)} field")
                     type_ = None
@@ -171,6 +177,10 @@ class TypeReader:
                 else:
                     fields.append((declarator.name.name, type_))
         return None if broken else self._small(RecordType(name, tuple(fields)), node.span, "a struct")
+
+    def _is_used_as_hybrid(self, base: Type | None, declarator: ast.Declarator) -> bool:
+        context = self.context
+        return isinstance(base, ClockType) and context.keeps_doubles and declarator.name.name in context.hybrid_clocks
 
     def dimensions(self, element: Type, dimensions: tuple[ast.Expression | ast.TypeExpression, ...]) -> Type | None:
         """The type of an array with the given dimensions; the element's type where there are none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeGuard, assert_never
 
 from tachk.model.expressions import Call, Conditional, Constant, Expression, Field, Index, Reference
-from tachk.model.floating import DOUBLE
+from tachk.model.floating import is_double
 from tachk.model.types import (
     DEFAULT_INT_HIGH,
     DEFAULT_INT_LOW,
@@ -58,8 +58,8 @@ def same_shape(left: Type, right: Type) -> bool:
                 return index == other_index and same_shape(element, other_element)
             return left.size == right.size and same_shape(element, other_element)
         case RecordType(_, fields), RecordType(_, other_fields):
-            if DOUBLE in (left, right):
-                return left == right
+            if is_double(left) or is_double(right):
+                return is_double(left) and is_double(right)
             return len(fields) == len(other_fields) and all(
                 name == other and same_shape(type_, other_type)
                 for (name, type_), (other, other_type) in zip(fields, other_fields, strict=True)
@@ -72,7 +72,7 @@ def can_assign(target: Type, value: Type) -> bool:
     """Whether a value of one type may be assigned to a variable of another (not a clock)."""
     if is_integral(target) and is_integral(value):
         return True
-    if target == DOUBLE and is_integral(value):
+    if is_double(target) and is_integral(value):
         return True
     return is_data(target) and same_shape(target, value)
 

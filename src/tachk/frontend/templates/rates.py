@@ -13,7 +13,7 @@ from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import BOOL, Block, Call, Constant, Expression, Function, Return
 from tachk.model.floating import DOUBLE
 from tachk.model.floating_calls import as_double
-from tachk.model.traversal import roots
+from tachk.model.traversal import holds_hybrid_clock
 from tachk.model.types import ClockType, IntType, bounds
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -40,7 +40,7 @@ def invariant_parts(
             clock, value = expression(rate[0].clock, inner, context), expression(rate[1], inner, context)
             if clock is None or value is None:
                 continue
-            if any(variable.is_hybrid for variable in roots(clock)):
+            if holds_hybrid_clock(clock):
                 if _is_hybrid_rate(value, context):
                     hybrid_rates.append((clock, as_double(value)))
                 continue
