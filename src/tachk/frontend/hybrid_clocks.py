@@ -32,7 +32,7 @@ def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
     """The names of plain clocks that are used like hybrid ones."""
     tree = tuple(items)
     declared = tuple(node for item in tree for node in nodes_of_kind(item, ast.VariableDeclaration))
-    clocks = {d.name.name for node in declared if _is(node, "clock") for d in node.declarators}
+    clocks = _plain_clocks(tree)
     floating = {d.name.name for node in declared if _is_floating(node) for d in node.declarators}
     initial = [d for node in declared if _is(node, "clock") for d in node.declarators if d.initialiser is not None]
     truths = _truths(tree)
@@ -74,6 +74,16 @@ def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
             yield guard
 
 
+def named_clocks(node: ast.Expression, items: Iterable[ast.Item]) -> frozenset[str]:
+    """The names of the plain clocks in an expression of a query, also of those inside processes."""
+    return frozenset(_names(node, _plain_clocks(tuple(items))))
+
+
+def _plain_clocks(tree: tuple[ast.Item, ...]) -> set[str]:
+    declared = (inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration))
+    return {d.name.name for each in declared if _is(each, "clock") for d in each.declarators}
+
+
 def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: bool) -> frozenset[str]:
     """The names of the plain clocks with which an expression of a query computes, so that they have to be hybrid ones.
 
@@ -82,7 +92,7 @@ def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: b
     """
     tree = tuple(items)
     declared = tuple(inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration))
-    clocks = {d.name.name for each in declared if _is(each, "clock") for d in each.declarators}
+    clocks = _plain_clocks(tree)
     floating = {d.name.name for each in declared if _is_floating(each) for d in each.declarators}
     if measured:
         alone = isinstance(node, ast.NameExpression | ast.MemberExpression | ast.IndexExpression)

@@ -138,7 +138,7 @@ def test_array_constants_fold_in_queries(load: Any) -> None:
         ("E<> Singel.Off", "E0201", "Singel"),
         ("E<> T.Idle", "E0206", "T"),
         ("E<> T(3).Idle", "E0206", "T(3)"),
-        ("E<> T(n).Idle", "E0601", "n"),
+        ("E<> T(x).Idle", "E0301", "x"),
         ("E<> T(0, 1).Idle", "E0308", "T(0, 1)"),
         ("E<> Single(0).Off", "E0206", "Single(0)"),
         ("E<> Single", "E0203", "Single"),

@@ -20,6 +20,7 @@ from tachk.frontend.expressions.builtin_names import (
     DYNAMIC_HELP,
     FLOATING_FUNCTIONS,
 )
+from tachk.frontend.expressions.chosen_processes import chosen_member, is_constant
 from tachk.frontend.expressions.name_expressions import misuse_help, named
 from tachk.frontend.expressions.operator_types import choose, combine
 from tachk.frontend.expressions.places import assignable, converted, element, field, is_place
@@ -38,6 +39,7 @@ from tachk.frontend.findings import count, wrong_arguments
 from tachk.frontend.scope import (
     BrokenSymbol,
     DroppedSymbol,
+    FamilySymbol,
     FunctionSymbol,
     LocationSymbol,
     ProcessSymbol,
@@ -288,6 +290,18 @@ def _index(node: ast.IndexExpression, scope: Scope, context: Context) -> Express
 
 
 def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expression | None:
+    match node.base:
+        case ast.CallExpression(function=ast.NameExpression(name=name), arguments=given) if context.in_query:
+            family = scope.lookup(name)
+            if isinstance(family, FamilySymbol):
+                arguments = tuple(expression(argument, scope, context) for argument in given)
+                known = tuple(argument for argument in arguments if argument is not None)
+                if len(known) < len(arguments):
+                    return None
+                if not all(is_constant(argument, context) for argument in known):
+                    return chosen_member(node, family, known, context)
+        case _:
+            pass
     found = select_process(node.base, scope, context, _constant_argument)
     if found is not None:
         member = select_member(found, node.name, context)

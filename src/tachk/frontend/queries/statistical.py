@@ -18,10 +18,10 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
 from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.findings import Findings
-from tachk.frontend.hybrid_clocks import computed_clocks
+from tachk.frontend.hybrid_clocks import computed_clocks, named_clocks
 from tachk.frontend.loaded import LoadedModel, with_hybrid_clocks
 from tachk.frontend.queries.queries import UncheckedQuery
-from tachk.model.expressions import Expression
+from tachk.model.expressions import Conditional, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import (
     Bound,
@@ -276,6 +276,9 @@ class _Reader:
         value = self._pure(expression(self._read(span, measured=True), self._model.scope, self._context))
         if not _is_number(value.type):
             raise self._wrong("expected a number, a condition or a clock", span)
+        if isinstance(value, Conditional) and isinstance(value.type, ClockType):
+            # Which clock is meant changes with the state, as that of a process that a variable names.
+            raise _ComputesError(named_clocks(self._node(span), self._model.items))
         return value
 
     def _pure(self, value: Expression | None) -> Expression:
