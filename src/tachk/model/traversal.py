@@ -200,7 +200,13 @@ def holds_hybrid_clock(place: Expression) -> bool:
             return any(_has_hybrid_clocks(type_) for field, type_ in base.type.fields if field == name)
         case Conditional(_, then, otherwise):
             return holds_hybrid_clock(then) or holds_hybrid_clock(otherwise)
-        case _:
+        case Assign(target) | Increment(target):
+            return holds_hybrid_clock(target)
+        case Comma(items):
+            return holds_hybrid_clock(items[-1])
+        case Index() | Field() | Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call():
+            return False
+        case LocationTest() | Deadlock():
             return False
 
 
