@@ -28,7 +28,7 @@ from tachk.records import dataclass
 from tachk.xrce.events import Event as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Transmission, read_transmissions
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SESSIONS_OF_NOBODY, Kind
 
 SUFFIXES = (".pcap", ".pcapng")
 _CLIENT_OBJECT = "FFFE"
@@ -178,7 +178,7 @@ class _Reader:
                 start, missing = _integer(fields["first"]), fields["missing"]
                 assert isinstance(missing, list)
                 yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
-            elif event.kind is Kind.GET_INFO and one.to_agent:
+            elif event.kind is Kind.GET_INFO and one.to_agent and event.session not in SESSIONS_OF_NOBODY:
                 yield _Content("PING", 0, 0)
 
     def _reject_damaged(self, one: Transmission) -> None:

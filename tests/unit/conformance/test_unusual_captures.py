@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from tachk.cli.main import app
+from tachk.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[3]
 MODEL = str(ROOT / "models/micro_xrce_dds/client_3_0.ta")
@@ -73,3 +74,22 @@ def test_what_the_automata_do_not_speak_of_is_named(name: str, message: str, com
     assert f"{name}.pcap, {message}" in text
     if command[0] == "measure":
         assert run("measure", capture(name))[0] == 0
+
+
+def test_the_agent_announces_what_its_sender_has_not_sent() -> None:
+    """Without that edge the capture is refused at the HEARTBEAT, and the refusal is explained."""
+    own = [*settings("heartbeat_before_data"), "--late", "5ms"]
+    assert run("conform", MODEL, capture("heartbeat_before_data"), *own)[0] == 0
+    status, text = run("conform", MODEL, capture("heartbeat_before_data"), *own, "-D", "EARLY_ANNOUNCEMENT=0")
+    assert status == 10
+    assert "it leaves the model at packet 206" in text and "kind=HEARTBEAT, number=14, detail=15" in text
+    assert "the model allows sent(link=3, kind=DATA, number=14" in text
+
+
+def test_a_ping_outside_a_session_does_not_wake_the_agent() -> None:
+    assert (
+        run("conform", MODEL, capture("ping_without_session"), *settings("ping_without_session"), "--late", "5ms")[0]
+        == 0
+    )
+    sent = [e for e in read_capture(CAPTURES / "ping_without_session.pcap").events if e.cells.get("kind") == "PING"]
+    assert [(e.name, e.place) for e in sent] == [("sent", "packet 393"), ("arrived", "packet 394")]
