@@ -26,6 +26,8 @@ class Decoder {
       chances.weights.push_back(number());
     }
     hybrid_clocks(chances);
+    for (std::size_t left = below(program_.slots.size() + 1); left > 0; --left)
+      chances.starts.push_back(static_cast<std::int32_t>(below(program_.code.size())));
     while (position_ < image_.size()) chances.observed.push_back(number());
     return chances;
   }

@@ -36,6 +36,7 @@ struct Chances {
   std::vector<Number> weights;             // of each edge
   // Of each edge: edges with the same number are the branches of one way into a branchpoint.
   std::vector<std::uint32_t> choices;
+  std::vector<std::int32_t> starts;                            // code that draws initial values
   std::vector<Number> observed;                                // what is recorded
   std::vector<std::uint32_t> hybrid;                           // the first slot of each hybrid clock
   std::vector<std::vector<std::vector<FlowRate>>> flow_rates;  // of each location of each process

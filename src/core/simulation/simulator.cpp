@@ -38,6 +38,11 @@ bool Simulator::begin(Random random) {
   action_.clear();
   state_.slots.clear();
   for (const Slot& slot : program_.slots) state_.slots.push_back(slot.initial);
+  for (const std::int32_t code : chances_.starts) {
+    SlotSet drawn;
+    std::vector<ClockReset> none;
+    machine_.update(code, state_.slots.data(), drawn, none);
+  }
   state_.clocks.start();
   for (const ClockReset& start : program_.starts) state_.clocks.set(start.clock, Ticks{start.value} * unit(), 0);
   change_ = {};

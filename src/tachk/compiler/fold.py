@@ -94,9 +94,17 @@ def _shared(known: Known) -> Known:
 
 
 def network_expressions(network: Network) -> Iterator[Expression]:
-    """Every outermost expression of the processes, function bodies excluded."""
+    """Every outermost expression of the processes, function bodies excluded, and what draws initial values."""
     for process in network.processes:
         yield from process_expressions(process)
+    yield from drawn_values(network)
+
+
+def drawn_values(network: Network) -> Iterator[Expression]:
+    """The updates that draw initial values, in the order of the variables."""
+    for variable in network.all_variables():
+        if variable.drawn is not None:
+            yield Assign(Reference(variable), variable.drawn, variable.type, span=variable.drawn.span)
 
 
 def is_integer(type_: Type) -> bool:

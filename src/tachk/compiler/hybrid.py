@@ -142,16 +142,20 @@ def rate_of_computed_clock(span: Span) -> UnsupportedError:
 
 
 def refuse_hybrid(network: Network, what: str) -> None:
-    """Raises UnsupportedError if the network has hybrid clocks; ``what`` reads like "a unit of co-simulation"."""
+    """Raises UnsupportedError if the network has hybrid clocks or random initial values; ``what`` reads like "a unit of
+    co-simulation"."""
     for variable in network.all_variables():
+        if variable.drawn is not None:
+            raise UnsupportedError(_refused(variable.span, what, "random initial values", "write a number"))
         if variable.has_hybrid_clocks:
-            raise UnsupportedError(_refused(variable.span, what))
+            mend = "give the clock the rates 0 and 1 only, or leave it out"
+            raise UnsupportedError(_refused(variable.span, what, "hybrid clocks", mend))
 
 
-def _refused(span: Span, what: str) -> Diagnostic:
+def _refused(span: Span, what: str, unknown: str, mend: str) -> Diagnostic:
     return Diagnostic(
         "E0729",
-        f"{what} knows no hybrid clocks",
+        f"{what} knows no {unknown}",
         span,
-        "`tachk simulate` and `tachk estimate` do; give the clock the rates 0 and 1 only, or leave it out",
+        f"`tachk simulate` and `tachk estimate` do; {mend}",
     )

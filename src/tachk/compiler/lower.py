@@ -20,7 +20,7 @@ from tachk.compiler.codegen import CodeGenerator
 from tachk.compiler.condition_code import ConditionCompiler
 from tachk.compiler.conditions import Conjunction, split_conjunction
 from tachk.compiler.features import rate_of
-from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values
+from tachk.compiler.fold import Known, drawn_values, fold, fold_place, is_integer, known_values
 from tachk.compiler.goal import Observed, compile_goal
 from tachk.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
 from tachk.compiler.never_taken import never_taken
@@ -146,8 +146,9 @@ def lower_simulation(
     )
     goals = tuple(compile_goal(predicate, known, lowering.compiler)[0] for predicate in predicates)
     hybrid = hybrid_clocks(network, known, lowering.layout, lowering.computed)
+    starts = tuple(lowering.generator.update_code((drawn,)) for drawn in drawn_values(network))
     lowering.generator.finish()
-    return lowering.program([]), Chances(rates, choices, weights, values, goals, hybrid)
+    return lowering.program([]), Chances(rates, choices, weights, values, goals, hybrid, starts)
 
 
 @dataclass(frozen=True, slots=True)

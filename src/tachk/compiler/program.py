@@ -339,6 +339,7 @@ class Chances:
         weights: of each edge, among those of its choice.
         observed: what is recorded of each state.
         goals: what runs may be asked to reach.
+        starts: code of updates that draw initial values.
     """
 
     rates: tuple[tuple[Computed, ...], ...]
@@ -347,3 +348,4 @@ class Chances:
     observed: tuple[Computed, ...]
     goals: tuple[Goal, ...] = ()
     hybrid: HybridClocks = HybridClocks()
+    starts: tuple[int, ...] = ()

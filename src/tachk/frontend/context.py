@@ -173,6 +173,10 @@ class Context:
             if isinstance(node, LocationTest | Deadlock):
                 self.error("E0601", node.span, f"{what} must be a constant")
                 return None
+        if any(function.operation and function.operation.draws for function in called_functions([expression])):
+            help_ = "declare a variable: its initial value may be random in simulations"
+            self.error("E0601", expression.span, f"{what} must be a constant, but this is random", help_)
+            return None
         touched = self.effects_of([expression])
         if touched.writes:
             self.error("E0601", expression.span, f"{what} must be a constant, but this changes a variable")

@@ -41,7 +41,7 @@ def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
         for item in tree
         for node in nodes_of_kind(item, ast.BinaryExpression, ast.AssignmentExpression, ast.FunctionDeclaration)
     ]
-    found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating)}
+    found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating) or _draws(d.initialiser)}
     found |= {name for guard in urgent_guards(tree) for name in _names(guard, clocks)}
     for edge in (inner for item in tree for inner in nodes_of_kind(item, ast.EdgeDeclaration)):
         found.update(_names(edge.probability, clocks))
@@ -181,6 +181,11 @@ def _is_floating(node: ast.VariableDeclaration) -> bool:
 def _is_exact(node: ast.Node | None, floating: set[str]) -> bool:
     """Whether nothing in an expression is a floating point number."""
     return not any(nodes_of_kind(node, ast.FloatLiteral)) and not any(_names(node, floating))
+
+
+def _draws(node: ast.Node | None) -> bool:
+    """Whether a function of UPPAAL's that draws random numbers may be called."""
+    return any(call.function.span.text.startswith("random") for call in nodes_of_kind(node, ast.CallExpression))
 
 
 def _stops_or_runs(value: ast.Expression, truths: set[str]) -> bool:

@@ -41,6 +41,7 @@ class Variable:
         carries: the channel whose values pass through this hidden variable, cell by cell.
         is_hybrid: floating point numbers that change while time passes, with the rates of locations. Fields of records
             are so by their type, see `has_hybrid_clocks`.
+        drawn: its initial value where that is drawn anew for each run. Only simulations have such variables.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Variable:
     span: Span = NOWHERE
     carries: Variable | None = None
     is_hybrid: bool = False
+    drawn: Expression | None = None
 
     def hybrid_clocks(self) -> Iterator[int]:
         """Where its hybrid clocks begin, in cells."""

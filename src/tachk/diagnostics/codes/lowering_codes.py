@@ -133,8 +133,9 @@ LOWERING_CODES: dict[str, Explanation] = {
         "process Q() { init location C { exponential_rate 1 : 10; to D { sync go!; } } location D; }",
     ),
     "E0729": Explanation(
-        "hybrid clocks where they are not known",
-        "Hybrid clocks, with rates other than 0 and 1, are simulated (`tachk simulate`, `tachk estimate`). Units of "
+        "hybrid clocks or random initial values where they are not known",
+        "Hybrid clocks, with rates other than 0 and 1, and initial values that are drawn for each run are simulated "
+        "(`tachk simulate`, `tachk estimate`). Units of "
         "co-simulation, splitting, and whatever executes a run step by step do not have them.",
     ),
     "E0723": Explanation(

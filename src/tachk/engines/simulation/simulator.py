@@ -197,6 +197,7 @@ def chances_image(chances: Chances) -> Iterator[int]:
         yield choice
         yield from _number(weight)
     yield from _hybrid(chances.hybrid)
+    yield from (len(chances.starts), *chances.starts)
     yield from _numbers(chances.observed)
 
 

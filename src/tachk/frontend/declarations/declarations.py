@@ -26,7 +26,8 @@ from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, contains_double, number_of, variable_type
-from tachk.model.floating_calls import floating_constant
+from tachk.model.floating_calls import NAMED_OPERATIONS, RANDOM_TRI, floating_constant
+from tachk.model.traversal import called_functions
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -44,6 +45,7 @@ from tachk.model.types import (
 from tachk.operators import CONSTANT_HIGH
 from tachk.records import dataclass
 from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
 
 
 @dataclass(slots=True)
@@ -162,23 +164,24 @@ def _variable(
         return None
     if not context.allow_variable(type_, node.span):
         return None
-    cells = default_cells(type_)
+    initial = _Initial(default_cells(type_))
     if node.initialiser is not None:
         if _has_channel(type_):
             context.error("E0318", node.initialiser.span, "a channel has no value")
             return None
-        value = _initial_cells(node.initialiser, type_, f"the initial value of `{name}`", scope, context)
-        if value is None:
+        found = _initial(node.initialiser, type_, meta, f"the initial value of `{name}`", scope, context)
+        if found is None:
             return None
-        cells = value
+        initial = found
     variable = Variable(
         declared.full_name(name),
         type_,
         declared.kind,
-        cells,
+        initial.cells,
         declared_meta=meta,
         span=node.name.span,
         is_hybrid=hybrid,
+        drawn=initial.drawn,
     )
     declared.variables.append(variable)
     if isinstance(type_, ClockType):
@@ -192,13 +195,39 @@ def _has_channel(type_: Type) -> bool:
     return isinstance(element_type(type_), ChannelType)
 
 
-def _initial_cells(
-    node: ast.Expression, type_: Type, what: str, scope: Scope, context: Context
-) -> tuple[int, ...] | None:
+@dataclass(frozen=True, slots=True)
+class _Initial:
+    """An initial value: known, or drawn for each run."""
+
+    cells: tuple[int, ...]
+    drawn: Expression | None = None
+
+
+def _initial(
+    node: ast.Expression, type_: Type, meta: bool, what: str, scope: Scope, context: Context
+) -> _Initial | None:
+    if not context.keeps_doubles and _draws(node, scope):
+        help_ = "`tachk simulate` and `tachk estimate` draw them anew for each run"
+        context.error("E0750", node.span, "random initial values are for simulations only", help_)
+        return None
     value = initialiser(node, type_, scope, context)
     if value is None:
         return None
-    return checked_cells(value, type_, what, context)
+    if any(function.operation and function.operation.draws for function in called_functions([value])):
+        if meta:
+            context.error("E0750", node.span, f"{what} is random, which no meta variable can be")
+            return None
+        return _Initial(default_cells(type_), value)
+    cells = checked_cells(value, type_, what, context)
+    return None if cells is None else _Initial(cells)
+
+
+def _draws(node: ast.Expression, scope: Scope) -> bool:
+    """Whether an expression calls a function of UPPAAL's that draws random numbers."""
+    called = (call.function for call in nodes_of_kind(node, ast.CallExpression))
+    names = {function.name for function in called if isinstance(function, ast.NameExpression)}
+    drawing = {name for name, operation in NAMED_OPERATIONS.items() if operation.draws} | {RANDOM_TRI.name}
+    return any(scope.lookup(name) is None for name in names & drawing)
 
 
 def checked_cells(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
