@@ -65,6 +65,21 @@ def test_means(query: str, exact: float) -> None:
     assert low - 0.01 <= exact <= high + 0.01, "hybrid clocks are looked at every hundredth of a unit"
 
 
+def test_bounds_are_expressions_of_constants() -> None:
+    model = tachk.loads(f"const int N = 5, K = 2;{MODEL}")
+    pairs = [("Pr[<= N - K](<> A.u)", "Pr[<=3](<> A.u)"), ("Pr(<>[K-1, (N - K)] A.u)", "Pr(<>[1,3] A.u)")]
+    for written, number in pairs:
+        one, other = model.estimate(written, number, runs=200)
+        assert isinstance(one, Estimated)
+        assert isinstance(other, Estimated)
+        assert one.sample.hits == other.sample.hits
+    drawn = model.estimate("simulate [<=K-1; N-K] {n}")[0]
+    assert isinstance(drawn, Drawn)
+    assert [run.end for run in drawn.runs] == [1, 1, 1]
+    with pytest.raises(tachk.InputError, match="must not be negative"):
+        model.estimate("Pr[<=K-N](<> A.u)")
+
+
 def test_tests_of_intervals() -> None:
     found = tachk.loads(MODEL).estimate("Pr(<>[0,3] A.u) >= 0.5", "Pr([][1,3] A.s) >= Pr(<>[0,3] A.u)")
     assert [each.decision.value for each in found if isinstance(each, Decided)] == ["holds", "fails"]
