@@ -83,6 +83,7 @@ REASONS = {
     },
     "It is a truth value unless it has a clock in it.": {"compiler/goal._is_condition"},
     "What is looked for, findings or words, concerns these kinds only.": {
+        "frontend/expressions/changed_places.changed_first",
         "frontend/expressions/name_expressions.misuse_help",
         "monitoring/line_compiler._Checker.not_linear",
         "monitoring/line_compiler.line_findings",

@@ -55,7 +55,6 @@ from tachk.model.types import (
     RecordType,
     ScalarType,
     Type,
-    VoidType,
     bounds,
     cell_count,
     leaves,
@@ -198,9 +197,6 @@ def _count_step(span: Span, environment: Environment) -> None:
 
 
 def _cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
-    if isinstance(expression.type, VoidType):
-        assert isinstance(expression, Call)
-        return _call(expression, environment)
     if isinstance(expression.type, IntType | BoolType | ScalarType):
         return (_scalar(expression, environment),)
     match expression:

@@ -62,7 +62,6 @@ from tachk.model.types import (
     RecordType,
     ScalarType,
     Type,
-    VoidType,
     bounds,
     cell_count,
     leaves,
@@ -302,9 +301,6 @@ class Evaluator:
 
     def cells(self, expression: Expression) -> tuple[Number, ...]:
         """The cells of the value of an expression of any type."""
-        if isinstance(expression.type, VoidType):
-            assert isinstance(expression, Call)
-            return self.call(expression)
         match expression:
             case Assign():
                 return self._assign(expression)

@@ -13,9 +13,15 @@ from tachk.model.floating_calls import as_double
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type
 from tachk.syntax import ast
 
+_COMPARE = "write `==` to compare"
 
-def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
-    """Whether an expression is a place that may change; reports if it is not."""
+
+def assignable(node: ast.Expression, scope: Scope, context: Context, mend: str | None = _COMPARE) -> bool:
+    """Whether an expression is a place that may change; reports if it is not.
+
+    Args:
+        mend: what to do where it is no variable at all.
+    """
     match node:
         case ast.NameExpression(span, name):
             symbol = scope.lookup(name)
@@ -25,13 +31,17 @@ def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
                 return False
             return True
         case ast.IndexExpression(_, base):
-            return assignable(base, scope, context)
+            return assignable(base, scope, context, mend)
         case ast.MemberExpression(_, base):
-            return assignable(base, scope, context)
+            return assignable(base, scope, context, mend)
         case ast.ConditionalExpression(_, _, then, otherwise):
-            return assignable(then, scope, context) and assignable(otherwise, scope, context)
+            return all(assignable(side, scope, context, mend) for side in (then, otherwise))
+        case ast.IncrementExpression(operator=operator, prefix=False):
+            what = f"`{operator}` behind a variable gives its old value, which cannot be changed"
+            context.error("E0303", node.span, what, f"write `{operator}` in front of the variable")
+            return False
         case _:
-            context.error("E0303", node.span, "only a variable can be assigned to", "write `==` to compare")
+            context.error("E0303", node.span, "only a variable can be changed", mend)
             return False
 
 

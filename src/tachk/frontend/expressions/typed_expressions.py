@@ -20,6 +20,7 @@ from tachk.frontend.expressions.builtin_names import (
     DYNAMIC_HELP,
     FLOATING_FUNCTIONS,
 )
+from tachk.frontend.expressions.changed_places import changed_first, in_turn
 from tachk.frontend.expressions.chosen_processes import chosen_member, is_constant
 from tachk.frontend.expressions.name_expressions import misuse_help, named
 from tachk.frontend.expressions.operator_types import choose, combine
@@ -143,18 +144,8 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
             return _binary(node, scope, context)
         case ast.AssignmentExpression():
             return _assignment(node, scope, context)
-        case ast.IncrementExpression(span, operator, prefix, target):
-            place = _target(target, scope, context)
-            if place is None:
-                return None
-            if place.type == DOUBLE:
-                what = f"`{operator}` on floating point numbers is not supported"
-                context.error("E0750", span, what, f"write `{operator[0]}= 1`")
-                return None
-            if not isinstance(place.type, IntType | BoolType):
-                context.error("E0301", target.span, f"`{operator}` needs an integer, not {describe(place.type)}")
-                return None
-            return Increment(place, 1 if operator == "++" else -1, prefix, place.type, span)
+        case ast.IncrementExpression():
+            return _increment(node, scope, context)
         case ast.ConditionalExpression():
             return _conditional(node, scope, context)
         case ast.CallExpression():
@@ -332,17 +323,34 @@ def _constant_argument(node: ast.Expression, scope: Scope, context: Context) -> 
     return None if cells is None else cells[0]
 
 
-def _target(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
-    """A place that may be assigned to."""
-    return expression(node, scope, context) if assignable(node, scope, context) else None
+def _increment(node: ast.IncrementExpression, scope: Scope, context: Context) -> Expression | None:
+    first, target = changed_first(node.target)
+    done = None if first is None else expression(first, scope, context)
+    place = expression(target, scope, context) if assignable(target, scope, context, None) else None
+    if place is None or (first is not None and done is None):
+        return None
+    if place.type == DOUBLE:
+        what = f"`{node.operator}` on floating point numbers is not supported"
+        context.error("E0750", node.span, what, f"write `{node.operator[0]}= 1`")
+        return None
+    if not isinstance(place.type, IntType | BoolType):
+        context.error("E0301", target.span, f"`{node.operator}` needs an integer, not {describe(place.type)}")
+        return None
+    result = Increment(place, 1 if node.operator == "++" else -1, node.prefix, place.type, node.span)
+    return result if done is None else in_turn(done, place, result, (), node.span, context)
 
 
 def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) -> Expression | None:
-    target = _target(node.target, scope, context)
+    first, target = changed_first(node.target)
+    done = None if first is None else expression(first, scope, context)
+    place = expression(target, scope, context) if assignable(target, scope, context) else None
     value = expression(node.value, scope, context)
-    if target is None or value is None:
+    if place is None or value is None or (first is not None and done is None):
         return None
-    return assignment(target, value, node, context)
+    result = assignment(place, value, node, context)
+    if result is None or done is None:
+        return result
+    return in_turn(done, place, result, (), node.span, context)
 
 
 def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: Context) -> Expression | None:
@@ -405,13 +413,23 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
         )
         return None
     arguments: list[Expression] = []
-    for parameter, argument in zip(function.parameters, node.arguments, strict=True):
+    changed: list[tuple[Expression | None, int]] = []
+    for number, (parameter, given) in enumerate(zip(function.parameters, node.arguments, strict=True)):
+        first, argument = changed_first(given) if parameter.reference else (None, given)
+        if first is not None:
+            changed.append((expression(first, scope, context), number))
         value = _argument(function, parameter, argument, scope, context)
         if value is not None:
             arguments.append(value)
     if len(arguments) != len(node.arguments):
         return None
-    return Call(function, tuple(arguments), function.result, node.span)
+    result: Expression | None = Call(function, tuple(arguments), function.result, node.span)
+    for done, number in reversed(changed):
+        if done is None or result is None:
+            return None
+        others = [*arguments[:number], *arguments[number + 1 :]]
+        result = in_turn(done, arguments[number], result, others, node.span, context)
+    return result
 
 
 def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | None:
