@@ -471,21 +471,42 @@ def test_documentation_of_what_has_none_stays_a_comment() -> None:
     "text",
     [
         "int a = " + "(" * 3000 + "1" + ")" * 3000 + ";",
-        "int a = " + "!" * 3000 + "1;",
-        "int a = " + "1 - " * 3000 + "1;",
-        "int a = " + "a ? 1 : " * 3000 + "1;",
+        "int a = " + "!" * 9000 + "1;",
+        "int a = " + "1 - " * 9000 + "1;",
+        "int a = " + "a ? 1 : " * 9000 + "1;",
+        "int a = " + "a ? " * 300 + "1" + " : 1" * 300 + ";",
         "int a = " + "forall (i : int[0,1]) " * 3000 + "1;",
-        "int a = " + "f(1, 2) - " * 3000 + "1;",
+        "int a = " + "f(1, 2) - " * 9000 + "1;",
         "int a = f" + "(1)" * 3000 + ";",
         "void f() " + "{" * 3000 + "}" * 3000,
         "void f() { " + "if (a) " * 3000 + "; }",
-        "void f() { " + "if (a) ; else " * 3000 + "; }",
+        "void f() { " + "if (a) ; else " * 9000 + "; }",
         "typedef " + "struct { " * 3000,
     ],
 )
 def test_absurd_nesting_is_refused(text: str) -> None:
     _, diagnostics = parser.parse_document(Source("t.ta", text))
     assert "E0111" in {diagnostic.code for diagnostic in diagnostics}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "int a = " + "!" * 1000 + "1;",
+        "int a = " + "1 - " * 1000 + "1;",
+        "int a = " + "a ? 1 : " * 1000 + "1;",
+        "void f() { " + "if (a) ; else " * 1000 + "; }",
+        "void f() { " + "a = " * 1000 + "1; }",
+    ],
+)
+def test_chains_are_no_nesting(text: str) -> None:
+    assert document(text).items
+
+
+def test_a_small_stack_takes_shorter_chains(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tachk.syntax.parsing.depth._stack_size", lambda: 2**20)
+    _, diagnostics = parser.parse_document(Source("t.ta", "int a = " + "1 - " * 1000 + "1;"))
+    assert [(d.code, d.message) for d in diagnostics] == [("E0111", "this chain has more than 512 parts")]
 
 
 def test_long_flat_texts_are_fine() -> None:

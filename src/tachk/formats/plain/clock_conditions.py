@@ -49,7 +49,7 @@ def _template(template: ast.Template, names: TextTypes, steps: list[Step]) -> as
 
 def _changed(node: Any, field: str, former: _Former, steps: list[Step]) -> Any:
     old = getattr(node, field)
-    if old is None:
+    if old is None or not former.names.mentions_clock(old):
         return node
     new = former.formed(old, True)
     if new is old:
@@ -61,6 +61,8 @@ def _changed(node: Any, field: str, former: _Former, steps: list[Step]) -> Any:
 def _query(query: PlainQuery, names: TextTypes, steps: list[Step]) -> PlainQuery:
     formula = query.formula
     if not isinstance(formula, ast.QueryFormula):
+        return query
+    if not any(names.mentions_clock(part) for part in (formula.predicate, *formula.operands)):
         return query
     former = _Former(names, query=True)
     operands = tuple(former.formed(operand, True) for operand in formula.operands)

@@ -106,6 +106,11 @@ class TextTypes:
             case _:
                 return False
 
+    def mentions_clock(self, tree: object) -> bool:
+        """Whether some part of a tree is a clock."""
+        places = nodes_of_kind(tree, ast.NameExpression, ast.IndexExpression, ast.MemberExpression)
+        return any(self.base(place) == "clock" for place in places)
+
     def _whole(self, found: Declared | None) -> Declared | None:
         """With named types replaced by what they stand for."""
         while found is not None and isinstance(found.type.base, ast.NamedType):

@@ -1,7 +1,14 @@
-"""A limit on nesting, so that recursive passes over the tree need no stack of their own."""
+"""Limits on the depth of a tree, so that recursive passes over it need no stack of their own.
+
+What is nested has few levels. A chain such as ``a - b - c`` or ``else if`` is written flat and may have thousands of
+parts, although each is a level of the tree. For those the interpreter is told to recurse further: passes that are
+written in Python need memory for it only, and of the thread's stack what `STACK_OF_A_LEVEL` says.
+"""
 
 from __future__ import annotations
 
+import sys
+import threading
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic
@@ -10,24 +17,65 @@ from tachk.syntax import ast
 from tachk.syntax.parsing.tokens import Token
 
 DEEPEST = 250
-"""Levels of the syntax tree below a declaration, clause or property."""
+"""Levels of the syntax tree below a declaration, clause or property; links of chains aside."""
+LONGEST = 4000
+"""Levels in all."""
+STACK_OF_A_LEVEL = 2048
+"""Bytes of the stack of a thread, with much to spare: Python 3.11 got along with 700 in every command."""
+_FRAMES_OF_A_LEVEL = 20
+_SMALL_STACK = 2**19
 
 
 def nesting_errors(tokens: list[Token], value: Any) -> tuple[Diagnostic, ...]:
     """One diagnostic for the first part of a tree that is nested too deeply, if there is one."""
     if not _suspicious(tokens):
         return ()
-    pending = [(value, 0)]
+    most = max(min(LONGEST, _stack_size() // STACK_OF_A_LEVEL), DEEPEST)
+    deepest = 0
+    pending: list[tuple[Any, int, int, Any]] = [(value, 0, 0, None)]
     while pending:
-        node, level = pending.pop()
+        node, nested, level, whole = pending.pop()
         if isinstance(node, ast.Node):
             level += 1
-            if level > DEEPEST:
+            if type(node) is not type(whole) or not _continues(whole, node):
+                nested += 1
+            if nested > DEEPEST:
                 return (too_deep(node.span),)
-            pending += [(getattr(node, name), level) for name in node.__dataclass_fields__ if name != "span"]
+            if level > most:
+                return (_too_long(node.span, most),)
+            deepest = max(deepest, level)
+            names = (name for name in node.__dataclass_fields__ if name != "span")
+            pending += [(getattr(node, name), nested, level, node) for name in names]
         elif isinstance(node, tuple | list):
-            pending += [(item, level) for item in node]
+            pending += [(item, nested, level, None) for item in node]
+    if deepest > DEEPEST:
+        sys.setrecursionlimit(max(sys.getrecursionlimit(), _FRAMES_OF_A_LEVEL * deepest))
     return ()
+
+
+def _continues(node: ast.Node, part: ast.Node) -> bool:
+    """Whether a part of the same kind as its node is the next link of a chain, not a level of nesting."""
+    match node, part:
+        case ast.BinaryExpression(left=left, operator=operator), ast.BinaryExpression():
+            return part is left and part.operator.level == operator.level
+        case ast.ConditionalExpression(otherwise=otherwise) | ast.IfStatement(otherwise=otherwise), _:
+            return part is otherwise
+        case ast.UnaryExpression() | ast.AssignmentExpression(), _:
+            return True
+        case _:
+            return False
+
+
+def _stack_size() -> int:
+    """What the stack of this thread has at least, in bytes."""
+    if sys.platform == "win32":
+        return 2**20
+    if sys.platform == "darwin" and threading.current_thread() is not threading.main_thread():
+        return _SMALL_STACK
+    import resource
+
+    limit = resource.getrlimit(resource.RLIMIT_STACK)[0]
+    return 2**21 if limit == resource.RLIM_INFINITY else limit
 
 
 def bracket_errors(tokens: list[Token]) -> tuple[Diagnostic, ...]:
@@ -50,6 +98,15 @@ def too_deep(span: Span) -> Diagnostic:
         f"this is nested more than {DEEPEST} levels deep",
         Span(span.source, span.start, min(span.end, span.start + 40)),
         "name parts of it with functions or constants",
+    )
+
+
+def _too_long(span: Span, most: int) -> Diagnostic:
+    return Diagnostic(
+        "E0111",
+        f"this chain has more than {most} parts",
+        Span(span.source, span.start, min(span.end, span.start + 40)),
+        "name parts of it with functions or constants, or use an array",
     )
 
 

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
-from tachk.syntax.chains import operands_of
+from tachk.syntax.chains import LONGEST_FROM_LEFT, operands_of
 from tachk.syntax.edge_clauses import Clause, ClauseKind
 
 _QUANTIFIED, _ASSIGNED, _CONDITIONAL = 0, 1, 2
@@ -80,8 +80,9 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             return "deadlock"
         case ast.UnaryExpression(operator=operator, operand=operand):
             inner = _print(operand, _PREFIXED, open_right)
-            joins = inner.startswith(operator) and operator is not PrefixOperator.NOT
-            return f"{operator}({inner})" if joins else operator + inner
+            if not inner.startswith(operator) or operator is PrefixOperator.NOT:
+                return operator + inner
+            return f"{operator} {inner}" if _is_long(operand) else f"{operator}({inner})"
         case ast.BinaryExpression(operator=operator):
             level = operator.level
             head, *others, last = operands_of(expression)
@@ -118,6 +119,15 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             return "{ " + ", ".join(_initialiser(name, value) for name, value in items) + " }"
         case _:
             assert_never(expression)
+
+
+def _is_long(operand: ast.Expression) -> bool:
+    """Whether so many signs stand before an operand that parentheses would be nested too deeply."""
+    for _ in range(LONGEST_FROM_LEFT):
+        if not isinstance(operand, ast.UnaryExpression):
+            return False
+        operand = operand.operand
+    return True
 
 
 def needs_parentheses(first: ast.Expression, operator: BinaryOperator) -> bool:
