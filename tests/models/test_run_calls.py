@@ -240,3 +240,68 @@ def test_what_reaches_a_client_outside_its_run_function_waits_in_its_socket(tmp_
     found = {verdict.query.name: verdict.answer.value for verdict in report}
     fine = dict.fromkeys(("late", "waits", "arrives", "sixteen_bits"), "holds")
     assert found == fine | {"overdue": "fails", "beats_outside": "fails"}
+
+
+EARLY = """
+const int CLIENTS = 1;
+const int MESSAGES = 2;
+const int AGENT_WINDOW = 4;
+const int SUBSCRIPTION = 0;
+const int QUOTA = 2;
+const int KEEP = 2;
+const int PLACES = 1;
+const int LOSSES = 0;
+import "{models}/protocol.ta";
+import "{models}/../lib/messages.ta";
+import "{models}/proxy_subscriber.ta";
+
+int brought = 0;
+int sends = 0;           // messages sent, in their order
+int early = 0;           // the last HEARTBEAT announced so many that had not been sent
+bool in_order = true;
+
+process Topic() {{
+    clock gap;
+    init location Bringing {{
+        to Bringing {{
+            guard brought < MESSAGES && gap >= 1;
+            sync dds!;
+            assign sample = brought, brought = brought + 1, gap = 0;
+        }}
+    }}
+}}
+
+process Heartbeats() {{ init location Asking {{ to Asking {{ sync early_round[SUB]?; }} }} }}
+
+process Recorder() {{
+    init location Listening {{
+        to Listening {{
+            sync send[SUB_DOWN][DATA]?;
+            assign in_order = in_order && number == sends, sends = sends + 1, early = early > 0 ? early - 1 : 0;
+        }}
+        to Listening {{ sync send[SUB_DOWN][HEARTBEAT]?; assign early = detail - sends; }}
+    }}
+}}
+
+reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST);
+topic = Topic();
+heartbeats = Heartbeats();
+recorder = Recorder();
+system topic, heartbeats, reader, recorder;
+property all_pieces : E<> early == PIECES + 1;
+property middle : E<> sends == 1 && early == PIECES;
+property more : E<> early > PIECES + 1;
+property ordered : A[] in_order && early >= 0;
+property sent_before_rest : A[] reader.Idle imply early == 0;
+"""
+
+
+def test_a_heartbeat_may_announce_all_pieces_of_a_sample_before_they_are_sent() -> None:
+    """ReliableOutputStream::push_submessage stores them all before get_next_message takes the first."""
+    text = EARLY.format(models=MODELS.as_posix())
+    model = tachk.loads(text, PIECES=2, EARLY_ANNOUNCEMENT=True)
+    found = {verdict.query.name: verdict.answer.value for verdict in model.verify(trace=False)}
+    assert found.pop("more") == "fails"
+    assert set(found.values()) == {"holds"}, found
+    without = tachk.loads(text, PIECES=2).verify(property="all_pieces", trace=False)
+    assert without["all_pieces"].answer.value == "fails"
