@@ -52,12 +52,17 @@ class _Plain(RawIOBase):
 
     def __init__(self, name: str) -> None:
         self._stream = open_bytes(Path(name))
+        self._ended = False
 
     def readable(self) -> bool:
         return True
 
     def readinto(self, buffer: WriteableBuffer, /) -> int:
         count = self._stream.readinto(buffer)
+        if count == 0 and not self._ended:  # pyvcd would read the name for ever with which a file ends
+            self._ended = True
+            memoryview(buffer)[:1] = b"\n"
+            return 1
         seen = memoryview(buffer)[:count]
         seen[:] = bytes(seen).translate(_BEYOND_ASCII)
         return count

@@ -291,3 +291,20 @@ def test_protocol_buffers(tmp_path: Path) -> None:
 def test_whole_traces_with_decimals_of_any_format(tmp_path: Path) -> None:
     trace = with_decimals(open_trace({"time": [0.25, 1.26], "x": [1, 2]}), 1).read()
     assert [float(trace.clock(int(tick))) for tick in trace.times] == [0.3, 1.3]
+
+
+def test_a_dump_that_ends_in_a_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.vcd"
+    for text in ("$var wire 1 ! p", "$scope module a", "$timescale 1", "$var wire 1 !", "$comment a"):
+        path.write_text(text)
+        with pytest.raises(InputError):
+            open_vcd(path)
+
+
+def test_records_that_claim_to_be_long(tmp_path: Path) -> None:
+    content = bytearray(mcap_file(tmp_path / "a.mcap", [BEGIN, BEGIN + SECOND], chunked=False).read_bytes())
+    name = content.index(b"jsonschema") - 4
+    content[name : name + 4] = b"\xff\xff\xff\xff"
+    (tmp_path / "b.mcap").write_bytes(content)
+    with pytest.raises(UsageError):
+        open_trace(tmp_path / "b.mcap").read(["a.y"])

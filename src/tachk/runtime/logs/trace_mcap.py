@@ -7,8 +7,9 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from io import BytesIO
+from io import BufferedReader, BytesIO, FileIO
 from itertools import islice
+from os import fstat
 from pathlib import Path
 from typing import IO, Any
 
@@ -26,6 +27,19 @@ PUBLISH_TIME = "publish_time"
 
 Message = tuple[Any, Any, Any]
 """Schema, channel and message, as mcap has them."""
+
+
+_LARGE = 1 << 20
+
+
+class _Careful(BufferedReader):
+    """A file of which nobody can ask for more than is there: a damaged one claims to have records of any length, for
+    which memory would be taken."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        if size is not None and size > _LARGE:
+            size = min(size, max(0, fstat(self.fileno()).st_size - self.tell()))
+        return super().read(size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +135,12 @@ class McapMessages(WithSummary[dict[str, bool]]):
     def _opened(self) -> Iterator[IO[bytes]]:
         with (
             reading(self.path, "MCAP file"),
-            BytesIO(self._content) if is_compressed(self.path) else self.path.open("rb") as stream,
+            BytesIO(self._content) if is_compressed(self.path) else _Careful(FileIO(self.path)) as stream,
         ):
-            yield stream
+            try:
+                yield stream
+            except MemoryError:
+                raise UsageError(f"{self.path} has a chunk that claims to be larger than the memory") from None
 
     def _decoder(self, channel: Any, schema: Any) -> Callable[[bytes], Any]:
         if channel.id not in self._decoders:
