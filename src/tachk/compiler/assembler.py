@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import field
 
 from tachk.compiler.bytecode import Opcode
@@ -19,9 +19,15 @@ class Label:
 
 
 class Assembler:
+    """Attributes:
+    sites: pairs (position, place in the text), from that position on.
+    jumps: where the positions of labels stand.
+    """
+
     def __init__(self) -> None:
         self.code: list[int] = []
         self.sites: list[tuple[int, Span]] = []
+        self.jumps: list[int] = []
 
     def emit(self, opcode: Opcode, *operands: int, span: Span | None = None) -> None:
         """Appends an instruction; one that can fail says where it comes from."""
@@ -36,10 +42,24 @@ class Assembler:
         self.code.extend(words)
         return start
 
+    def append(self, piece: Assembler, changed: Mapping[int, int]) -> None:
+        """Appends code whose labels are all inside it, with other words at some of its positions."""
+        start = len(self.code)
+        for position, span in piece.sites:
+            if not self.sites or self.sites[-1][1] is not span:
+                self.sites.append((start + position, span))
+        self.code.extend(piece.code)
+        for position in piece.jumps:
+            self.code[start + position] += start
+            self.jumps.append(start + position)
+        for position, word in changed.items():
+            self.code[start + position] = word
+
     def emit_to(self, opcode: Opcode, label: Label) -> None:
         """Appends an instruction whose operand is the position of a label."""
         self.code.append(int(opcode))
         label.uses.append(len(self.code))
+        self.jumps.append(len(self.code))
         self.code.append(label.position)
 
     def place(self, label: Label) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from math import gcd
 
+from tachk.compiler.assembler import Assembler
 from tachk.compiler.bounds import (
     BoundEdge,
     ConstraintRange,
@@ -19,6 +20,7 @@ from tachk.compiler.clock_updates import ClockUpdates
 from tachk.compiler.codegen import CodeGenerator
 from tachk.compiler.condition_code import ConditionCompiler
 from tachk.compiler.conditions import Conjunction, split_conjunction
+from tachk.compiler.edge_pattern import CompiledEdge, EdgePattern, pattern_of, uniform_values
 from tachk.compiler.features import rate_of
 from tachk.compiler.fold import Known, drawn_values, fold, fold_place, is_integer, known_values
 from tachk.compiler.goal import Observed, compile_goal
@@ -51,6 +53,8 @@ from tachk.words import Direction
 
 MAXIMAL_EDGES = 1_000_000
 MAXIMAL_DIAGONALS = 1024
+WIDE_SELECT = 32
+"""A select variable with more values is looked at for a pattern of its edges."""
 
 
 def lower(
@@ -219,8 +223,12 @@ class _Lowering:
         for edge_number, edge in enumerate(process.edges):
             if (number, edge_number) in never:
                 continue
-            for selects, bound in self._instances(edge, known):
-                self._edge(number, edge_number, edge, selects, bound)
+            for selects, bound, pattern in self._instances(number, edge_number, edge, known):
+                if pattern is not None:
+                    self.edges.append(pattern.copy(selects, self.generator.assembler))
+                elif (compiled_edge := self._edge(number, edge_number, edge, selects, bound)) is not None:
+                    self.edges.append(compiled_edge[0])
+                    self.bound_edges[number].append(compiled_edge[1])
                 if len(self.edges) > MAXIMAL_EDGES:
                     raise _too_many_edges(edge.spans[0])
 
@@ -249,33 +257,72 @@ class _Lowering:
 
     # ---- edges ------------------------------------------------------------------------------------------------------
 
-    def _instances(self, edge: Edge, known: Known) -> Iterator[tuple[tuple[int, ...], Known]]:
-        """The values of the select variables for which the guard is not false at once."""
+    def _instances(
+        self, process: int, number: int, edge: Edge, known: Known
+    ) -> Iterator[tuple[tuple[int, ...], Known, EdgePattern | None]]:
+        """The values of the select variables for which the guard is not false at once, with what is known then, or with
+        the pattern of the edge, whose clock bounds are noted already."""
         guard = None if edge.guard is None else fold(edge.guard, known)
 
         def expand(
             chosen: tuple[int, ...], guard: Expression | None, bound: Known
-        ) -> Iterator[tuple[tuple[int, ...], Known]]:
+        ) -> Iterator[tuple[tuple[int, ...], Known, EdgePattern | None]]:
             if isinstance(guard, Constant) and guard.value == 0:
                 return
             if len(chosen) == len(edge.selects):
-                yield chosen, bound
+                yield chosen, bound, None
                 return
             variable = edge.selects[len(chosen)]
             low, high = cell_range(variable.type)
             if high - low >= MAXIMAL_EDGES:
                 raise _too_many_edges(edge.spans[0])
+            uniform, pattern = range(0), None
+            if len(chosen) + 1 == len(edge.selects) and high - low >= WIDE_SELECT:
+                uniform = uniform_values(edge, variable, bound, self.layout)
+                pattern = self._pattern(process, number, edge, chosen, bound, uniform)
             for value in range(low, high + 1):
+                if pattern is not None and value in uniform:
+                    yield (*chosen, value), bound, pattern
+                    continue
                 inner = bound.with_bound(variable, value)
                 yield from expand((*chosen, value), None if guard is None else fold(guard, inner), inner)
 
         yield from expand((), guard, known)
 
-    def _edge(self, process: int, number: int, edge: Edge, selects: tuple[int, ...], known: Known) -> None:
+    def _pattern(
+        self, process: int, number: int, edge: Edge, chosen: tuple[int, ...], known: Known, uniform: range
+    ) -> EdgePattern | None:
+        """The pattern of the edges for these values of the last select variable, if they have one; notes the clock
+        bounds of them all."""
+        samples = []
+        bounds = []
+        for value in uniform[len(uniform) // 2 :][:2]:
+            assembler, self.generator.assembler = self.generator.assembler, Assembler()
+            try:
+                inner = known.with_bound(edge.selects[-1], value)
+                found = self._edge(process, number, edge, (*chosen, value), inner)
+                piece = self.generator.assembler
+            finally:
+                self.generator.assembler = assembler
+            if found is None:
+                return None
+            samples.append(CompiledEdge(found[0], piece))
+            bounds.append(found[1])
+        if len(samples) < 2 or bounds[0] != bounds[1]:
+            return None
+        pattern = pattern_of(*samples)
+        if pattern is not None:
+            self.bound_edges[process].append(bounds[0])
+        return pattern
+
+    def _edge(
+        self, process: int, number: int, edge: Edge, selects: tuple[int, ...], known: Known
+    ) -> tuple[ProgramEdge, BoundEdge] | None:
+        """The edge for these values, and what clock bounds need of it; None if its guard is false in every state."""
         conjunction = Conjunction() if edge.guard is None else split_conjunction(edge.guard, known)
         compiled = self.compiler.compile(conjunction, known)
         if compiled is None:
-            return
+            return None
         guard, ranges = compiled
         channel, channels, channel_code, sends, broadcast = -1, 0, NO_CODE, False, False
         if edge.synchronisation is not None:
@@ -289,7 +336,7 @@ class _Lowering:
                 channel, channels = self._possible_channels(place)
                 channel_code = self.generator.number_code(place, known)
         updates = tuple(fold(update, known) for update in edge.updates)
-        self.edges.append(
+        return (
             ProgramEdge(
                 process,
                 number,
@@ -302,9 +349,7 @@ class _Lowering:
                 channel_code,
                 sends,
                 self._update(updates),
-            )
-        )
-        self.bound_edges[process].append(
+            ),
             BoundEdge(
                 edge.source,
                 edge.target,
@@ -312,7 +357,7 @@ class _Lowering:
                 ranges,
                 joined_copies(self.clocks.copies_of(updates, known)),
                 both_directions=broadcast and not sends,
-            )
+            ),
         )
 
     def _possible_channels(self, place: Expression) -> tuple[int, int]:
