@@ -117,12 +117,23 @@ def test_a_file_is_read_to_its_end_for_the_bounds(tmp_path: Path, capsys: pytest
     assert "robustness -5\n" in out
 
 
-@pytest.mark.parametrize(("online", "help_"), [(False, "at most 18 digits"), (True, "here --decimals 9")])
-def test_times_that_are_too_fine_say_why(tmp_path: Path, online: bool, help_: str) -> None:
+@pytest.mark.parametrize("online", [False, True])
+def test_times_with_many_digits_are_rounded_and_the_report_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], online: bool
+) -> None:
     (tmp_path / "x.csv").write_text("time,x\n0,1\n0.12345678901234567890123,6\n")
+    status = run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
+    assert status is ExitStatus.NOT_AS_EXPECTED
+    out = capsys.readouterr().out
+    assert "from 0 to 0.123456789\ntimes are rounded to 9 decimals\n" in out
+
+
+@pytest.mark.parametrize("online", [False, True])
+def test_times_that_are_too_fine_say_why(tmp_path: Path, online: bool) -> None:
+    (tmp_path / "x.csv").write_text("time,x\n0,1\n1234567890123.12345678901234567890123,6\n")
     with pytest.raises(InputError) as refusal:
         run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
-    assert help_ in str(refusal.value.diagnostics[0].help)
+    assert "--decimals 9" in str(refusal.value.diagnostics[0].help)
 
 
 def test_a_clock_that_shows_the_time_since_1970_in_nanoseconds(
