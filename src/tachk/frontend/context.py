@@ -71,6 +71,7 @@ class Context:
     time_unit: as `Network.time_unit`.
     open_constants: scalar constants that are not `Constant` expressions but keep their names; usually none.
     keeps_doubles: floating point variables are part of the state, as simulations want it; else they are left out.
+    lasting_structs: the struct types, by the identity of their nodes, whose floating point fields are left out.
     hybrid_clocks: the names of plain clocks that are taken for hybrid ones, where `keeps_doubles`.
     """
 
@@ -85,6 +86,7 @@ class Context:
     open_constants: OpenConstants = field(default_factory=OpenConstants)
     keeps_doubles: bool = False
     hybrid_clocks: frozenset[str] = frozenset()
+    lasting_structs: frozenset[int] = frozenset()
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
+from tachk.frontend.dropped_fields import names_left_out_field, type_of_place
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.expressions.text_constants import text_value
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
@@ -122,7 +123,8 @@ def without_effect(update: ast.Expression, scope: Scope) -> bool:
 
 
 def is_dropped(node: ast.Expression, scope: Scope) -> bool:
-    return isinstance(node, ast.NameExpression) and isinstance(scope.lookup(node.name), DroppedSymbol)
+    named = isinstance(node, ast.NameExpression) and isinstance(scope.lookup(node.name), DroppedSymbol)
+    return named or names_left_out_field(node, scope)
 
 
 def drop_rate(clock: ast.Expression, value: ast.Expression, scope: Scope, context: Context) -> bool:
@@ -132,12 +134,17 @@ def drop_rate(clock: ast.Expression, value: ast.Expression, scope: Scope, contex
         clock = clock.base
     if not is_dropped(clock, scope):
         return False
+    report_unknown_names(value, scope, context)
+    return True
+
+
+def report_unknown_names(value: ast.Expression, scope: Scope, context: Context) -> None:
+    """Reports the names in something that is left out which nothing declares."""
     bound = {quantifier.variable.name for quantifier in nodes_of_kind(value, ast.QuantifierExpression)}
     for node in nodes_of_kind(value, ast.NameExpression):
         builtin = node.name in FLOATING_FUNCTIONS or node.name in BUILTIN_FUNCTIONS or node.name in BUILTIN_CONSTANTS
         if scope.lookup(node.name) is None and not builtin and node.name not in bound:
             context.error("E0201", node.span, f"unknown name `{node.name}`", scope.suggestion(node.name))
-    return True
 
 
 def is_harmless(node: ast.Expression, scope: Scope) -> bool:
@@ -148,6 +155,8 @@ def is_harmless(node: ast.Expression, scope: Scope) -> bool:
             return True
         case ast.NameExpression(name=name):
             return isinstance(scope.lookup(name), ValueSymbol | DroppedSymbol)
+        case ast.MemberExpression() | ast.IndexExpression():
+            return names_left_out_field(node, scope) or type_of_place(node, scope) is not None
         case ast.UnaryExpression(operand=operand):
             return is_harmless(operand, scope)
         case ast.BinaryExpression(

@@ -11,6 +11,7 @@ from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
+from tachk.frontend.dropped_fields import lasting_structs
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_properties, elaborate_signals
 from tachk.frontend.recordings import channels_of, elaborate_recording
 from tachk.frontend.scope import Scope, TemplateSymbol
@@ -62,6 +63,8 @@ def elaborate(
         whole: the place of the document, for what is missing.
         overrides: values for global constants.
     """
+    if not context.keeps_doubles:
+        context.lasting_structs = lasting_structs(items)
     globals_ = Scope(None, "the globals")
     declared = Declared(overrides=overrides)
     declarations = [item for item in items if isinstance(item, _Declaration)]

@@ -8,6 +8,7 @@ number of that clock or channel, which makes indexing, passing by reference and 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import field
 from typing import TypeGuard
 
 from tachk.records import dataclass
@@ -70,10 +71,18 @@ class ArrayType:
 
 @dataclass(frozen=True, slots=True)
 class RecordType:
-    """A struct; ``name`` is for messages only, equality of fields decides assignability."""
+    """A struct; ``name`` is for messages only, equality of fields decides assignability.
+
+    Attributes:
+        left_out: fields of the text that the model is without, each with its place among all fields.
+    """
 
     name: str
     fields: tuple[tuple[str, Type], ...]
+    left_out: tuple[tuple[int, str], ...] = field(default=(), compare=False)
+
+    def leaves_out(self, name: str) -> bool:
+        return any(left_out == name for _, left_out in self.left_out)
 
     def offset(self, field: str) -> int:
         """The number of cells in front of a field. Raises KeyError for an unknown field."""
@@ -91,6 +100,17 @@ Type = IntType | BoolType | ScalarType | ClockType | ChannelType | VoidType | Ar
 
 def is_aggregate(type_: Type) -> TypeGuard[ArrayType | RecordType]:
     return isinstance(type_, ArrayType | RecordType)
+
+
+def contains_left_out(type_: Type) -> bool:
+    """Whether the model is without some field of a value of the type."""
+    match type_:
+        case ArrayType(element):
+            return contains_left_out(element)
+        case RecordType(_, fields, left_out):
+            return bool(left_out) or any(contains_left_out(inner) for _, inner in fields)
+        case BoolType() | IntType() | ScalarType() | ClockType() | ChannelType() | VoidType():
+            return False
 
 
 def element_type(type_: Type) -> Type:

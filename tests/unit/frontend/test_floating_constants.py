@@ -166,8 +166,8 @@ def test_a_function_that_reads_a_variable_that_changes_is_refused_with_its_calle
     assert refusal.labels[0].span.text == "cost"
 
 
-def test_a_struct_that_lasts_holds_no_double() -> None:
-    text = "struct { double d; int n; } pair;\nprocess P() { init location a; } system P; property p : A[] P.a;"
+def test_a_struct_that_lasts_holds_more_than_doubles() -> None:
+    text = "struct { double d; double n; } pair;\nprocess P() { init location a; } system P; property p : A[] P.a;"
     assert found_in(text) == ["E0750"]
 
 

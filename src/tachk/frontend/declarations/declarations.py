@@ -256,8 +256,8 @@ def widened(type_: Type) -> Type:
             return WIDE if type_ == IntType() else type_
         case ArrayType(element, index):
             return ArrayType(widened(element), index)
-        case RecordType(name, fields):
-            return RecordType(name, tuple((f, widened(t)) for f, t in fields))
+        case RecordType(_, fields):
+            return replace(type_, fields=tuple((f, widened(t)) for f, t in fields))
         case BoolType() | ScalarType() | ClockType() | ChannelType() | VoidType():
             return type_
 

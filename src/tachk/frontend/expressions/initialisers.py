@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
+from tachk.frontend.dropped import report_unknown_names
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import can_assign, describe
@@ -41,7 +42,7 @@ def _clock_value(value: Expression, node: ast.Expression, context: Context) -> E
 
 
 def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context) -> Expression | None:
-    wanted: list[Type]
+    wanted: list[Type | None]
     ordered: list[ast.Expression | None]
     match type_:
         case ArrayType():
@@ -52,9 +53,12 @@ def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context
                     return None
             ordered = [item for _, item in node.items]
         case RecordType(_, fields) if not is_double(type_):
-            wanted = [t for _, t in fields]
+            types = dict(fields)
             names = [name for name, _ in fields]
-            ordered = [None] * len(fields)
+            for place, name in type_.left_out:
+                names.insert(place, name)
+            wanted = [types.get(name) for name in names]
+            ordered = [None] * len(names)
             for position, (designator, item) in enumerate(node.items):
                 if designator is not None and designator.name not in names:
                     context.error(
@@ -65,7 +69,7 @@ def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context
                     )
                     return None
                 place = position if designator is None else names.index(designator.name)
-                if place >= len(fields):
+                if place >= len(names):
                     ordered.append(item)
                 elif ordered[place] is not None:
                     context.error("E0318", item.span, f"field `{names[place]}` is initialised twice")
@@ -79,7 +83,12 @@ def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context
     if len(given) != len(wanted):
         context.error("E0318", node.span, f"{describe(type_)} needs {len(wanted)} initial values, not {len(given)}")
         return None
-    items = [initialiser(item, t, scope, context) for item, t in zip(given, wanted, strict=True)]
+    items = []
+    for item, wanted_type in zip(given, wanted, strict=True):
+        if wanted_type is None:
+            report_unknown_names(item, scope, context)
+        else:
+            items.append(initialiser(item, wanted_type, scope, context))
     if None in items:
         return None
     return Aggregate(tuple(item for item in items if item is not None), type_, node.span)

@@ -18,7 +18,7 @@ from tachk.frontend.expressions.typing import (
 from tachk.model.expressions import BOOL, INT, Binary, Expression
 from tachk.model.floating import DOUBLE, FloatingOperation, contains_double
 from tachk.model.floating_calls import as_double, operated
-from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type, is_aggregate
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type, contains_left_out, element_type, is_aggregate
 from tachk.operators import COMPARISONS, BinaryOperator
 
 
@@ -88,7 +88,7 @@ def _comparison(
             _cannot_compare_help(left.type, right.type),
         )
         return None
-    if contains_double(left.type):
+    if contains_double(left.type) or contains_left_out(left.type):
         what = f"comparing values of type {describe(left.type)}, which contain floating point numbers,"
         context.error("E0750", span, f"{what} is not supported", "compare the numbers one by one")
         return None

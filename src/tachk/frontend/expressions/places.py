@@ -86,6 +86,10 @@ def field(base: Expression, node: ast.MemberExpression, context: Context) -> Exp
     if not isinstance(base.type, RecordType) or base.type == DOUBLE:
         context.error("E0307", node.span, f"{describe(base.type)} has no fields, only structs do")
         return None
+    if base.type.leaves_out(node.name.name):
+        what = f"the floating point field `{node.name.name}` is not supported here"
+        context.error("E0750", node.span, what, "use integers, scaled if need be")
+        return None
     for name, type_ in base.type.fields:
         if name == node.name.name:
             return fold.field(base, name, value_type(type_), node.span, context.constants)

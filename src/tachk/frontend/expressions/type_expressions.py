@@ -10,7 +10,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES, FOREIGN_TYPES
 from tachk.frontend.expressions.typing import describe, is_bounded
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
-from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, variable_type
+from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, is_double, variable_type
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -22,6 +22,7 @@ from tachk.model.types import (
     Type,
     VoidType,
     cell_count,
+    element_type,
     nesting,
 )
 from tachk.records import dataclass
@@ -150,6 +151,7 @@ class TypeReader:
 
     def _record(self, node: ast.StructType, name: str) -> Type | None:
         fields: list[tuple[str, Type]] = []
+        left_out: list[tuple[int, str]] = []
         seen: set[str] = set()
         broken = False
         for declaration in node.fields:
@@ -174,9 +176,21 @@ class TypeReader:
                     type_ = None
                 if type_ is None:
                     broken = True
+                elif is_double(element_type(type_)) and id(node) in self.context.lasting_structs:
+                    left_out.append((len(fields) + len(left_out), declarator.name.name))
+                    self._leave_out(declarator.name)
                 else:
                     fields.append((declarator.name.name, type_))
-        return None if broken else self._small(RecordType(name, tuple(fields)), node.span, "a struct")
+        whole = RecordType(name, tuple(fields), tuple(left_out))
+        return None if broken else self._small(whole, node.span, "a struct")
+
+    def _leave_out(self, field: ast.Identifier) -> None:
+        self.context.error(
+            "W0406",
+            field.span,
+            f"tachk does not check the floating point field `{field.name}`",
+            "assignments to it are left out; anything that reads it is refused",
+        )
 
     def _is_used_as_hybrid(self, base: Type | None, declarator: ast.Declarator) -> bool:
         context = self.context
