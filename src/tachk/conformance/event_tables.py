@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 
 from tachk.conformance.events import Cell, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import exact_number
 from tachk.time_units import NANOSECONDS, SPELLINGS
 
 TIME, NAME, ID, AFTER = "time", "event", "id", "after"
 """The columns with a meaning of their own. All others are what events say."""
 _LONGEST = 100
 """So many characters a time has at most."""
-_HUGE_EXPONENT = re.compile(r"e[+-]?\d{4}", re.IGNORECASE)
 """Nothing that is measured has such a one, and numbers with it fill the memory."""
 
 
@@ -77,11 +76,11 @@ def _length(unit: str | None, path: Path) -> Fraction | None:
 def _number(cell: Cell, path: Path, place: str) -> Fraction:
     text = str(cell).strip()
     try:
-        if len(text) <= _LONGEST and not _HUGE_EXPONENT.search(text):
-            return Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        pass
-    raise UsageError(f"{path}, {place}: `{text[:_LONGEST]}` is no time", f"the column `{TIME}` has a number")
+        return exact_number(text)
+    except ValueError:
+        raise UsageError(
+            f"{path}, {place}: `{text[:_LONGEST]}` is no time", f"the column `{TIME}` has a number"
+        ) from None
 
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:

@@ -10,6 +10,7 @@ from fractions import Fraction
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
+from tachk.exact_numbers import exact_number
 from tachk.logic.constant_values import value_of
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -111,8 +112,8 @@ class ConstantReader:
         if (text := self.definitions.get(name)) is None:
             return None
         try:
-            return Fraction(text)
-        except (ValueError, ZeroDivisionError):
+            return exact_number(text)
+        except ValueError:
             raise UsageError(f"-D {name}={text}: expected a number", "such as -D T=2.5") from None
 
     def _is_time(self, name: str, place: Span, above: tuple[str, ...]) -> bool:

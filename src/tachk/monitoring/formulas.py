@@ -14,6 +14,7 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.diagnostics.suggestion import did_you_mean
+from tachk.exact_numbers import exact_number
 from tachk.frontend.findings import Findings
 from tachk.logic.constant_values import value_of, whole_quotient
 from tachk.logic.durations import resolve, scaled
@@ -164,8 +165,8 @@ def defined(formulas: tuple[NamedFormula, ...], definitions: Mapping[str, str | 
         if name not in names:
             raise UsageError(f"-D {name}: no formula has this name", did_you_mean(name, names))
         try:
-            values[name] = Fraction(text)
-        except (ValueError, ZeroDivisionError):
+            values[name] = exact_number(str(text))
+        except ValueError:
             raise UsageError(f"-D {name}={text}: expected a number", "such as -D T=2.5") from None
     return tuple(replace(named, given={**(named.given or {}), **values}) for named in formulas)
 

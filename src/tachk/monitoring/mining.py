@@ -15,6 +15,7 @@ from math import lcm
 from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import exact_number
 from tachk.logic.constant_values import value_of
 from tachk.monitoring.candidates import (
     MOST_OCCURRENCES,
@@ -90,7 +91,7 @@ def mine(
             "give the others values with -D, as in -D C=5, and mine again for each of them",
         )
     ((name, (least, greatest)),) = over.items()
-    low, high = Fraction(str(least)), Fraction(str(greatest))
+    low, high = _number(name, least), _number(name, greatest)
     if not low < high:
         raise UsageError(f"{name} has nothing between {low} and {high}", "the least value comes first")
     if not traces:
@@ -103,7 +104,14 @@ def mine(
     named = located(formulas[0].within(columns), columns)
     loaded = [_loaded(recording, named, name) for recording in recordings]
     search = _Search(named, name, low, high, tuple(loaded), ending_of(end))
-    return search.run(None if step is None else Fraction(str(step)))
+    return search.run(None if step is None else _number("the step", step))
+
+
+def _number(name: str, given: float | str | Fraction) -> Fraction:
+    try:
+        return exact_number(str(given))
+    except ValueError:
+        raise UsageError(f"{name} = {str(given)[:40]}: expected a number", "such as 2.5") from None
 
 
 def _loaded(recording: Recording, named: NamedFormula, name: str) -> Trace:

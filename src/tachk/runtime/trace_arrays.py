@@ -199,6 +199,8 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
         if times.dtype.kind == "f" and times.dtype.itemsize < np.dtype(np.float64).itemsize:
             times = times.astype(np.str_)  # it prints as fewer digits than the same number with 64 bits
         numbers = np.ascontiguousarray(times, dtype=np.float64)
+    except OverflowError:
+        raise UsageError(f"{name}: the times are too large") from None
     except (TypeError, ValueError):
         raise UsageError(f"{name}: the times are not numbers") from None
     ticks = np.empty(len(numbers), dtype=np.int64)  # NumPy takes pages for large arrays that are large too
@@ -281,6 +283,10 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
         raise _no_numbers(column, name)
     try:
         numbers = np.ascontiguousarray(array, dtype=np.float64)
+    except OverflowError:
+        raise UsageError(
+            f"{name}: column {column!r} has an integer that is larger than any number of 64 bits"
+        ) from None
     except (TypeError, ValueError):
         raise _no_numbers(column, name) from None
     if known is not None or not _core.all_finite(numbers):

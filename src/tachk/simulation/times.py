@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.simulator import LATEST_END, Horizon, horizon
+from tachk.exact_numbers import exact_number
 from tachk.time_units import NANOSECONDS, length_of
 
 
@@ -21,9 +20,9 @@ def horizon_of(written: str, time_unit: str, name: str = "--until") -> Horizon:
     number = written.strip().rstrip("abcdefghijklmnopqrstuvwxyz").strip()
     unit = written.strip()[len(number) :].strip()
     try:
-        time = Fraction(number)
-    except (ValueError, ZeroDivisionError):
-        raise UsageError(f"{name} {written}: expected a time", "for example 100, or 3 min") from None
+        time = exact_number(number)
+    except ValueError:
+        raise UsageError(f"{name} {written[:40]}: expected a time", "for example 100, or 3 min") from None
     if unit:
         length = length_of(time_unit)
         if unit not in NANOSECONDS or length is None:

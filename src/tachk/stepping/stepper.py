@@ -9,6 +9,7 @@ from pathlib import Path
 from random import Random
 
 from tachk.diagnostics.diagnostic import TachkError
+from tachk.exact_numbers import exact_number
 from tachk.model.fault import EvaluationFault
 from tachk.report.quantity import decimal, duration
 from tachk.report.run.trace_text import change_lines, event_lines
@@ -301,9 +302,9 @@ def _wrapped(parts: list[str], width: int = 100) -> Iterator[str]:
 
 def _time(text: str) -> Fraction:
     try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise NotUnderstoodError(f"{text or 'nothing'} is no time; a number such as 2.5 or 7/3 is") from None
+        return exact_number(text)
+    except ValueError:
+        raise NotUnderstoodError(f"{text[:40] or 'nothing'} is no time; a number such as 2.5 or 7/3 is") from None
 
 
 def _count(text: str, default: int | None = 1) -> int:

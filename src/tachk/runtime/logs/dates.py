@@ -6,11 +6,9 @@ import re
 from datetime import UTC, datetime, timedelta
 from fractions import Fraction
 
-_DATE = re.compile(r"\d{4}-\d\d-\d\d(\D.*)?")
-_HUGE = re.compile(r"[eE][-+]?0*\d{4}")
-"""An exponent that no time has, and whose power of ten would be a number of many digits."""
+from tachk.exact_numbers import exact_number
 
-_MOST_CHARACTERS = 400
+_DATE = re.compile(r"\d{4}-\d\d-\d\d(\D.*)?")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -34,12 +32,7 @@ def seconds_of(text: str) -> Fraction:
     """A number as it is; a date and time in seconds since 1970, without a zone as universal time. Raises ValueError."""
     text = text.strip()
     if not is_date(text):
-        if len(text) > _MOST_CHARACTERS or _HUGE.search(text):
-            raise ValueError(text)
-        try:
-            return Fraction(text)
-        except ZeroDivisionError:
-            raise ValueError(text) from None
+        return exact_number(text)
     main, point, rest = text.partition(".")
     digits = re.match(r"\d*", rest)
     fraction = digits.group() if digits else ""

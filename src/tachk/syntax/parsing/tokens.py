@@ -11,6 +11,7 @@ from dataclasses import field
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
+from tachk.exact_numbers import is_huge
 from tachk.records import dataclass
 from tachk.syntax.ast import Comment
 from tachk.syntax.parsing.grammar import Terminal
@@ -155,8 +156,8 @@ class Lexer:
                     kind = keywords.get(word, "NAME")
                 elif kind == "SYMBOL":
                     kind = symbols[word]
-                elif kind == "INTEGER" and (len(word) > 12 or int(word) > LARGEST_LITERAL):
-                    lexed.errors.append(_large_number(Span(source, position, after)))
+                elif kind in _TOO_LARGE and _TOO_LARGE[kind](word):
+                    lexed.errors.append(_large_number(kind, Span(source, position, after)))
                     word = "0"
                 assert kind is not None
                 token = Token(kind, word, Span(source, position, after))
@@ -185,7 +186,16 @@ def _close_string(span: Span, lexed: Lexed) -> None:
     lexed.tokens.append(Token("STRING", span.text + '"', span))
 
 
-def _large_number(span: Span) -> Diagnostic:
+_TOO_LARGE: dict[str, Callable[[str], bool]] = {
+    "INTEGER": lambda word: len(word) > 12 or int(word) > LARGEST_LITERAL,
+    "FLOAT": is_huge,
+}
+"""Which literals nobody works out."""
+
+
+def _large_number(kind: str, span: Span) -> Diagnostic:
+    if kind == "FLOAT":
+        return Diagnostic("E0005", "this number has too many digits", span, "at most 1000, and exponents up to 999")
     help = f"the largest integer is {LARGEST_LITERAL - 1}"
     return Diagnostic("E0005", "this number does not fit into 32 bits", span, help)
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.exact_numbers import is_huge
 from tachk.operators import Group
 from tachk.syntax import ast
 from tachk.syntax.formula import And, Atom, Change, Duration, Fall, Formula, Implies, Not, Or, Rise, Truth, operands
@@ -89,6 +90,8 @@ def read_duration(span: Span) -> Duration:
 
 def _amount(piece: Piece) -> Fraction | ast.Expression:
     if piece.kind == "number":
+        if is_huge(piece.text):
+            raise Refused(Diagnostic("E0005", "this number has too many digits", piece.span))
         return Fraction(piece.text)
     formula, found = parse_formula(piece.span)
     if found:
