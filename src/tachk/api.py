@@ -499,9 +499,9 @@ class Model(Estimable):
         """
         from tachk.compiler.features import check_selections
         from tachk.engines.zone_graph import zone_graph
-        from tachk.properties.verify import check_initial_state
         from tachk.report.run.zone_view import as_networkx
         from tachk.semantics.discrete import prepare
+        from tachk.semantics.initial_state import check_initial_state
 
         check_selections(self.network)
         check_initial_state(prepare(self.network))

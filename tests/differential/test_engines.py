@@ -16,8 +16,8 @@ from tachk.engines.local_times import obstacle
 from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.engines.program_image import encode
 from tachk.model.expressions import BOOL, Constant
-from tachk.properties.verify import check_initial_state
 from tachk.semantics.discrete import prepare
+from tachk.semantics.initial_state import check_initial_state
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
 

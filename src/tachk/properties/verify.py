@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from typing import assert_never
 
 from tachk.compiler.features import check_selections, check_supported
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
+from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
-from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.fault_explanation import with_blame
@@ -28,9 +25,8 @@ from tachk.properties.variants import non_zeno, pace, second_engine
 from tachk.properties.variants.second_engine import Answering
 from tachk.properties.verdict import Verdict, answers_of
 from tachk.reduction.spectators import every_action_counts
-from tachk.semantics.discrete import PreparedNetwork, initial_clocks, initial_discrete, prepare
-from tachk.semantics.step import satisfies_invariant
-from tachk.semantics.timed_trace import TimedState
+from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.semantics.initial_state import check_initial_state
 from tachk.time_limit import OutOfTimeError, time_limit
 
 
@@ -163,24 +159,3 @@ def _explored_everything(network: Network, verdict: Verdict) -> bool:
         return False
     proved = verdict.answer is answers_of(query)[1]
     return proved and query.observer is None and every_action_counts(network, [query.target])
-
-
-def check_initial_state(model: PreparedNetwork) -> None:
-    """Raises InputError (E0409) where the initial state violates an invariant."""
-    start = TimedState(initial_discrete(model), initial_clocks(model), Fraction(0))
-    violated = []
-    for number, process in enumerate(model.network.processes):
-        # An invariant that cannot be evaluated is a run-time error, which the search reports.
-        with suppress(EvaluationFault):
-            if not satisfies_invariant(model, start, number):
-                violated.append((process.name, process.locations[process.initial]))
-    if violated:
-        raise InputError(
-            Diagnostic(
-                "E0409",
-                f"the invariant of the initial location {name}.{location.name} does not hold in the initial state",
-                location.span,
-                "every variable has its initial value, and every clock, too: 0 where none is written",
-            )
-            for name, location in violated
-        )

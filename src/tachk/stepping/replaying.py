@@ -7,11 +7,11 @@ from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
 from tachk.model.fault import EvaluationFault
-from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
 from tachk.report.quantity import decimal
 from tachk.report.run.trace_view import Names
 from tachk.semantics.discrete import PreparedNetwork, initiators
+from tachk.semantics.initial_state import check_initial_state
 from tachk.semantics.step import StepError, begun_by, delay, fire, initial_state, is_open
 from tachk.semantics.timed_trace import TimedState, TimedStep, TimedTrace, Transition
 from tachk.stepping.claims import Claim, ClaimedRun, ClaimedState

@@ -17,8 +17,8 @@ from tachk.properties.certificates import Proof
 from tachk.properties.questions import Questions
 from tachk.properties.scheduling.in_order import VerifyProgress
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import check_initial_state
 from tachk.semantics.discrete import prepare
+from tachk.semantics.initial_state import check_initial_state
 from tachk.semantics.timed_trace import Transition
 from tachk.synthesis.parameters import Parameter
 from tachk.synthesis.proofs import proof_again, proof_of

@@ -13,8 +13,8 @@ from tachk.model.query import Query
 from tachk.properties.certificates import Proof, check_natively, find_proof, is_provable
 from tachk.properties.observed import observed
 from tachk.properties.verdict import Verdict, answers_of
-from tachk.properties.verify import check_initial_state
 from tachk.semantics.discrete import prepare
+from tachk.semantics.initial_state import check_initial_state
 
 
 def proof_of(network: Network, verdict: Verdict, options: Options, limits: Limits) -> Proof | None:

@@ -12,8 +12,8 @@ from tachk.model.query import Query
 from tachk.model.types import BoolType, IntType, ScalarType, bounds
 from tachk.properties.observed import ObserverMove, observed, without_observer
 from tachk.properties.verdict import Verdict, answers_of
-from tachk.properties.verify import check_initial_state
 from tachk.semantics.discrete import prepare
+from tachk.semantics.initial_state import check_initial_state
 from tachk.semantics.timed_trace import Participant, Transition
 
 

@@ -42,9 +42,9 @@ from tachk.properties.deep.stuck import (
 from tachk.properties.deep.zeno import all_runs_end, lasting_edges, zeno_finding, zeno_findings
 from tachk.properties.deep.zeno_run import ZenoRun, find_zeno_run
 from tachk.properties.fault_explanation import diagnostic_of, explain
-from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
 from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.semantics.initial_state import check_initial_state
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 from tachk.words import QueryKind

@@ -20,11 +20,11 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.certificates import Checker, check_proof
 from tachk.properties.questions import Questions, checked
-from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
 from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
 from tachk.report.json_text import json_text
 from tachk.semantics.discrete import prepare
+from tachk.semantics.initial_state import check_initial_state
 
 
 @dataclass(frozen=True, slots=True)
