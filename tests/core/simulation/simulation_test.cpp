@@ -54,6 +54,7 @@ std::vector<std::int64_t> chances() {
   return {0, bits(1.0), 0,         bits(1.0), 0, bits(3.0), 0, bits(1.0),  // rates
           0, 0,         bits(1.0), 1,         0, bits(1.0),                // choices and weights
           0,                                                               // no hybrid clocks
+          0,                                                               // no random initial values
           3, 1};                                                           // the second slot is observed
 }
 
