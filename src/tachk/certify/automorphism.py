@@ -157,7 +157,7 @@ class Automorphisms:
         if len(one.locations) != len(other.locations) or one.priority != other.priority:
             return f"{one.name} and {other.name} have different locations or priorities"
         for number, (location, its_image) in enumerate(zip(one.locations, other.locations, strict=True)):
-            kinds = {(each.urgent, each.committed) for each in (location, its_image)}
+            kinds = {(each.urgent, each.committed, each.observes) for each in (location, its_image)}
             questions = self.behaviour.limits(process, number), self.behaviour.limits(image, number)
             same = self._corresponds((process, number), *questions, whole, _is_image_of_limits)
             if len(kinds) > 1 or not same:
