@@ -72,7 +72,7 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
         for edge in process.edges:
             search = _Search(metas, found, edge)
             search.values([e for e in (edge.guard, edge.synchronisation and edge.synchronisation.channel) if e], _NONE)
-            if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
+            if edge.begins:
                 written = search.values(edge.updates, _NONE)
                 for channel in _channels(edge):
                     sent[channel] = sent.get(channel, written) & written

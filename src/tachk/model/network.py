@@ -96,6 +96,11 @@ class Edge:
     spans: tuple[Span, ...] = (NOWHERE,)
     branch: Branching | None = None
 
+    @property
+    def begins(self) -> bool:
+        """Whether a transition begins with the edge, which sends or is internal: its updates come before all others."""
+        return self.synchronisation is None or self.synchronisation.direction is Direction.SEND
+
 
 @dataclass(frozen=True, slots=True)
 class Process:

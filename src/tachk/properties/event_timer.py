@@ -245,11 +245,10 @@ def _observed(
     free = _any(_not(pending), *committed)
     edges = []
     for edge in process.edges:
-        begins = edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND
         guard = edge.guard
-        if begins and not process.locations[edge.source].committed:
+        if edge.begins and not process.locations[edge.source].committed:
             guard = free if guard is None else _all(free, guard)
-        looked = in_chains if begins else ()
+        looked = in_chains if edge.begins else ()
         fired = [update for event in events for update in event.fired(edge)]
         edges.append(replace(edge, guard=guard, updates=(*looked, *fired, *edge.updates)))
     return replace(process, edges=tuple(edges))

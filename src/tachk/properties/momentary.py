@@ -30,7 +30,7 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.network import Edge, Network
+from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.model.traversal import roots, walk, with_bodies, written_variables
 from tachk.model.types import IntType
@@ -197,17 +197,12 @@ def _watched(
         replace(
             process,
             edges=tuple(
-                replace(edge, updates=(*noted, *edge.updates)) if _begins(edge) else edge for edge in process.edges
+                replace(edge, updates=(*noted, *edge.updates)) if edge.begins else edge for edge in process.edges
             ),
         )
         for process in network.processes
     )
     return replace(network, processes=processes, variables=(*network.variables, *variables)), over
-
-
-def _begins(edge: Edge) -> bool:
-    """Whether a transition begins with the edge: its updates come before those of all others."""
-    return edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND
 
 
 def _variable(name: str) -> Variable:

@@ -21,7 +21,6 @@ from tachk.model.types import ChannelType, ClockType, IntType
 from tachk.operators import BinaryOperator
 from tachk.records import dataclass
 from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +133,7 @@ def _doubled(
         copied: list[int] = []
         for number, edge in enumerate(process.edges):
             copy: Edge | None = None
-            if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
+            if edge.begins:
                 edge, copy = edges_for(place, number, edge)
             edges.append(edge)
             if copy is not None:
