@@ -118,15 +118,15 @@ bool Judge::somebody_stays_out(Edges edges, std::int32_t channel) {
 
 // Whether edges begin where their processes are, and the committed rule admits them.
 Verdict Judge::takes_part(Edges edges) {
-  bool committed = false;
+  int most = 0;
+  for (std::size_t p = 0; p < program_.processes.size(); ++p) most = std::max(most, reading_.location(p).commitment());
+  bool admitted = false;
   for (const std::uint32_t each : edges) {
     const auto& leaving = reading_.leaving(edge(each).process);
     if (std::find(leaving.begin(), leaving.end(), each) == leaving.end()) return "an edge begins elsewhere";
-    committed |= reading_.location(edge(each).process).committed;
+    admitted |= reading_.location(edge(each).process).may_go(most);
   }
-  for (std::size_t p = 0; p < program_.processes.size() && !committed; ++p)
-    if (reading_.location(p).committed) return "another process is in a committed location";
-  return nullptr;
+  return admitted ? nullptr : "another process is in a committed location";
 }
 
 Verdict Judge::synchronise(Edges edges) {
