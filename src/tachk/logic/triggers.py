@@ -12,32 +12,23 @@ from tachk.syntax.formula import Always, And, Atom, Fall, Formula, Implies, Not,
 
 def demanded_implications(formula: Formula) -> Iterator[Implies]:
     """The implications that the formula consists of, each demanded at some instants."""
-    if isinstance(formula, Always):
-        yield from demanded_implications(formula.operand)
-    elif isinstance(formula, And):
-        for part in formula.operands:
-            yield from demanded_implications(part)
-    elif isinstance(formula, Implies):
-        yield formula
+    return (part for part, _ in _demanded(formula, always=False) if isinstance(part, Implies))
 
 
 def demanded_conditions(formula: Formula) -> Iterator[Formula]:
     """The conditions on one state that are demanded at all instants: p of ``G p`` and of ``G (p && (q -> F r))``."""
-    if isinstance(formula, Always):
-        yield from _conjuncts(formula.operand)
-    elif isinstance(formula, And):
-        for part in formula.operands:
-            yield from demanded_conditions(part)
+    return (part for part, always in _demanded(formula, always=False) if always and needed_now(part) is not None)
 
 
-def _conjuncts(formula: Formula) -> Iterator[Formula]:
+def _demanded(formula: Formula, always: bool) -> Iterator[tuple[Formula, bool]]:
+    """The conjuncts of the formula, each with whether it is demanded at all instants."""
     if isinstance(formula, Always):
-        yield from _conjuncts(formula.operand)
+        yield from _demanded(formula.operand, always=True)
     elif isinstance(formula, And):
         for part in formula.operands:
-            yield from _conjuncts(part)
-    elif needed_now(formula) is not None:
-        yield formula
+            yield from _demanded(part, always)
+    else:
+        yield formula, always
 
 
 def needed_state(formula: Formula) -> ast.Expression | None:
