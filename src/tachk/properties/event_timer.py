@@ -1,9 +1,8 @@
 """A timer beside a network: a process that sets its clock at one event and stops at another.
 
-The timer looks at the state after each transition that leaves no process in a committed location, and no time passes
-before it has: its edges are urgent, and while it has something to notice no process of the network may begin anything.
-In a chain of committed locations it cannot act. There an edge that begins a transition first does what the timer would
-do, on variables, so that events come in their order; at the end of the chain the timer acts as these say.
+The timer looks at the state after each transition, and no time passes before it has: its edges are urgent, it observes
+(committed locations do not keep it from acting), and while it has something to notice no process of the network may
+begin anything.
 
 The start of the run is an event that does not come again. Behind the second event nothing counts then, and nothing
 happens any more.
@@ -39,8 +38,8 @@ from tachk.words import Direction
 
 NAME = "Timer"
 
-_WAITING, _RUNNING, _DONE = range(3)
-_NAMES = ("Waiting", "Running", "Done")
+_WAITING, _RUNNING, _DONE, _DONE_AND_AGAIN = range(4)
+_NAMES = ("Waiting", "Running", "Done", "DoneAndAgain")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +47,7 @@ class Timed:
     """Attributes:
     network: with the timer as its last process.
     clock: since the event at which the timer was set.
-    running: the second event has not come yet.
+    running: the second event has not come yet, and time may pass before it does.
     done: it has come this moment.
     """
 
@@ -69,94 +68,52 @@ def with_timer(network: Network, start: Event | None, end: Event, last: bool = F
     """
     clock = _local("time", ClockType(), 0)
     now = _local("now", ChannelType(broadcast=True, urgent=True), 0)
-    first = _noticed(BecomesTrue(Constant(1, BOOL)) if start is None else start, "from")
-    second = _noticed(end, "to")
-    moment = _Moment(last)
+    committed = _committed(network)
+    began = BecomesTrue(Constant(1, BOOL)) if start is None else start
+    first = _Noticed(began, _local("from", IntType(0, 1), 0), committed)
+    second = _Noticed(end, _local("to", IntType(0, 1), 0), committed)
     number = len(network.processes)
     once = start is None
-    edges = _edges(first, second, moment, Reference(clock), Reference(now))
+    edges = _edges(first, second, Reference(clock), Reference(now), last)
     timer = Process(
         NAME,
         NAME,
-        tuple(Location(name, urgent=once and place >= _DONE) for place, name in enumerate(_NAMES)),
+        tuple(Location(name, urgent=once and place >= _DONE, observes=True) for place, name in enumerate(_NAMES)),
         tuple(edge for edge in edges if not (once and edge.source >= _DONE)),
-        variables=(clock, now, *moment.variables, first.memory, second.memory),
+        variables=(clock, now, first.memory, second.memory),
         priority=max((process.priority for process in network.processes), default=0),
     )
     at = [LocationTest(number, location) for location in range(len(_NAMES))]
-    pending = _any(first.is_new, second.is_new, moment.is_new, at[_DONE])
-    has_chains = any(place.committed for process in network.processes for place in process.locations)
-    in_chains = _look_in_chains(first, second, moment) if has_chains else ()
-    processes = [_observed(process, network, pending, in_chains, (first, second)) for process in network.processes]
-    return Timed(replace(network, processes=(*processes, timer)), Reference(clock), at[_RUNNING], at[_DONE])
+    done = _any(at[_DONE], at[_DONE_AND_AGAIN])
+    pending = _any(first.is_new, second.is_new, done)
+    processes = [_observed(process, pending, (first, second)) for process in network.processes]
+    waits = _all(at[_RUNNING], _not(pending), _not(committed))
+    return Timed(replace(network, processes=(*processes, timer)), Reference(clock), waits, done)
 
 
-class _Moment:
-    """What has come of the events in this moment, as variables, and how a look at two events changes them.
-
-    Attributes:
-        runs: 1 where the second event is waited for.
-        begun: 1 where that is since this moment.
-        ended: 1 where the second event has come after a first one of an earlier moment.
-        both: 1 where both have come in this moment, in this order or together.
-    """
-
-    def __init__(self, last: bool) -> None:
-        self.variables = tuple(_local(name, IntType(0, 1), 0) for name in ("runs", "begun", "ended", "both"))
-        self.runs, self.begun, self.ended, self.both = (_is_set(Reference(each)) for each in self.variables)
-        self._last = last
-        self.is_new = _any(self.begun, self.ended, self.both)
-
-    def after(self, starts: Expression, ends: Expression, same: bool) -> tuple[Expression, ...]:
-        """The conditions that `runs`, `begun`, `ended` and `both` become.
-
-        Args:
-            starts, ends: whether the events happen.
-            same: they are one event; it does not end what it begins.
-        """
-        begins = _all(_not(self.runs), starts)
-        begins_only = begins if same else _all(begins, _not(ends))
-        at_once = Constant(0, BOOL) if same else _all(begins, ends)
-        stops = _all(self.runs, ends)
-        goes_on = _all(self.runs, _not(ends))
-        again = _any(self.begun, starts) if self._last else self.begun
-        return (
-            _any(begins_only, goes_on, _all(stops, starts)),
-            _any(begins_only, _all(goes_on, again), _all(stops, starts)),
-            _any(self.ended, _all(stops, _not(self.begun))),
-            _any(self.both, at_once, _all(stops, self.begun)),
-        )
-
-    def assigned(self, values: Sequence[Expression]) -> tuple[Expression, ...]:
-        """The variables as `after` says. What needs an old value comes before it is gone."""
-        pairs = zip(self.variables, values, strict=True)
-        runs, begun, ended, both = (Assign(Reference(variable), _truth(value), INT) for variable, value in pairs)
-        return ended, both, begun, runs
-
-
-@dataclass(frozen=True, slots=True)
 class _Noticed:
-    """An event as the timer sees it.
+    """An event with the variable that remembers it: of a condition what it was when the timer looked last, of a channel
+    whether it has fired since."""
 
-    Attributes:
-        memory: of a condition what it was when it was looked at last, of a channel whether it has fired since.
-        happens: it has come since.
-        is_new: there is something to notice.
-        noticed: what remembers that it has been looked at.
-    """
+    def __init__(self, event: Event, memory: Variable, committed: Expression) -> None:
+        self.event = event
+        self.memory = memory
+        place = Reference(memory)
+        match event:
+            case BecomesTrue(condition, settled):
+                changes = Binary(BinaryOperator.NOT_EQUAL, _truth(condition), place, BOOL)
+                is_seen = _not(committed) if settled else Constant(1, BOOL)
+                self.happens = _all(is_seen, condition, _not(place))
+                """Seen from the timer."""
+                self.is_new: Expression = _all(is_seen, changes)
+                """The timer has something to do."""
+                now = _any(_all(is_seen, condition), _all(_not(is_seen), _not(_not(place))))
+                self.noticed = Assign(place, _truth(now), INT)
+            case Fires():
+                self.happens = self.is_new = Binary(BinaryOperator.EQUAL, place, Constant(1), BOOL)
+                self.noticed = Assign(place, Constant(0), INT)
 
-    event: Event
-    memory: Variable
-    happens: Expression
-    is_new: Expression
-    noticed: Expression
-
-    @property
-    def settled(self) -> bool:
-        """Whether it is not looked at in chains of committed locations."""
-        return isinstance(self.event, BecomesTrue) and self.event.settled
-
-    def fired(self, edge: Edge) -> tuple[Expression, ...]:
+    def updates(self, edge: Edge) -> tuple[Expression, ...]:
         """What an edge of the network has to do before its own updates."""
         if not isinstance(self.event, Fires) or edge.synchronisation is None:
             return ()
@@ -166,92 +123,57 @@ class _Noticed:
         if same == Constant(0, BOOL):
             return ()
         place = Reference(self.memory)
-        return (Assign(place, _truth(_any(_is_set(place), same)), INT),)
+        return (Assign(place, _truth(_any(_not(_not(place)), same)), INT),)
 
 
-def _noticed(event: Event, name: str) -> _Noticed:
-    memory = _local(name, IntType(0, 1), 0)
-    place = Reference(memory)
-    match event:
-        case BecomesTrue(condition):
-            changes = Binary(BinaryOperator.NOT_EQUAL, _truth(condition), place, BOOL)
-            remembers = Assign(place, _truth(condition), INT)
-            return _Noticed(event, memory, _all(condition, _not(place)), changes, remembers)
-        case Fires():
-            fired = _is_set(place)
-            return _Noticed(event, memory, fired, fired, Assign(place, Constant(0), INT))
-
-
-def _look_in_chains(first: _Noticed, second: _Noticed, moment: _Moment) -> tuple[Expression, ...]:
-    """What an edge that begins a transition does first. Where no process is in a committed location the timer has
-    looked already, and it changes nothing."""
-    starts, ends = (Constant(0, BOOL) if each.settled else each.happens for each in (first, second))
-    looked = moment.assigned(moment.after(starts, ends, first.event == second.event))
-    return (*looked, *(each.noticed for each in (first, second) if not each.settled))
-
-
-def _edges(first: _Noticed, second: _Noticed, moment: _Moment, clock: Expression, now: Expression) -> list[Edge]:
-    runs, begun, ended, both = moment.after(first.happens, second.happens, first.event == second.event)
+def _edges(first: _Noticed, second: _Noticed, clock: Expression, now: Expression, last: bool) -> list[Edge]:
+    starts, ends = first.happens, second.happens
+    same = first.event == second.event  # from one occurrence to the next one
+    at_once = Constant(0, BOOL) if same else ends
     noticed = (first.noticed, second.noticed)
     set_ = Assign(clock, Constant(0), clock.type)
-    something = _any(first.is_new, second.is_new, moment.is_new)
+    something = _any(first.is_new, second.is_new)
+    restart = _all(starts, _not(ends)) if last else Constant(0, BOOL)
     urgent = Synchronisation(now, Direction.SEND)
-    no = Constant(0, BOOL)
 
-    def edge(source: int, target: int, guard: Expression, *updates: Expression) -> Edge:
+    def edge(source: int, target: int, guard: Expression | None, *updates: Expression) -> Edge:
         return Edge(source, target, guard=guard, synchronisation=urgent, updates=updates)
 
-    found = []
-    for source in (_WAITING, _RUNNING):
-        # What has ended is measured, then what took no time; what begins anew begins behind both.
-        ends_now, ends_at_once = (runs, begun, no, both), (runs, begun, no, no)
-        found += [
-            edge(source, _DONE, ended, *moment.assigned(ends_now), *noticed),
-            edge(source, _DONE, _all(_not(ended), both), set_, *moment.assigned(ends_at_once), *noticed),
-        ]
-        quiet = _all(something, _not(ended), _not(both))
-        rests = moment.assigned((runs, no, no, no))
-        found += [
-            edge(source, _RUNNING, _all(quiet, begun), set_, *rests, *noticed),
-            edge(source, source, _all(quiet, _not(begun)), *rests, *noticed),
-        ]
-    kept = moment.runs
     return [
-        *found,
-        edge(_DONE, _DONE, moment.both, set_, *moment.assigned((kept, moment.begun, no, no))),
-        edge(_DONE, _RUNNING, _all(_not(moment.both), kept), set_, *moment.assigned((kept, no, no, no))),
-        edge(_DONE, _WAITING, _all(_not(moment.both), _not(kept)), *moment.assigned((kept, no, no, no))),
+        edge(_WAITING, _RUNNING, _all(starts, _not(at_once)), set_, *noticed),
+        edge(_WAITING, _DONE, _all(starts, at_once), set_, *noticed),
+        edge(_WAITING, _WAITING, _all(something, _not(starts)), *noticed),
+        edge(_RUNNING, _DONE, _all(ends, _not(starts)), *noticed),
+        edge(_RUNNING, _DONE_AND_AGAIN, _all(ends, starts), *noticed),
+        *([edge(_RUNNING, _RUNNING, restart, set_, *noticed)] if last else []),
+        edge(_RUNNING, _RUNNING, _all(_all(something, _not(ends)), _not(restart)), *noticed),
+        edge(_DONE, _WAITING, None),
+        edge(_DONE_AND_AGAIN, _RUNNING, None, set_),
     ]
 
 
-def _observed(
-    process: Process,
-    network: Network,
-    pending: Expression,
-    in_chains: tuple[Expression, ...],
-    events: Sequence[_Noticed],
-) -> Process:
-    """The process, which begins nothing while the timer has something to notice, and looks for it in chains.
-
-    Args:
-        in_chains: what an edge that begins a transition does first.
-    """
-    committed = [
-        LocationTest(number, location)
-        for number, each in enumerate(network.processes)
-        for location, place in enumerate(each.locations)
-        if place.committed
-    ]
-    free = _any(_not(pending), *committed)
+def _observed(process: Process, pending: Expression, events: Sequence[_Noticed]) -> Process:
+    """The process, which begins nothing while the timer has something to notice."""
+    free = _not(pending)
     edges = []
     for edge in process.edges:
         guard = edge.guard
-        if edge.begins and not process.locations[edge.source].committed:
+        if edge.begins:
             guard = free if guard is None else _all(free, guard)
-        looked = in_chains if edge.begins else ()
-        fired = [update for event in events for update in event.fired(edge)]
-        edges.append(replace(edge, guard=guard, updates=(*looked, *fired, *edge.updates)))
+        updates = [update for event in events for update in event.updates(edge)]
+        edges.append(replace(edge, guard=guard, updates=(*updates, *edge.updates)))
     return replace(process, edges=tuple(edges))
+
+
+def _committed(network: Network) -> Expression:
+    """Whether some process is in a committed location."""
+    tests = [
+        LocationTest(number, location)
+        for number, process in enumerate(network.processes)
+        for location, place in enumerate(process.locations)
+        if place.committed
+    ]
+    return _any(*tests) if tests else Constant(0, BOOL)
 
 
 def _same_channel(named: Expression, wanted: Expression) -> Expression:
@@ -279,10 +201,6 @@ def _path(channel: Expression) -> tuple[Variable, list[Expression]]:
 
 def _local(name: str, type_: ClockType | ChannelType | IntType, initial: int) -> Variable:
     return Variable(f"{NAME}.{name}", type_, VariableKind.LOCAL, (initial,))
-
-
-def _is_set(place: Expression) -> Expression:
-    return Binary(BinaryOperator.EQUAL, place, Constant(1), BOOL)
 
 
 def _truth(condition: Expression) -> Expression:
