@@ -49,7 +49,7 @@ struct CsvOptions {
   std::uint32_t time = 0;               // the cell of the time
   std::vector<std::uint32_t> columns;   // the cells of the values that are kept; others may hold anything
   std::vector<std::uint32_t> texts;     // those of them that hold texts
-  std::vector<std::uint32_t> arrivals;  // those of them of which it is told in which rows they have a value
+  std::vector<std::uint32_t> arrivals;  // those columns for which the reader records the rows that have a value
   std::vector<std::uint32_t> unread;    // those of these that may hold anything: their values do not matter
   bool dates = false;                   // times are dates of ISO 8601, counted in seconds since 1970
   std::uint64_t first_line = 1;         // the number of the first line that is fed

@@ -50,9 +50,9 @@ CsvTimes::CsvTimes(CsvTimeOptions options) : options_(options) {
     throw std::invalid_argument("CsvTimes: options out of range");
 }
 
-// As soon as a time was a binary number, all are taken for that, and stand for the nearest number of
-// `options_.usual_decimals`. Where times are rounded anyway, all are that are too fine. Whether the number is another
-// one then.
+// Rounds a time, and says whether that changed it. Once the logger is seen to have printed a binary floating point
+// number, all times are rounded to `options_.usual_decimals`; where the caller asks for rounding, those with more
+// decimals than it asks for are.
 bool CsvTimes::round(Decimal& time) {
   drop_zeros(time, 0);
   std::int64_t wanted = options_.most_decimals;

@@ -8,7 +8,7 @@ from tachk.records import dataclass
 
 
 class Explanation(StrEnum):
-    """How much is told of a recording that is no run."""
+    """How much the report explains about a recording that does not conform."""
 
     NONE = "none"
     """Only that it is none."""

@@ -54,7 +54,7 @@ def core_options(options: Options) -> _core.Options:
 
 
 def core_limits(limits: Limits) -> _core.Limits:
-    """What the core takes of the limits; each piece of a search is told of the time that is left."""
+    """The limits that the core checks itself. The caller gives it the time that is left for each piece of a search."""
     taken = _core.Limits()
     if limits.states is not None:
         taken.states = min(limits.states, taken.states)

@@ -213,7 +213,7 @@ def _stops_or_runs(value: ast.Expression, truths: set[str]) -> bool:
 
 
 def _truths(tree: tuple[ast.Item, ...]) -> set[str]:
-    """The names that only stand for what is 0 or 1, or is made of that: variables, fields, functions."""
+    """The names of variables, fields and functions whose values are 0 or 1 only."""
     kinds = (ast.VariableDeclaration, ast.Parameter, ast.QuantifierExpression, ast.FunctionDeclaration)
     named = {d.name.name: node.type for node in nodes_of_kind(tree, ast.TypedefDeclaration) for d in node.declarators}
     truths: set[str] = set()

@@ -112,7 +112,7 @@ class TextTypes:
         return any(self.base(place) == "clock" for place in places)
 
     def _whole(self, found: Declared | None) -> Declared | None:
-        """With named types replaced by what they stand for."""
+        """The type with each named type replaced by its definition."""
         while found is not None and isinstance(found.type.base, ast.NamedType):
             named = self.types.get(found.type.base.name)
             if named is None:

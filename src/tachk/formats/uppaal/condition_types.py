@@ -22,7 +22,7 @@ class Kind(IntEnum):
     each later one."""
 
     OTHER = 0
-    """A record, an array, text, or what is not known: nobody is told anything about it."""
+    """A record, an array, a text or an unknown type: the checker reports nothing about it."""
     CLOCK = 1
     DIFFERENCE = 2
     DOUBLE = 3

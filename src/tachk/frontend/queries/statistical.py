@@ -346,7 +346,7 @@ class _Reader:
 
 
 def _picking(span: Span) -> tuple[Span | None, Span]:
-    """What stands behind the first colon of ``simulate``: how many runs are told, and the condition."""
+    """The part of ``simulate`` after its first colon: how many runs are shown, and which condition picks them."""
     match = re.match(r"([^:?]*):", span.text)
     if match is None:
         return None, span
