@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tachk.model.expressions import BOOL, Binary, Expression, Unary
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest, Unary
+from tachk.model.network import Network
 from tachk.operators import BinaryOperator, UnaryOperator
 
 
 def negation(condition: Expression) -> Expression:
     """The condition under a ``not``, as it stands; `tachk.compiler.fold.negate` simplifies."""
     return Unary(UnaryOperator.NOT, condition, BOOL, condition.span)
+
+
+def as_number(condition: Expression) -> Expression:
+    """1 where the condition is true, else 0, also where it is a number other than these."""
+    return Binary(BinaryOperator.NOT_EQUAL, condition, Constant(0), BOOL)
+
+
+def is_set(flag: Expression) -> Expression:
+    """Whether a variable that is 0 or 1 is 1."""
+    return Binary(BinaryOperator.EQUAL, flag, Constant(1), BOOL)
 
 
 def both(one: Expression | None, other: Expression) -> Expression:
@@ -20,6 +31,17 @@ def both(one: Expression | None, other: Expression) -> Expression:
 
 def either(one: Expression, other: Expression) -> Expression:
     return Binary(BinaryOperator.OR, one, other, BOOL, other.span)
+
+
+def somebody_committed(network: Network) -> Expression:
+    """Whether some process of the network is in a committed location."""
+    tests: list[Expression] = [
+        LocationTest(number, location)
+        for number, process in enumerate(network.processes)
+        for location, place in enumerate(process.locations)
+        if place.committed
+    ]
+    return any_of(tests) if tests else Constant(0, BOOL)
 
 
 def any_of(conditions: Sequence[Expression]) -> Expression:

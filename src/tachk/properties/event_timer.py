@@ -15,6 +15,7 @@ from dataclasses import replace
 from functools import reduce
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.connectives import as_number, is_set, negation, somebody_committed
 from tachk.model.event import BecomesTrue, Event, Fires
 from tachk.model.expressions import (
     BOOL,
@@ -26,13 +27,12 @@ from tachk.model.expressions import (
     Index,
     LocationTest,
     Reference,
-    Unary,
     Variable,
     VariableKind,
 )
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.types import ChannelType, ClockType, IntType
-from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.operators import BinaryOperator
 from tachk.records import dataclass
 from tachk.words import Direction
 
@@ -68,7 +68,7 @@ def with_timer(network: Network, start: Event | None, end: Event, last: bool = F
     """
     clock = _local("time", ClockType(), 0)
     now = _local("now", ChannelType(broadcast=True, urgent=True), 0)
-    committed = _committed(network)
+    committed = somebody_committed(network)
     began = BecomesTrue(Constant(1, BOOL)) if start is None else start
     first = _Noticed(began, _local("from", IntType(0, 1), 0), committed)
     second = _Noticed(end, _local("to", IntType(0, 1), 0), committed)
@@ -87,7 +87,7 @@ def with_timer(network: Network, start: Event | None, end: Event, last: bool = F
     done = _any(at[_DONE], at[_DONE_AND_AGAIN])
     pending = _any(first.is_new, second.is_new, done)
     processes = [_observed(process, pending, (first, second)) for process in network.processes]
-    waits = _all(at[_RUNNING], _not(pending), _not(committed))
+    waits = _all(at[_RUNNING], negation(pending), negation(committed))
     return Timed(replace(network, processes=(*processes, timer)), Reference(clock), waits, done)
 
 
@@ -101,16 +101,16 @@ class _Noticed:
         place = Reference(memory)
         match event:
             case BecomesTrue(condition, settled):
-                changes = Binary(BinaryOperator.NOT_EQUAL, _truth(condition), place, BOOL)
-                is_seen = _not(committed) if settled else Constant(1, BOOL)
-                self.happens = _all(is_seen, condition, _not(place))
+                changes = Binary(BinaryOperator.NOT_EQUAL, as_number(condition), place, BOOL)
+                is_seen = negation(committed) if settled else Constant(1, BOOL)
+                self.happens = _all(is_seen, condition, negation(place))
                 """Seen from the timer."""
                 self.is_new: Expression = _all(is_seen, changes)
                 """The timer has something to do."""
-                now = _any(_all(is_seen, condition), _all(_not(is_seen), _not(_not(place))))
-                self.noticed = Assign(place, _truth(now), INT)
+                now = _any(_all(is_seen, condition), _all(negation(is_seen), is_set(place)))
+                self.noticed = Assign(place, as_number(now), INT)
             case Fires():
-                self.happens = self.is_new = Binary(BinaryOperator.EQUAL, place, Constant(1), BOOL)
+                self.happens = self.is_new = is_set(place)
                 self.noticed = Assign(place, Constant(0), INT)
 
     def updates(self, edge: Edge) -> tuple[Expression, ...]:
@@ -123,7 +123,7 @@ class _Noticed:
         if same == Constant(0, BOOL):
             return ()
         place = Reference(self.memory)
-        return (Assign(place, _truth(_any(_not(_not(place)), same)), INT),)
+        return (Assign(place, as_number(_any(is_set(place), same)), INT),)
 
 
 def _edges(first: _Noticed, second: _Noticed, clock: Expression, now: Expression, last: bool) -> list[Edge]:
@@ -133,20 +133,20 @@ def _edges(first: _Noticed, second: _Noticed, clock: Expression, now: Expression
     noticed = (first.noticed, second.noticed)
     set_ = Assign(clock, Constant(0), clock.type)
     something = _any(first.is_new, second.is_new)
-    restart = _all(starts, _not(ends)) if last else Constant(0, BOOL)
+    restart = _all(starts, negation(ends)) if last else Constant(0, BOOL)
     urgent = Synchronisation(now, Direction.SEND)
 
     def edge(source: int, target: int, guard: Expression | None, *updates: Expression) -> Edge:
         return Edge(source, target, guard=guard, synchronisation=urgent, updates=updates)
 
     return [
-        edge(_WAITING, _RUNNING, _all(starts, _not(at_once)), set_, *noticed),
+        edge(_WAITING, _RUNNING, _all(starts, negation(at_once)), set_, *noticed),
         edge(_WAITING, _DONE, _all(starts, at_once), set_, *noticed),
-        edge(_WAITING, _WAITING, _all(something, _not(starts)), *noticed),
-        edge(_RUNNING, _DONE, _all(ends, _not(starts)), *noticed),
+        edge(_WAITING, _WAITING, _all(something, negation(starts)), *noticed),
+        edge(_RUNNING, _DONE, _all(ends, negation(starts)), *noticed),
         edge(_RUNNING, _DONE_AND_AGAIN, _all(ends, starts), *noticed),
         *([edge(_RUNNING, _RUNNING, restart, set_, *noticed)] if last else []),
-        edge(_RUNNING, _RUNNING, _all(_all(something, _not(ends)), _not(restart)), *noticed),
+        edge(_RUNNING, _RUNNING, _all(_all(something, negation(ends)), negation(restart)), *noticed),
         edge(_DONE, _WAITING, None),
         edge(_DONE_AND_AGAIN, _RUNNING, None, set_),
     ]
@@ -154,7 +154,7 @@ def _edges(first: _Noticed, second: _Noticed, clock: Expression, now: Expression
 
 def _observed(process: Process, pending: Expression, events: Sequence[_Noticed]) -> Process:
     """The process, which begins nothing while the timer has something to notice."""
-    free = _not(pending)
+    free = negation(pending)
     edges = []
     for edge in process.edges:
         guard = edge.guard
@@ -163,17 +163,6 @@ def _observed(process: Process, pending: Expression, events: Sequence[_Noticed])
         updates = [update for event in events for update in event.updates(edge)]
         edges.append(replace(edge, guard=guard, updates=(*updates, *edge.updates)))
     return replace(process, edges=tuple(edges))
-
-
-def _committed(network: Network) -> Expression:
-    """Whether some process is in a committed location."""
-    tests = [
-        LocationTest(number, location)
-        for number, process in enumerate(network.processes)
-        for location, place in enumerate(process.locations)
-        if place.committed
-    ]
-    return _any(*tests) if tests else Constant(0, BOOL)
 
 
 def _same_channel(named: Expression, wanted: Expression) -> Expression:
@@ -201,15 +190,6 @@ def _path(channel: Expression) -> tuple[Variable, list[Expression]]:
 
 def _local(name: str, type_: ClockType | ChannelType | IntType, initial: int) -> Variable:
     return Variable(f"{NAME}.{name}", type_, VariableKind.LOCAL, (initial,))
-
-
-def _truth(condition: Expression) -> Expression:
-    """The condition as 0 or 1."""
-    return Binary(BinaryOperator.NOT_EQUAL, condition, Constant(0), BOOL)
-
-
-def _not(condition: Expression) -> Expression:
-    return Unary(UnaryOperator.NOT, condition, BOOL)
 
 
 def _all(*conditions: Expression) -> Expression:

@@ -16,12 +16,10 @@ from time import monotonic
 
 from tachk.compiler.fold import cannot_fail
 from tachk.engines.options import Limits
-from tachk.model.connectives import any_of, both, either, negation
+from tachk.model.connectives import any_of, as_number, both, either, is_set, negation, somebody_committed
 from tachk.model.expressions import (
-    BOOL,
     INT,
     Assign,
-    Binary,
     Conditional,
     Constant,
     Expression,
@@ -34,7 +32,6 @@ from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.model.traversal import roots, walk, with_bodies, written_variables
 from tachk.model.types import IntType
-from tachk.operators import BinaryOperator
 from tachk.properties.verdict import Answer, Verdict
 from tachk.records import dataclass
 from tachk.words import Direction, QueryKind
@@ -54,6 +51,8 @@ class _Moment:
     truth: bool
 
 
+_Ends = Mapping[tuple[Variable, bool], set[tuple[int, int]]]
+
 Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
 """What answers queries about a network."""
 
@@ -64,16 +63,19 @@ def with_momentary_triggers(
     """The verdicts, those that hold with a note for each trigger that is true for no time only, and for each condition
     that must always be true and is false for no time only."""
     started = monotonic()
+    committed = somebody_committed(network)
+    if isinstance(committed, Constant):
+        return tuple(verdicts)
     stored = 0
     conditions: dict[_Moment, Expression] = {}
     for verdict in verdicts:
         if _may_be_noted(verdict):
             conditions |= _moments(verdict.query.observer)
             stored = max(stored, verdict.statistics.states_stored)
-    committed = _committed(network)
-    chains = {of: _left_in_chains(network, condition) for of, condition in conditions.items() if committed}
+    ends = _ends_by_channel(network) if conditions else {}
+    chains = {of: _left_in_chains(network, ends, condition) for of, condition in conditions.items()}
     goals = {of: both(left, conditions[of]) for of, left in chains.items() if left and cannot_fail(conditions[of])}
-    if committed is None or not goals:
+    if not goals:
         return tuple(verdicts)
     # First whether it is so in a chain at all: that looks at fewer processes.
     bounded = limits.of_states(max(FEWEST_STATES, stored))
@@ -125,23 +127,11 @@ def _note(of: _Moment, answer: Verdict) -> str:
             return ""
 
 
-def _committed(network: Network) -> Expression | None:
-    """Whether some process is in a committed location; None where there is no such location."""
-    tests: list[Expression] = [
-        LocationTest(process, location)
-        for process, each in enumerate(network.processes)
-        for location, place in enumerate(each.locations)
-        if place.committed
-    ]
-    return any_of(tests) if tests else None
-
-
-def _left_in_chains(network: Network, condition: Expression) -> Expression | None:
+def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Expression | None:
     """Where a transition of a chain of committed locations begins that may change the condition: in one of these
     locations a participant is. None where no such transition may."""
     read = {node.variable for node in _nodes(condition) if isinstance(node, Reference)}
     placed = {(node.process, node.location) for node in _nodes(condition) if isinstance(node, LocationTest)}
-    ends = _ends_by_channel(network)
     found: set[tuple[int, int]] = set()
     for number, process in enumerate(network.processes):
         for edge in process.edges:
@@ -159,7 +149,7 @@ def _left_in_chains(network: Network, condition: Expression) -> Expression | Non
     return any_of(tests) if tests else None
 
 
-def _ends_by_channel(network: Network) -> Mapping[tuple[Variable, bool], set[tuple[int, int]]]:
+def _ends_by_channel(network: Network) -> _Ends:
     """For each channel and for its senders (True) and its receivers (False): processes and locations of their edges."""
     found: defaultdict[tuple[Variable, bool], set[tuple[int, int]]] = defaultdict(set)
     for number, process in enumerate(network.processes):
@@ -186,13 +176,13 @@ def _watched(
     for number, (of, condition) in enumerate(conditions.items()):
         before, risen = (_variable(f"{name}{number}") for name in ("before", "risen"))
         was, has_been = Reference(before), Reference(risen)
-        again = _as_number(both(negation(_is_set(was)), either(_is_set(has_been), condition)))
+        again = as_number(both(negation(is_set(was)), either(is_set(has_been), condition)))
         variables += [before, risen]
         noted += [
             Assign(has_been, Conditional(committed, again, Constant(0), INT), INT),
-            Assign(was, Conditional(committed, was, _as_number(condition), INT), INT),
+            Assign(was, Conditional(committed, was, as_number(condition), INT), INT),
         ]
-        over[of] = both(both(negation(committed), negation(condition)), _is_set(has_been))
+        over[of] = both(both(negation(committed), negation(condition)), is_set(has_been))
     processes = tuple(
         replace(
             process,
@@ -207,11 +197,3 @@ def _watched(
 
 def _variable(name: str) -> Variable:
     return Variable(f"momentary.{name}", IntType(0, 1), VariableKind.GLOBAL, (0,))
-
-
-def _is_set(place: Expression) -> Expression:
-    return Binary(BinaryOperator.EQUAL, place, Constant(1), BOOL)
-
-
-def _as_number(condition: Expression) -> Expression:
-    return Binary(BinaryOperator.NOT_EQUAL, condition, Constant(0), BOOL)

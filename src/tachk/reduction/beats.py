@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from tachk.model.cell_layout import cell_layout
-from tachk.model.connectives import both, either
+from tachk.model.connectives import both, either, is_set
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Network, Process
 from tachk.model.types import ChannelType, ClockType, IntType
@@ -143,7 +143,7 @@ def _doubled(
         originals.append(tuple(copied))
     last: Process = processes[-1]
     processes[-1] = replace(last, variables=(*last.variables, clock, flag))
-    mark = Binary(BinaryOperator.EQUAL, Reference(flag), Constant(1), BOOL)
+    mark = is_set(Reference(flag))
     return DoubledNetwork(replace(network, processes=tuple(processes)), mark, Reference(clock), tuple(originals))
 
 
