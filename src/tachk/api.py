@@ -125,15 +125,15 @@ def conform(
     Raises UsageError if the recording does not fit the model, or it says nothing of them, UnsupportedError.
     """
     from tachk.conformance.asking import conform_file
-    from tachk.conformance.question import Explanation, Question
+    from tachk.conformance.question import ExplanationDetail, Question
     from tachk.loading.recorded_models import recorded_model
 
     model = model if isinstance(model, Model) else load(model)
     model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
-    if explain not in list(Explanation):
-        raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(Explanation)}")
+    if explain not in list(ExplanationDetail):
+        raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(ExplanationDetail)}")
     logs = tuple(os.fspath(each) for each in applications)
-    asked = Question(tolerance, late, unit, tuple(ports), logs, Explanation(explain))
+    asked = Question(tolerance, late, unit, tuple(ports), logs, ExplanationDetail(explain))
     return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
 
 
@@ -471,7 +471,7 @@ class Model(Estimable):
             UsageError: there is no such property or constant, or the file belongs to another sweep.
         """
         from tachk.campaign.job import verification
-        from tachk.campaign.run import Part, computing, run_campaign
+        from tachk.campaign.run import GridPart, computing, run_campaign
         from tachk.model.grid import grid_of_values
         from tachk.report.campaign.table import Sweep
 
@@ -482,7 +482,7 @@ class Model(Estimable):
             self._written, grid.names, questions, options or Options(), limits or Limits(), settings, judge
         )
         compute = computing(processes, dask)
-        return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, Part(*part), merge))
+        return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, GridPart(*part), merge))
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.

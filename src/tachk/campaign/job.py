@@ -67,7 +67,7 @@ ESTIMATED = "estimated"
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class FormulaCounts:
     """On how many runs a formula is true, false, and neither for certain; and how many transitions they have."""
 
     name: str
@@ -86,7 +86,7 @@ class Judge(Protocol):
         """Of the formulas."""
         ...
 
-    def judged(self, network: Network) -> Iterable[Judged]: ...
+    def judged(self, network: Network) -> Iterable[FormulaCounts]: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +219,7 @@ def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:
     return tuple({**nothing, "property": name} for name in names)
 
 
-def _judged(found: Judged, confidence: float) -> Row:
+def _judged(found: FormulaCounts, confidence: float) -> Row:
     """The row of a formula: how probable it is that a run satisfies it. A run that is undetermined may or may not."""
     runs = found.true + found.false + found.undetermined
     low, high = clopper_pearson(found.true, runs, confidence, maybe=found.undetermined)

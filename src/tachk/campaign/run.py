@@ -42,7 +42,7 @@ class Progress:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class GridPart:
     """Every ``of``-th cell, from number ``number`` on: for jobs that compute a grid together.
 
     Raises UsageError for a number that is not among 1 to ``of``.
@@ -106,7 +106,7 @@ def run_campaign(
     compute: Computing,
     seconds: float | None = None,
     progress: Callable[[Progress], None] | None = None,
-    part: Part = Part(1, 1),
+    part: GridPart = GridPart(1, 1),
     others: Iterable[str | os.PathLike[str]] = (),
 ) -> Campaign:
     """Computes the cells that the file does not have.

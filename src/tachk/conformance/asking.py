@@ -14,7 +14,7 @@ from tachk.conformance.event_tables import read_events
 from tachk.conformance.events import Recording
 from tachk.conformance.nearby import SHORT_WORK, smallest_edit
 from tachk.conformance.packet_events import SUFFIXES, read_capture
-from tachk.conformance.question import Explanation, Question
+from tachk.conformance.question import ExplanationDetail, Question
 from tachk.conformance.queues import Constants
 from tachk.conformance.tolerances import duration, least
 from tachk.diagnostics.diagnostic import UsageError
@@ -49,7 +49,7 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
 
     def ask(allowed: Fraction | None) -> Conformance:
         left = limits.after(monotonic() - started)
-        explain = asked.explanation is not Explanation.NONE
+        explain = asked.explanation is not ExplanationDetail.NONE
         return conform(network, mapping, events, constants, allowed, lateness, limits=left, explain=explain)
 
     if asked.tolerance == AUTO:
@@ -68,7 +68,7 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
         return tried.accepted is True
 
     try:
-        work = None if asked.explanation is Explanation.FULL else SHORT_WORK
+        work = None if asked.explanation is ExplanationDetail.FULL else SHORT_WORK
         search = smallest_edit(network, mapping, events, constants, found, left, accepts, work)
         return replace(found, edit=search.edit, untried=search.untried)
     except OutOfTimeError:

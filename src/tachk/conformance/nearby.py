@@ -42,7 +42,7 @@ _STATES_OF_EDGE = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class EditSearch:
     """What a search for an edit has come to.
 
     Attributes:
@@ -76,7 +76,7 @@ def smallest_edit(
     left: Callable[[], Limits],
     accepts: Callable[[Recording], bool],
     work: int | None = None,
-) -> Found:
+) -> EditSearch:
     """The first edit near the event where a recording leaves a model that makes it a run.
 
     Args:
@@ -89,19 +89,19 @@ def smallest_edit(
     """
     refusal = found.refusal
     if refusal is None or refusal.event is None:
-        return Found(None)
+        return EditSearch(None)
     near = Near(network, mapping, recording, constants, found, left)
     origin, scale = found.queues.origin, found.queues.scale
     place = near.numbers.index(refusal.event)
     likely = list(edits(near.recording, place, refusal.offers, origin, scale))
     for number, edit in enumerate(likely):
         if work is not None and near.work >= work:
-            return Found(None, len(likely) - number)
+            return EditSearch(None, len(likely) - number)
         if near.accepts(edited(near.recording, edit, scale)):
             whole = replace(edit, event=near.numbers[edit.event])
             if accepts(edited(recording, whole, scale)):
-                return Found(whole)
-    return Found(None)
+                return EditSearch(whole)
+    return EditSearch(None)
 
 
 class Near:

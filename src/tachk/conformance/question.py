@@ -7,7 +7,7 @@ from enum import StrEnum
 from tachk.records import dataclass
 
 
-class Explanation(StrEnum):
+class ExplanationDetail(StrEnum):
     """How much the report explains about a recording that does not conform."""
 
     NONE = "none"
@@ -27,4 +27,4 @@ class Question:
     unit: str | None = None
     ports: tuple[int, ...] = ()
     applications: tuple[str, ...] = ()
-    explanation: Explanation = Explanation.SHORT
+    explanation: ExplanationDetail = ExplanationDetail.SHORT

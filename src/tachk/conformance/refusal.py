@@ -21,7 +21,7 @@ from tachk.model.recording import RecordingMap
 from tachk.model.types import cell_count
 from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
-from tachk.semantics.constraints import TooManyCasesError
+from tachk.semantics.constraints import TooManyConjunctionsError
 from tachk.semantics.dbm import INFINITY, Zone
 from tachk.semantics.discrete import PreparedNetwork, execute_updates, may_delay, prepare
 from tachk.semantics.timed_trace import DiscreteState, Transition
@@ -49,7 +49,7 @@ class Offer:
 
 
 @dataclass(frozen=True, slots=True)
-class Offers:
+class AllowedEvents:
     """Attributes:
     offers: by the earliest time.
     whole: there are no others.
@@ -107,7 +107,7 @@ def end_by_reference(following: Following, path: Sequence[Transition]) -> End:
 
 def offers(
     network: Network, mapping: RecordingMap, following: Following, queues: Queues, happened: Sequence[int], end: End
-) -> Offers:
+) -> AllowedEvents:
     """What the model could do behind a run.
 
     Of the recording only what is next matters, so that a long one takes no longer than a short one.
@@ -132,7 +132,7 @@ def offers(
         discrete, arrived = pending.pop(0)
         try:
             here = symbolic.situation(model, discrete)
-        except TooManyCasesError:
+        except TooManyConjunctionsError:
             whole = False
             continue
         passed = seen.setdefault(discrete, [])
@@ -159,7 +159,7 @@ def offers(
         Offer(queues.queues[queue].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
         for (queue, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
     )
-    return Offers(allowed, whole and not pending)
+    return AllowedEvents(allowed, whole and not pending)
 
 
 def state_text(following: Following, end: End) -> str:

@@ -36,7 +36,7 @@ class ConstantLines:
 
 
 @dataclass(frozen=True, slots=True)
-class _Line:
+class _ConstantLine:
     """What a constant is equal to, and its unit, empty where it has none."""
 
     expression: ast.Expression
@@ -52,7 +52,7 @@ class ConstantReader:
     """
 
     definitions: Mapping[str, str] = field(default_factory=dict)
-    lines: dict[str, _Line] = field(default_factory=dict)
+    lines: dict[str, _ConstantLine] = field(default_factory=dict)
     found: list[Diagnostic] = field(default_factory=list)
 
     def take(self, span: Span) -> bool:
@@ -79,7 +79,7 @@ class ConstantReader:
             help_ = "a constant is a number, or computed from numbers and constants, with a unit if it is a time: 2.5 s"
             self.found += found or [Diagnostic("E0602", f"`{value.text}` is not a constant number", value, help_)]
             return True
-        self.lines[name] = _Line(formula.expression, unit)
+        self.lines[name] = _ConstantLine(formula.expression, unit)
         return True
 
     def values(self) -> ConstantLines:

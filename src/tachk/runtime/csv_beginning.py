@@ -40,7 +40,7 @@ class ByteStream(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Beginning:
+class CsvBeginning:
     """Attributes:
     line: the number of the first line behind the header.
     read: what was read behind the header.
@@ -56,7 +56,7 @@ class Beginning:
     dates: bool
 
 
-def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | None, waiting: bool) -> Beginning:
+def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | None, waiting: bool) -> CsvBeginning:
     """Reads the header, and some rows.
 
     Args:
@@ -72,7 +72,7 @@ def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | 
     if dates:
         header = replace(header, unit=agreed_unit("s", header.unit or unit, name))
     sample = begin if waiting else begin + stream.read1(_SAMPLE)
-    return Beginning(header, separator, line, sample, _point(sample, separator), dates)
+    return CsvBeginning(header, separator, line, sample, _point(sample, separator), dates)
 
 
 def _first_row(stream: ByteStream) -> bytes:

@@ -17,7 +17,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.runtime.arrivals import arriving
 from tachk.runtime.compressed import is_compressed, open_bytes, torn
-from tachk.runtime.csv_beginning import Beginning, ByteStream, read_beginning
+from tachk.runtime.csv_beginning import ByteStream, CsvBeginning, read_beginning
 from tachk.runtime.csv_faults import FINEST, is_half_value, told_fault
 from tachk.runtime.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.runtime.logs.labels import Labels
@@ -310,7 +310,7 @@ def open_csv_stream(stream: ByteStream, name: str, time: str | None = None, unit
     return _recording(name, lambda: PushedBack(stream, begin.read), begin, None)
 
 
-def _recording(name: str, opened: Callable[[], ByteStream], begin: Beginning, size: int | None) -> CsvRecording:
+def _recording(name: str, opened: Callable[[], ByteStream], begin: CsvBeginning, size: int | None) -> CsvRecording:
     return CsvRecording(name, opened, begin.header, begin.separator, begin.line, size, begin.dates, point=begin.point)
 
 

@@ -46,7 +46,7 @@ _FEW = 256
 """Of so many conjunctions each is compared with each."""
 
 
-class TooManyCasesError(Exception):
+class TooManyConjunctionsError(Exception):
     """A condition is a disjunction of more conjunctions than its reader allows."""
 
 

@@ -22,7 +22,7 @@ from tachk.semantics.constraints import (
     TRUE,
     Conjunction,
     Disjunction,
-    TooManyCasesError,
+    TooManyConjunctionsError,
     certain,
     conditional_constraints,
     conjunction,
@@ -160,8 +160,11 @@ def guarded_transitions(
     model: PreparedNetwork, discrete: DiscreteState
 ) -> tuple[list[tuple[Transition, Disjunction]], list[tuple[Disjunction, EvaluationFault]]]:
     """The transitions that the discrete state admits, each with the clock constraints of all its guards; and what
-    cannot be evaluated, with where it is asked for. Raises TooManyCasesError where there are more of them, and of their
-    guards more conjunctions, than the model's `most_cases`."""
+    cannot be evaluated, with where it is asked for.
+
+    Raises TooManyConjunctionsError where there are more transitions, and of their guards more conjunctions, than the
+    model's `most_cases`.
+    """
     cases = 0
     guards: dict[Participant, Disjunction] = {}
     found: list[tuple[Transition, Disjunction]] = []
@@ -201,7 +204,7 @@ def guarded_transitions(
                 found.append((transition, guard_of(model, discrete, transition)))
                 cases += 1 + len(found[-1][1])
             if cases > model.most_cases:
-                raise TooManyCasesError
+                raise TooManyConjunctionsError
     return found, faults
 
 
@@ -210,7 +213,7 @@ def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
     """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
 
     False if the guards rule the transition out in the discrete state. Its committed rule is not looked at. Raises
-    EvaluationFault, and TooManyCasesError where they are more conjunctions than the model's `most_cases`.
+    EvaluationFault, and TooManyConjunctionsError where they are more conjunctions than the model's `most_cases`.
     """
     scratch = environment(model, discrete)
     whole = TRUE
@@ -229,11 +232,11 @@ def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
 
 
 def _few(model: PreparedNetwork, condition: Disjunction) -> Disjunction:
-    """A product that has grown by a factor. Raises TooManyCasesError."""
+    """A product that has grown by a factor. Raises TooManyConjunctionsError."""
     check_time()
     found = condition if len(condition) == 1 else tidied(condition)
     if len(found) > model.most_cases:
-        raise TooManyCasesError
+        raise TooManyConjunctionsError
     return found
 
 

@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import ReportForm
-from tachk.conformance.question import Explanation
+from tachk.conformance.question import ExplanationDetail
 
 
 @click.command(name="conform", short_help="Ask whether recordings are runs of a model.")
@@ -56,11 +56,11 @@ from tachk.conformance.question import Explanation
 @click.option(
     "explanation",
     "--explain",
-    type=options.Choice(Explanation),
-    default=Explanation.SHORT,
+    type=options.Choice(ExplanationDetail),
+    default=ExplanationDetail.SHORT,
     show_default=True,
-    help="What to tell of a recording that is no run. none: only that; short: where it leaves the model, and an edit "
-    "that would make it a run if one is found in a few seconds; full: try all edits near that place.",
+    help="How much to explain about a recording that does not conform. none: nothing; short: where it leaves the model,"
+    " and an edit that would make it a run if one is found in a few seconds; full: try all edits near that place.",
 )
 @click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
 @options.max_states()

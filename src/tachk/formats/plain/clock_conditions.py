@@ -36,18 +36,19 @@ def with_plain_conditions(plain: PlainModel) -> PlainModel:
 def _template(template: ast.Template, names: TextTypes, steps: list[Step]) -> ast.Template:
     inside = names.within(template.declarations, template.parameters)
     locations = tuple(
-        _changed(location, "invariant", _Former(inside, invariant=True), steps) for location in template.locations
+        _changed(location, "invariant", _ConditionRewriting(inside, invariant=True), steps)
+        for location in template.locations
     )
     edges = []
     for edge in template.edges:
         local = inside
         for binding in edge.selects:
             local = local.binding(binding.name.name, binding.type)
-        edges.append(_changed(edge, "guard", _Former(local), steps))
+        edges.append(_changed(edge, "guard", _ConditionRewriting(local), steps))
     return replace(template, locations=locations, edges=tuple(edges))
 
 
-def _changed(node: Any, field: str, former: _Former, steps: list[Step]) -> Any:
+def _changed(node: Any, field: str, former: _ConditionRewriting, steps: list[Step]) -> Any:
     old = getattr(node, field)
     if old is None or not former.names.mentions_clock(old):
         return node
@@ -64,7 +65,7 @@ def _query(query: PlainQuery, names: TextTypes, steps: list[Step]) -> PlainQuery
         return query
     if not any(names.mentions_clock(part) for part in (formula.predicate, *formula.operands)):
         return query
-    former = _Former(names, query=True)
+    former = _ConditionRewriting(names, query=True)
     operands = tuple(former.formed(operand, True) for operand in formula.operands)
     predicate = None if formula.predicate is None else former.formed(formula.predicate, True)
     if predicate is formula.predicate and _same(operands, formula.operands):
@@ -78,7 +79,7 @@ def _same(new: Sequence[object], old: Sequence[object]) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class _Former:
+class _ConditionRewriting:
     """Brings conditions into the form.
 
     Attributes:

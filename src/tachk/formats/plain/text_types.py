@@ -11,7 +11,7 @@ from tachk.syntax.walk import nodes_of_kind
 
 
 @dataclass(frozen=True, slots=True)
-class Declared:
+class DeclaredName:
     """Attributes:
     type: as it is written.
     dimensions: of the array behind the name, those of named types not counted.
@@ -30,8 +30,8 @@ class TextTypes:
     processes: the names in each process or template, for queries.
     """
 
-    names: Mapping[str, Declared]
-    types: Mapping[str, Declared]
+    names: Mapping[str, DeclaredName]
+    types: Mapping[str, DeclaredName]
     results: Mapping[str, ast.TypeExpression]
     processes: Mapping[str, TextTypes]
 
@@ -39,13 +39,13 @@ class TextTypes:
         """With what a block declares, which hides what has the same name outside."""
         names, types, results = dict(self.names), dict(self.types), dict(self.results)
         for parameter in parameters:
-            names[parameter.name.name] = Declared(parameter.type, len(parameter.dimensions))
+            names[parameter.name.name] = DeclaredName(parameter.type, len(parameter.dimensions))
         for item in declarations:
             match item:
                 case ast.VariableDeclaration(type=ast.TypeExpression() as type_):
-                    names.update((d.name.name, Declared(type_, len(d.dimensions))) for d in item.declarators)
+                    names.update((d.name.name, DeclaredName(type_, len(d.dimensions))) for d in item.declarators)
                 case ast.TypedefDeclaration(type=type_):
-                    types.update((d.name.name, Declared(type_, len(d.dimensions))) for d in item.declarators)
+                    types.update((d.name.name, DeclaredName(type_, len(d.dimensions))) for d in item.declarators)
                 case ast.FunctionDeclaration(result=result, name=name):
                     results[name.name] = result
                 case _:
@@ -54,9 +54,9 @@ class TextTypes:
 
     def binding(self, name: str, type_: ast.TypeExpression) -> TextTypes:
         """With one more name: of a quantifier or a select."""
-        return replace(self, names={**self.names, name: Declared(type_)})
+        return replace(self, names={**self.names, name: DeclaredName(type_)})
 
-    def place(self, expression: ast.Expression) -> Declared | None:
+    def place(self, expression: ast.Expression) -> DeclaredName | None:
         """What a variable, an element of an array or a field of a record is; None for everything else."""
         match expression:
             case ast.NameExpression(name=name):
@@ -79,11 +79,11 @@ class TextTypes:
         found = self.place(expression)
         return "" if found is None else self.base_of(found)
 
-    def base_of(self, found: Declared) -> str:
+    def base_of(self, found: DeclaredName) -> str:
         match found:
-            case Declared(ast.TypeExpression(base=ast.BuiltinType(name=name)), 0):
+            case DeclaredName(ast.TypeExpression(base=ast.BuiltinType(name=name)), 0):
                 return name
-            case Declared(ast.TypeExpression(base=ast.RangeType()), 0):
+            case DeclaredName(ast.TypeExpression(base=ast.RangeType()), 0):
                 return "int"
             case _:
                 return ""
@@ -111,25 +111,25 @@ class TextTypes:
         places = nodes_of_kind(tree, ast.NameExpression, ast.IndexExpression, ast.MemberExpression)
         return any(self.base(place) == "clock" for place in places)
 
-    def _whole(self, found: Declared | None) -> Declared | None:
+    def _whole(self, found: DeclaredName | None) -> DeclaredName | None:
         """The type with each named type replaced by its definition."""
         while found is not None and isinstance(found.type.base, ast.NamedType):
             named = self.types.get(found.type.base.name)
             if named is None:
                 return found
-            found = Declared(named.type, found.dimensions + named.dimensions)
+            found = DeclaredName(named.type, found.dimensions + named.dimensions)
         return found
 
-    def _field(self, record: Declared | None, name: str) -> Declared | None:
+    def _field(self, record: DeclaredName | None, name: str) -> DeclaredName | None:
         if record is None or record.dimensions or not isinstance(record.type.base, ast.StructType):
             return None
         for field in record.type.base.fields:
             for declarator in field.declarators:
                 if declarator.name.name == name and field.type is not None:
-                    return self._whole(Declared(field.type, len(declarator.dimensions)))
+                    return self._whole(DeclaredName(field.type, len(declarator.dimensions)))
         return None
 
-    def _of_process(self, base: ast.Expression, name: str) -> Declared | None:
+    def _of_process(self, base: ast.Expression, name: str) -> DeclaredName | None:
         called = base.function if isinstance(base, ast.CallExpression) else base
         inner = self.processes.get(called.name) if isinstance(called, ast.NameExpression) else None
         return None if inner is None else inner.place(ast.NameExpression(base.span, name))

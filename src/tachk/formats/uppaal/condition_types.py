@@ -17,7 +17,7 @@ from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
 
-class Kind(IntEnum):
+class ConditionKind(IntEnum):
     """The types of expressions, as far as conditions depend on them. From INTEGER to CONSTRAINT, what is a type is also
     each later one."""
 
@@ -38,14 +38,19 @@ class Kind(IntEnum):
     """UPPAAL refuses the expression itself."""
 
 
-_INTEGRAL = (Kind.INTEGER, Kind.BOOLEAN)
-_BOUND = (Kind.INTEGER, Kind.DOUBLE)
-_NUMBER = (*_INTEGRAL, Kind.DOUBLE, Kind.CLOCK, Kind.DIFFERENCE)
-_INVARIANT = (*_INTEGRAL, Kind.INVARIANT)
-_RATED = (*_INVARIANT, Kind.RATED)
-_GUARD = (*_INVARIANT, Kind.GUARD)
-_CONSTRAINT = (*_GUARD, Kind.CONSTRAINT)
-_DECLARED = {"clock": Kind.CLOCK, "int": Kind.INTEGER, "bool": Kind.BOOLEAN, "double": Kind.DOUBLE}
+_INTEGRAL = (ConditionKind.INTEGER, ConditionKind.BOOLEAN)
+_BOUND = (ConditionKind.INTEGER, ConditionKind.DOUBLE)
+_NUMBER = (*_INTEGRAL, ConditionKind.DOUBLE, ConditionKind.CLOCK, ConditionKind.DIFFERENCE)
+_INVARIANT = (*_INTEGRAL, ConditionKind.INVARIANT)
+_RATED = (*_INVARIANT, ConditionKind.RATED)
+_GUARD = (*_INVARIANT, ConditionKind.GUARD)
+_CONSTRAINT = (*_GUARD, ConditionKind.CONSTRAINT)
+_DECLARED = {
+    "clock": ConditionKind.CLOCK,
+    "int": ConditionKind.INTEGER,
+    "bool": ConditionKind.BOOLEAN,
+    "double": ConditionKind.DOUBLE,
+}
 _ONLY_INTEGERS = frozenset("%&|^") | {"<<", ">>"}
 _MEND = "`tachk export` writes it with `&&` and `||`"
 
@@ -69,7 +74,7 @@ def condition_findings(items: Iterable[ast.Item], version: str) -> Iterator[Diag
     for item in listed:
         if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.QueryFormula):
             for predicate in (item.formula.predicate, *item.formula.operands):
-                if predicate is not None and kind_of(predicate, names) is Kind.WRONG:
+                if predicate is not None and kind_of(predicate, names) is ConditionKind.WRONG:
                     yield _refused("a query", predicate, version)
 
 
@@ -77,12 +82,12 @@ def _invariant(invariant: ast.Expression, names: TextTypes, version: str) -> Ite
     if _takes(invariant, names, _RATED):
         return
     compared = nodes_of_kind(invariant, ast.BinaryExpression)
-    equal = [n for n in compared if n.operator is BinaryOperator.EQUAL and kind_of(n, names) is Kind.GUARD]
+    equal = [n for n in compared if n.operator is BinaryOperator.EQUAL and kind_of(n, names) is ConditionKind.GUARD]
     for node in equal:
         message = f"{version} does not take a clock that equals something as an invariant"
         mend = "write `<=`; a lower bound belongs into the guards of the edges that lead here"
         yield Diagnostic("E0818", message, node.span, mend)
-    if not equal or kind_of(invariant, names) is not Kind.GUARD:
+    if not equal or kind_of(invariant, names) is not ConditionKind.GUARD:
         yield _refused("an invariant", invariant, version)
 
 
@@ -90,30 +95,34 @@ def _refused(what: str, condition: ast.Expression, version: str) -> Diagnostic:
     return Diagnostic("E0823", f"{version} does not take this condition about clocks in {what}", condition.span, _MEND)
 
 
-def _takes(condition: ast.Expression, names: TextTypes, kinds: tuple[Kind, ...]) -> bool:
-    return kind_of(condition, names) in (*kinds, Kind.OTHER)
+def _takes(condition: ast.Expression, names: TextTypes, kinds: tuple[ConditionKind, ...]) -> bool:
+    return kind_of(condition, names) in (*kinds, ConditionKind.OTHER)
 
 
-def kind_of(node: ast.Expression, names: TextTypes) -> Kind:
+def kind_of(node: ast.Expression, names: TextTypes) -> ConditionKind:
     """The type of an expression for UPPAAL."""
     match node:
         case ast.NameExpression() | ast.IndexExpression() | ast.MemberExpression():
             # What is not declared as a variable is a location, a signal or a constant that UPPAAL declares itself.
             found = names.place(node)
-            return Kind.INTEGER if found is None else _DECLARED.get(names.base_of(found), Kind.OTHER)
+            return ConditionKind.INTEGER if found is None else _DECLARED.get(names.base_of(found), ConditionKind.OTHER)
         case ast.IntegerLiteral() | ast.IncrementExpression():
-            return Kind.INTEGER
+            return ConditionKind.INTEGER
         case ast.BooleanLiteral():
-            return Kind.BOOLEAN
+            return ConditionKind.BOOLEAN
         case ast.FloatLiteral():
-            return Kind.DOUBLE
+            return ConditionKind.DOUBLE
         case ast.RateExpression():
-            return Kind.RATE
+            return ConditionKind.RATE
         case ast.DeadlockExpression():
-            return Kind.CONSTRAINT
+            return ConditionKind.CONSTRAINT
         case ast.CallExpression(function=ast.NameExpression(name=name)) if name in names.results:
             result = names.results[name].base
-            return _DECLARED.get(result.name, Kind.OTHER) if isinstance(result, ast.BuiltinType) else Kind.OTHER
+            return (
+                _DECLARED.get(result.name, ConditionKind.OTHER)
+                if isinstance(result, ast.BuiltinType)
+                else ConditionKind.OTHER
+            )
         case ast.UnaryExpression(operator=operator, operand=operand):
             return _unary(operator, kind_of(operand, names))
         case ast.BinaryExpression(operator=operator, left=left, right=right):
@@ -123,130 +132,143 @@ def kind_of(node: ast.Expression, names: TextTypes) -> Kind:
         case ast.QuantifierExpression(kind=kind, variable=variable, type=type_, body=body):
             return _quantified(kind, kind_of(body, names.binding(variable.name, type_)))
         case _:
-            return Kind.OTHER
+            return ConditionKind.OTHER
 
 
-def _unary(operator: PrefixOperator, operand: Kind) -> Kind:
-    if operand in (Kind.WRONG, Kind.OTHER):
+def _unary(operator: PrefixOperator, operand: ConditionKind) -> ConditionKind:
+    if operand in (ConditionKind.WRONG, ConditionKind.OTHER):
         return operand
     if operator is PrefixOperator.NOT:
         if operand in _INTEGRAL:
-            return Kind.BOOLEAN
-        return Kind.CONSTRAINT if operand in _CONSTRAINT else Kind.WRONG
+            return ConditionKind.BOOLEAN
+        return ConditionKind.CONSTRAINT if operand in _CONSTRAINT else ConditionKind.WRONG
     if operand in _INTEGRAL:
-        return Kind.INTEGER
-    return Kind.DOUBLE if operand in _NUMBER else Kind.WRONG
+        return ConditionKind.INTEGER
+    return ConditionKind.DOUBLE if operand in _NUMBER else ConditionKind.WRONG
 
 
-def _binary(operator: BinaryOperator, left: Kind, right: Kind) -> Kind:
-    if Kind.WRONG in (left, right):
-        return Kind.WRONG
-    if Kind.OTHER in (left, right):
-        return Kind.OTHER
+def _binary(operator: BinaryOperator, left: ConditionKind, right: ConditionKind) -> ConditionKind:
+    if ConditionKind.WRONG in (left, right):
+        return ConditionKind.WRONG
+    if ConditionKind.OTHER in (left, right):
+        return ConditionKind.OTHER
     match operator:
         case BinaryOperator.AND:
-            return next((kind for kinds, kind in _CONJUNCTIONS if left in kinds and right in kinds), Kind.WRONG)
+            return next(
+                (kind for kinds, kind in _CONJUNCTIONS if left in kinds and right in kinds), ConditionKind.WRONG
+            )
         case BinaryOperator.OR:
             return _disjunction(left, right)
         case BinaryOperator.IMPLY:
             return _disjunction(_unary(PrefixOperator.NOT, left), right)
         case BinaryOperator.XOR:
-            return Kind.BOOLEAN if left in _INTEGRAL and right in _INTEGRAL else Kind.WRONG
+            return ConditionKind.BOOLEAN if left in _INTEGRAL and right in _INTEGRAL else ConditionKind.WRONG
         case BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL:
             return _equality(operator, left, right)
         case BinaryOperator.LESS | BinaryOperator.LESS_EQUAL:
             return _order(left, right, _BOUND)
         case BinaryOperator.GREATER | BinaryOperator.GREATER_EQUAL:
-            return _order(left, right, (Kind.INTEGER,))
+            return _order(left, right, (ConditionKind.INTEGER,))
         case _:
             return _arithmetic(operator, left, right)
 
 
 _CONJUNCTIONS = (
-    (_INTEGRAL, Kind.BOOLEAN),
-    (_INVARIANT, Kind.INVARIANT),
-    (_RATED, Kind.RATED),
-    (_GUARD, Kind.GUARD),
-    (_CONSTRAINT, Kind.CONSTRAINT),
+    (_INTEGRAL, ConditionKind.BOOLEAN),
+    (_INVARIANT, ConditionKind.INVARIANT),
+    (_RATED, ConditionKind.RATED),
+    (_GUARD, ConditionKind.GUARD),
+    (_CONSTRAINT, ConditionKind.CONSTRAINT),
 )
 
 
-def _disjunction(left: Kind, right: Kind) -> Kind:
-    if Kind.WRONG in (left, right):
-        return Kind.WRONG
+def _disjunction(left: ConditionKind, right: ConditionKind) -> ConditionKind:
+    if ConditionKind.WRONG in (left, right):
+        return ConditionKind.WRONG
     if left in _INTEGRAL and right in _INTEGRAL:
-        return Kind.BOOLEAN
+        return ConditionKind.BOOLEAN
     if left in _INTEGRAL or right in _INTEGRAL:
         timed = right if left in _INTEGRAL else left
-        if timed in (Kind.INVARIANT, Kind.RATED, Kind.GUARD):
+        if timed in (ConditionKind.INVARIANT, ConditionKind.RATED, ConditionKind.GUARD):
             return timed
-    return Kind.CONSTRAINT if left in _CONSTRAINT and right in _CONSTRAINT else Kind.WRONG
+    return ConditionKind.CONSTRAINT if left in _CONSTRAINT and right in _CONSTRAINT else ConditionKind.WRONG
 
 
-def _equality(operator: BinaryOperator, left: Kind, right: Kind) -> Kind:
+def _equality(operator: BinaryOperator, left: ConditionKind, right: ConditionKind) -> ConditionKind:
     if left in _INTEGRAL and right in _INTEGRAL:
-        return Kind.BOOLEAN
-    if Kind.RATE in (left, right):
-        other = right if left is Kind.RATE else left
-        return Kind.RATED if operator is BinaryOperator.EQUAL and other in _NUMBER else Kind.WRONG
+        return ConditionKind.BOOLEAN
+    if ConditionKind.RATE in (left, right):
+        other = right if left is ConditionKind.RATE else left
+        return ConditionKind.RATED if operator is BinaryOperator.EQUAL and other in _NUMBER else ConditionKind.WRONG
     if left not in _NUMBER or right not in _NUMBER:
-        return Kind.WRONG
-    timed = (Kind.CLOCK, Kind.DIFFERENCE)
+        return ConditionKind.WRONG
+    timed = (ConditionKind.CLOCK, ConditionKind.DIFFERENCE)
     if left in timed or right in timed:
-        return Kind.GUARD if operator is BinaryOperator.EQUAL else Kind.CONSTRAINT
-    return Kind.BOOLEAN
+        return ConditionKind.GUARD if operator is BinaryOperator.EQUAL else ConditionKind.CONSTRAINT
+    return ConditionKind.BOOLEAN
 
 
-def _order(left: Kind, right: Kind, bounds: tuple[Kind, ...]) -> Kind:
+def _order(left: ConditionKind, right: ConditionKind, bounds: tuple[ConditionKind, ...]) -> ConditionKind:
     if left in _INTEGRAL and right in _INTEGRAL:
-        return Kind.BOOLEAN
+        return ConditionKind.BOOLEAN
     for one, other in ((left, right), (right, left)):
-        if (one is Kind.CLOCK and other in (Kind.CLOCK, *bounds)) or (one is Kind.DIFFERENCE and other in bounds):
-            return Kind.INVARIANT
+        if (one is ConditionKind.CLOCK and other in (ConditionKind.CLOCK, *bounds)) or (
+            one is ConditionKind.DIFFERENCE and other in bounds
+        ):
+            return ConditionKind.INVARIANT
     if left not in _NUMBER or right not in _NUMBER:
-        return Kind.WRONG
-    return Kind.GUARD if Kind.CLOCK in (left, right) else Kind.BOOLEAN
+        return ConditionKind.WRONG
+    return ConditionKind.GUARD if ConditionKind.CLOCK in (left, right) else ConditionKind.BOOLEAN
 
 
-def _arithmetic(operator: BinaryOperator, left: Kind, right: Kind) -> Kind:
+def _arithmetic(operator: BinaryOperator, left: ConditionKind, right: ConditionKind) -> ConditionKind:
     if left in _INTEGRAL and right in _INTEGRAL:
-        return Kind.INTEGER
+        return ConditionKind.INTEGER
     if operator in _ONLY_INTEGERS or left not in _NUMBER or right not in _NUMBER:
-        return Kind.WRONG
+        return ConditionKind.WRONG
     pair = {left, right}
-    if operator is BinaryOperator.ADD and pair == {Kind.CLOCK, Kind.INTEGER}:
-        return Kind.CLOCK
-    if operator is BinaryOperator.SUBTRACT and (left, right) == (Kind.CLOCK, Kind.INTEGER):
-        return Kind.CLOCK
-    if operator is BinaryOperator.SUBTRACT and pair == {Kind.CLOCK}:
-        return Kind.DIFFERENCE
-    if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT) and pair == {Kind.DIFFERENCE, Kind.INTEGER}:
-        return Kind.DIFFERENCE
-    return Kind.DOUBLE
+    if operator is BinaryOperator.ADD and pair == {ConditionKind.CLOCK, ConditionKind.INTEGER}:
+        return ConditionKind.CLOCK
+    if operator is BinaryOperator.SUBTRACT and (left, right) == (ConditionKind.CLOCK, ConditionKind.INTEGER):
+        return ConditionKind.CLOCK
+    if operator is BinaryOperator.SUBTRACT and pair == {ConditionKind.CLOCK}:
+        return ConditionKind.DIFFERENCE
+    if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT) and pair == {
+        ConditionKind.DIFFERENCE,
+        ConditionKind.INTEGER,
+    }:
+        return ConditionKind.DIFFERENCE
+    return ConditionKind.DOUBLE
 
 
-def _conditional(condition: Kind, then: Kind, otherwise: Kind) -> Kind:
-    if Kind.WRONG in (condition, then, otherwise) or condition not in (*_GUARD, Kind.OTHER):
-        return Kind.WRONG
-    if Kind.OTHER in (then, otherwise):
-        return Kind.OTHER
+def _conditional(condition: ConditionKind, then: ConditionKind, otherwise: ConditionKind) -> ConditionKind:
+    if ConditionKind.WRONG in (condition, then, otherwise) or condition not in (*_GUARD, ConditionKind.OTHER):
+        return ConditionKind.WRONG
+    if ConditionKind.OTHER in (then, otherwise):
+        return ConditionKind.OTHER
     if then in _INTEGRAL and otherwise in _INTEGRAL:
         return then
-    values = (*_INTEGRAL, Kind.CLOCK, Kind.DOUBLE)
+    values = (*_INTEGRAL, ConditionKind.CLOCK, ConditionKind.DOUBLE)
     if then in values and otherwise in values:
-        return Kind.CLOCK if then is otherwise is Kind.CLOCK else Kind.DOUBLE
-    return Kind.WRONG
+        return ConditionKind.CLOCK if then is otherwise is ConditionKind.CLOCK else ConditionKind.DOUBLE
+    return ConditionKind.WRONG
 
 
-def _quantified(kind: str, body: Kind) -> Kind:
-    if body in (Kind.OTHER, Kind.WRONG):
+def _quantified(kind: str, body: ConditionKind) -> ConditionKind:
+    if body in (ConditionKind.OTHER, ConditionKind.WRONG):
         return body
     if kind == "sum":
-        return Kind.INTEGER if body in _INTEGRAL else Kind.DOUBLE if body in _NUMBER else Kind.WRONG
+        return (
+            ConditionKind.INTEGER
+            if body in _INTEGRAL
+            else ConditionKind.DOUBLE
+            if body in _NUMBER
+            else ConditionKind.WRONG
+        )
     if kind not in ("forall", "exists"):
-        return Kind.OTHER
+        return ConditionKind.OTHER
     if body in _INTEGRAL:
-        return Kind.BOOLEAN
-    if kind == "forall" and body in (*_CONSTRAINT, Kind.RATED):
+        return ConditionKind.BOOLEAN
+    if kind == "forall" and body in (*_CONSTRAINT, ConditionKind.RATED):
         return body
-    return Kind.CONSTRAINT if body in _CONSTRAINT else Kind.WRONG
+    return ConditionKind.CONSTRAINT if body in _CONSTRAINT else ConditionKind.WRONG

@@ -40,7 +40,7 @@ _REGIONS, _STATES = 600, 20_000
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class ComparedFormula:
     """``expected``: whether the oracle says that the formula is violated; ``committed``: whether the network has
     committed locations."""
 
@@ -55,7 +55,7 @@ class Compared:
         return self.answer is (Answer.FAILS if self.expected else Answer.HOLDS)
 
 
-def compare_awaited(seed: int, forms: tuple[str, ...] = FORMS) -> list[Compared]:
+def compare_awaited(seed: int, forms: tuple[str, ...] = FORMS) -> list[ComparedFormula]:
     """The pairs of a random network with formulas, as far as limits allow an answer."""
     random = Random(seed)
     network = random_case(random, SHAPES[seed % len(SHAPES)]).network
@@ -72,7 +72,7 @@ def compare_awaited(seed: int, forms: tuple[str, ...] = FORMS) -> list[Compared]
             continue
         (verdict,) = verify(network, [query], limits=Limits(states=_STATES))
         if verdict.answer is not Answer.UNKNOWN:
-            found.append(Compared(seed, form, expected, verdict.answer, committed))
+            found.append(ComparedFormula(seed, form, expected, verdict.answer, committed))
     return found
 
 

@@ -12,7 +12,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.conformance.coverage import coverage
-from tachk.conformance.question import Explanation
+from tachk.conformance.question import ExplanationDetail
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.loading.recorded_models import recorded_model
@@ -35,7 +35,7 @@ class Conforming:
     states: int | None = None
     applications: tuple[str, ...] = ()
     coverage: bool = False
-    explanation: Explanation = Explanation.SHORT
+    explanation: ExplanationDetail = ExplanationDetail.SHORT
 
 
 def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) -> ExitStatus:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tachk.campaign.job import Judged
+from tachk.campaign.job import FormulaCounts
 from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.engines.simulation.simulator import Drawing, Recorded
 from tachk.model.network import Network
@@ -28,7 +28,7 @@ class JudgedRuns:
     def names(self) -> tuple[str, ...]:
         return tuple(formula.name for formula in formulas_for(self.formulas, {}))
 
-    def judged(self, network: Network) -> Iterator[Judged]:
+    def judged(self, network: Network) -> Iterator[FormulaCounts]:
         formulas = formulas_for(self.formulas, {})
         runs = Runs(network, columns_with(network, (), formulas))
         truths: dict[str, Counter[Truth]] = {formula.name: Counter() for formula in formulas}
@@ -41,4 +41,4 @@ class JudgedRuns:
             for name, counts in truths.items():
                 counts[told.get(name, Truth.UNDETERMINED)] += 1
         for name, counts in truths.items():
-            yield Judged(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
+            yield FormulaCounts(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
