@@ -57,7 +57,7 @@ from tachk.conformance.question import ExplanationDetail
     "explanation",
     "--explain",
     type=options.Choice(ExplanationDetail),
-    default=ExplanationDetail.SHORT,
+    default=ExplanationDetail.SHORT.value,
     show_default=True,
     help="How much to explain about a recording that does not conform. none: nothing; short: where it leaves the model,"
     " and an edit that would make it a run if one is found in a few seconds; full: try all edits near that place.",
