@@ -14,8 +14,8 @@ from tachk.engines.outcome import TIME_LIMIT
 from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks
 from tachk.frontend.overrides import constant_overrides
-from tachk.frontend.queries.queries import UncheckedQuery
-from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
+from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.grid import Values
 from tachk.model.network import Network
 from tachk.model.query import Query

@@ -10,8 +10,8 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedErro
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT
 from tachk.engines.simulation.simulator import Ending
 from tachk.frontend.loaded import LoadedModel
-from tachk.frontend.queries.queries import UncheckedQuery
-from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
+from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.query import Expectation, Query
 from tachk.records import dataclass
 from tachk.statistics.deciding import Decision

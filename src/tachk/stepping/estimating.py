@@ -138,7 +138,7 @@ def answers_among(
 
     Raises InputError where a query that was typed is wrong.
     """
-    from tachk.frontend.queries.statistical import is_statistical
+    from tachk.frontend.queries.queries import is_statistical
 
     if not any(map(is_statistical, formulas)):
         return {}
@@ -158,7 +158,8 @@ def answers_among(
 
 def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
     from tachk.diagnostics.span import Source
-    from tachk.frontend.queries.statistical import is_statistical, read_statistical
+    from tachk.frontend.queries.queries import is_statistical
+    from tachk.frontend.queries.statistical import read_statistical
     from tachk.properties.questions import Questions
 
     typed = tuple(Source("<query>", text) for text in queries)

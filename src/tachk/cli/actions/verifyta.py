@@ -26,8 +26,7 @@ from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr
 from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
 from tachk.frontend.priority_readings import FIRST
-from tachk.frontend.queries.queries import UncheckedQuery
-from tachk.frontend.queries.statistical import is_statistical
+from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query

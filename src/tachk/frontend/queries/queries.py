@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import TypeGuard
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
@@ -47,6 +48,11 @@ class UncheckedQuery:
     def is_wrong(self) -> bool:
         """Whether the query has a mistake, other than naming what is refused."""
         return any(not diagnostic.is_unsupported for diagnostic in self.diagnostics)
+
+
+def is_statistical(query: object) -> TypeGuard[UncheckedQuery]:
+    """Whether it is one that `tachk.frontend.queries.statistical` reads."""
+    return isinstance(query, UncheckedQuery) and query.family == "statistical"
 
 
 def elaborate_query(

@@ -10,7 +10,6 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import TypeGuard
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -48,11 +47,6 @@ _DURATION = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z]*)")
 _BRACKETS = {"(": ")", "[": "]", "{": "}"}
 _MOST_RUNS = 10**9
 _EXAMPLE = "for example Pr[<=100](<> P.location), E[<=100; 1000](max: n) or simulate [<=100; 5] {n, P.location}"
-
-
-def is_statistical(query: object) -> TypeGuard[UncheckedQuery]:
-    """Whether it is one that `read_statistical` reads."""
-    return isinstance(query, UncheckedQuery) and query.family == "statistical"
 
 
 def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQuery:

@@ -13,7 +13,6 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.syntax.parsing.lalr import Stack, UnexpectedToken
-from tachk.syntax.parsing.messages import explain
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.situation import Situation
 from tachk.syntax.parsing.tables import lexer, tables
@@ -87,6 +86,8 @@ class _Run:
         if index != self.resumed_at:
             accepted = frozenset(name for name in self.stack.choices() if self.stack.accepts([name]))
             begin = self.construct_start()
+            from tachk.syntax.parsing.messages import explain  # only texts with mistakes need them
+
             self.errors.append(explain(Situation(self.tokens, index, accepted, supplied, begin, self.start)))
         if len(self.errors) >= MOST_ERRORS or self.recoveries >= _MOST_RECOVERIES:
             return None

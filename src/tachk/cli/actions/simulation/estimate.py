@@ -14,7 +14,8 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source as Text
-from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.frontend.queries.queries import is_statistical
+from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.query import Expectation
 from tachk.model.statistical import StatisticalQuery
 from tachk.properties.questions import Questions
