@@ -16,7 +16,8 @@ from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.frontend.loaded import LoadedModel
-from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.frontend.queries.queries import is_statistical
+from tachk.frontend.queries.statistical import read_statistical
 from tachk.loading.load import load_model
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import Trajectories
