@@ -124,9 +124,11 @@ void StubbornSets::find_dependencies(const std::vector<Place>& places) {
                              named[semantics_.location_number(edge->process, edge->target)];
                     }));
     moves_.push_back(!place.now.empty());
-    commits_.push_back(std::any_of(place.now.begin(), place.now.end(), [&](const Edge* edge) {
-      return program_.processes[edge->process].locations[static_cast<std::size_t>(edge->target)].committed;
-    }));
+    commitment_.push_back(0);
+    for (const Edge* edge : place.now) {
+      const Location& target = program_.processes[edge->process].locations[static_cast<std::size_t>(edge->target)];
+      commitment_.back() = std::max(commitment_.back(), target.commitment());
+    }
     for (std::size_t other = 0; other < locations_; ++other) {
       const Place& there = places[other];
       dependent_[one * locations_ + other] = place.at_once.writes.meets(there.in_future.reads) ||
@@ -147,29 +149,31 @@ bool StubbornSets::has_ended(const Location& here, ConstZoneRef zone) const {
 
 StubbornSets::Members StubbornSets::enough(const std::int32_t* slots, ConstZoneRef zone) const {
   if (dependent_.empty()) return 0;
-  Members urgent = 0, committed = 0;
-  for (std::size_t process = 0; process < program_.processes.size(); ++process) {
-    const Location& here = semantics_.location(process, slots);
-    if (here.committed) committed |= Members{1} << process;
-    if (here.urgent || has_ended(here, zone)) urgent |= Members{1} << process;
+  const std::size_t processes = program_.processes.size();
+  int most = 0;
+  for (std::size_t p = 0; p < processes; ++p) most = std::max(most, semantics_.location(p, slots).commitment());
+  Members stopping = 0;
+  for (std::size_t p = 0; p < processes; ++p) {
+    const Location& here = semantics_.location(p, slots);
+    if (most > 0 ? here.commitment() == most : here.urgent || has_ended(here, zone)) stopping |= Members{1} << p;
   }
   Members best = 0;
-  for (Members left = committed != 0 ? committed : urgent; left != 0; left &= left - 1) {
-    const Members found = closure(static_cast<std::size_t>(std::countr_zero(left)), committed != 0, slots);
+  for (Members left = stopping; left != 0; left &= left - 1) {
+    const Members found = closure(static_cast<std::size_t>(std::countr_zero(left)), most, slots);
     if (found != 0 && (best == 0 || std::popcount(found) < std::popcount(best))) best = found;
   }
   return best;
 }
 
-StubbornSets::Members StubbornSets::closure(std::size_t process, bool committed, const std::int32_t* slots) const {
+StubbornSets::Members StubbornSets::closure(std::size_t process, int most, const std::int32_t* slots) const {
   const std::size_t processes = program_.processes.size();
   Members members = Members{1} << process;
   for (Members open = members; open != 0;) {
     const auto member = static_cast<std::size_t>(std::countr_zero(open));
     open &= open - 1;
     const std::size_t here = number(member, slots);
-    // Where none is committed, a member in a committed location would keep the others from moving.
-    if (seen_[here] || (!committed && commits_[here])) return 0;
+    // A member that becomes more committed than all would keep others from moving.
+    if (seen_[here] || commitment_[here] > most) return 0;
     for (std::size_t other = 0; other < processes; ++other) {
       const Members bit = Members{1} << other;
       if ((members & bit) != 0 || !depends(here, number(other, slots))) continue;

@@ -2,8 +2,8 @@
 // 2018), by processes.
 //
 // A set of processes is enough in a state if one of them stops time, and each process outside of the set is
-// *independent* of it. A process stops time in a committed location, or, while none is committed, in an urgent one or
-// where a clock has reached the bound that its invariant sets. Two processes are independent if what the member does
+// *independent* of it. A process stops time in one of the most committed locations, or, while none is committed, in an
+// urgent one or where a clock has reached the bound that its invariant sets. Two processes are independent if what the member does
 // from its present location and what the other one may do from now on share no channel, and neither writes what the
 // other one reads or writes, clocks and invariants included. Until a member moves, time stands still, and whatever
 // happens meanwhile can as well happen after any action of members. No goal reads what they write. The set only says
@@ -39,8 +39,8 @@ class StubbornSets final {
   bool has_ended(const Location& here, ConstZoneRef zone) const;
   // Whether a test asks where a process is.
   bool is_location(const Test& test) const;
-  // The smallest set with this process that is enough; 0 if there is none.
-  Members closure(std::size_t process, bool committed, const std::int32_t* slots) const;
+  // The smallest set with this process that is enough, where `most` is the largest commitment; 0 if there is none.
+  Members closure(std::size_t process, int most, const std::int32_t* slots) const;
   std::size_t number(std::size_t process, const std::int32_t* slots) const {
     return semantics_.location_number(process, slots[process]);
   }
@@ -53,7 +53,7 @@ class StubbornSets final {
   std::size_t locations_ = 0;
   std::vector<bool> dependent_;  // empty: the sets are of no use here
   std::vector<bool> seen_;       // of each location: what is done from it may change whether a goal is met
-  std::vector<bool> commits_;    // it may lead into a committed location
+  std::vector<int> commitment_;  // the largest one of those where its edges lead
   std::vector<bool> moves_;      // there are edges
 };
 

@@ -74,7 +74,7 @@ class _Deeds:
         stops_clocks: in some location.
         writes: cells that hold their values from one transition to the next.
         sends, receives: channels.
-        commits: channels on which it receives in a committed location.
+        commits: channels on which it receives in a committed location, or where it observes.
         passes: of each edge that receives, the channel, and what it tells those that receive after it.
     """
 
@@ -100,7 +100,7 @@ def _deeds(network: Network, process: Process, known: Known, ignored: Collection
             sends |= channels
             continue
         receives |= channels
-        if process.locations[edge.source].committed:
+        if process.locations[edge.source].committed or process.locations[edge.source].observes:
             commits |= channels
         passed = frozenset(cell for cell in written_cells(edge.updates, known) if network.resets(cell[0]))
         if passed:

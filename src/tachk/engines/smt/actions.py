@@ -10,7 +10,7 @@ from typing import Protocol
 import z3
 
 from tachk.engines.smt.evaluator import PossibleFault, refused
-from tachk.engines.smt.terms import Formula, all_of, any_of, conj, disj, neg
+from tachk.engines.smt.terms import Formula, all_of, any_of, conj, neg
 from tachk.model.network import Edge, Network
 from tachk.model.types import ChannelType
 from tachk.semantics.timed_trace import Participant
@@ -54,7 +54,9 @@ class Moment(Protocol):
     def instances(self) -> Sequence[Instance]: ...
 
     @property
-    def committed(self) -> Sequence[Formula]: ...
+    def may_go(self) -> Sequence[Formula]:
+        """Of each process: whether the committed rule lets it begin a transition."""
+        ...
 
     @property
     def channels(self) -> Sequence[ChannelType]: ...
@@ -117,14 +119,13 @@ def actions(network: Network, moment: Moment, priorities: Sequence[int]) -> list
 
 
 def _choices(network: Network, moment: Moment, priorities: Sequence[int]) -> Iterator[_Choice]:
-    anyone = any_of(moment.committed)
     receivers: list[list[Instance]] = [[] for _ in network.processes]
     for instance in moment.instances:
         if instance.receives:
             receivers[instance.process].append(instance)
 
     def admitted(*instances: Instance) -> Formula:
-        return disj(neg(anyone), *(moment.committed[i.process] for i in instances))
+        return any_of(moment.may_go[i.process] for i in instances)
 
     for first in moment.instances:
         if first.receives or first.open is False:

@@ -36,7 +36,7 @@ from tachk.engines.smt.terms import (
 from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.clock_sums import clock_copy
 from tachk.model.expressions import Expression
-from tachk.model.network import Edge, Network
+from tachk.model.network import Edge, Location, Network
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ChannelType
 from tachk.semantics.discrete import prepare
@@ -135,7 +135,8 @@ class _Encoder:
     channels: Sequence[ChannelType]
     frame: Frame = field(init=False)
     instances: list[Instance] = field(init=False)
-    committed: list[Formula] = field(init=False)
+    committed: Formula = field(init=False)
+    may_go: list[Formula] = field(init=False)
     stopped: dict[int, Formula] = field(default_factory=dict)
     faults: list[PossibleFault] = field(default_factory=list)
 
@@ -185,28 +186,40 @@ class _Encoder:
             Instance(p, self._edge(p), fires, self._at(p.process, [self._edge(p).source]))
             for p, fires in zip(participants(self.network), self.frame.fires, strict=True)
         ]
-        self.committed = [
-            self._at(number, [n for n, location in enumerate(process.locations) if location.committed])
-            for number, process in enumerate(self.network.processes)
-        ]
-        anyone = any_of(self.committed)
+        self._ask_committed()
         for instance in self.instances:
             if not instance.receives:
-                admitted = True if instance.sends else disj(self.committed[instance.process], neg(anyone))
+                admitted = True if instance.sends else self.may_go[instance.process]
                 self._ask_edge(machine, instance, conj(instance.at_source, admitted))
         for instance in self.instances:
             if instance.receives:
                 self._ask_edge(machine, instance, self._is_called(machine, instance))
 
+    def _ask_committed(self) -> None:
+        """Whether somebody is committed, and whom the committed rule lets go (`Location.may_go`)."""
+
+        def at(wanted: Callable[[Location], bool]) -> list[Formula]:
+            return [
+                self._at(number, [n for n, location in enumerate(process.locations) if wanted(location)])
+                for number, process in enumerate(self.network.processes)
+            ]
+
+        committed = at(lambda location: location.committed)
+        first = any_of(at(lambda location: location.commitment > 1))
+        self.committed = any_of(committed)
+        self.may_go = [
+            any_of([neg(self.committed), observes, conj(own, neg(first))])
+            for own, observes in zip(committed, at(lambda location: location.observes), strict=True)
+        ]
+
     def _is_called(self, machine: Machine, receiver: Instance) -> Formula:
         """Whether a sender makes it necessary to ask a receiver."""
         named = self._channels_named(machine, receiver)
-        free = neg(any_of(self.committed))
         calls: list[Formula] = []
         for sender in self.instances:
             if not sender.sends or sender.process == receiver.process:
                 continue
-            meet = any_of([free, self.committed[sender.process], self.committed[receiver.process]])
+            meet = disj(self.may_go[sender.process], self.may_go[receiver.process])
             calls += [
                 conj(sender.open, condition, True if self.channels[channel].broadcast else meet)
                 for condition, channel in sender.channels
@@ -395,8 +408,8 @@ class _Encoder:
             if not type_.broadcast:
                 parts.append(disj(neg(sends[number]), any_of(hears[number])))
         parts += self._forced_to_hear(by_process, sends)
-        moves = [conj(c, any_of(i.fires for i in own)) for c, own in zip(self.committed, by_process, strict=True)]
-        parts.append(disj(neg(any_of(self.committed)), any_of(moves)))
+        moves = [conj(may, any_of(i.fires for i in own)) for may, own in zip(self.may_go, by_process, strict=True)]
+        parts.append(disj(neg(self.committed), any_of(moves)))
         return all_of(parts)
 
     def _forced_to_hear(self, by_process: Sequence[Sequence[Instance]], sends: Sequence[Formula]) -> list[Formula]:

@@ -70,7 +70,8 @@ def without_names(kinds: Kinds, token: Token) -> Hashable:
 
 def read_location(reader: Reader, process: int, location: Location) -> Unit:
     reader.begin()
-    tokens: list[Token] = [("location", location.urgent, location.committed, location.invariant is None)]
+    kind = location.urgent, location.committed, location.observes
+    tokens: list[Token] = [("location", *kind, location.invariant is None)]
     if location.invariant is not None:
         reader.condition(location.invariant, tokens)
     for clock, rate in location.rates:
