@@ -324,6 +324,7 @@ class Ending(Enum):
 class RunRecord:
     ending: Ending
     end: int
+    lasts: bool
     transitions: int
     fault: tuple[FaultKind, int]
     def times(self) -> NDArray[np.int64]: ...

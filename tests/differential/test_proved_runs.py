@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from tachk.cli.main import app
+from tachk.engines.simulation.simulator import Ending
 from tachk.runtime.node_signal import Truth
 from tachk.testing.simulated.proved import FORMS, proved_on_runs
+from tachk.testing.simulated.replayed import judged_twice
 
 
 def test_a_proved_formula_is_false_on_no_simulated_run() -> None:
@@ -17,6 +19,15 @@ def test_a_proved_formula_is_false_on_no_simulated_run() -> None:
     assert [judged for judged in found if judged.truth is Truth.FALSE] == []
 
 
+def test_runs_that_end_early_are_judged_as_their_replays() -> None:
+    found = [judged for seed in range(80) for judged in judged_twice(seed, runs=2)]
+    assert [judged for judged in found if not judged.agrees] == []
+    assert {judged.ending for judged in found} >= set(Ending) - {Ending.INITIAL, Ending.ZENO, Ending.END_OF_TIME}
+    assert {judged.ending for judged in found if judged.simulated is Truth.FALSE} >= {Ending.STEPS, Ending.HORIZON}
+
+
+TWO_STEPS = "process P() { clock x; init location a { to b { guard x >= 1; } } location b { to a; } } system P;"
+URGENT = "process P() { init location a { to b; } urgent location b { to a; } location c; } system P;"
 TIME_LOCK = (
     "clock x; process P() { init location a { invariant x <= 5; to b { guard x >= 6; } } location b; } system P;"
 )
@@ -37,6 +48,29 @@ DEAD_END = "process P() { init location a { to b; } committed location b; locati
 def test_a_run_that_ends_in_a_time_lock_is_judged_alike(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], model: str, formula: str, proved: bool, verdict: str
 ) -> None:
+    assert verdicts(tmp_path, capsys, model, formula, ()) == (0 if proved else 10, verdict, verdict)
+
+
+@pytest.mark.parametrize(
+    ("model", "formula", "steps", "verdict"),
+    [
+        (TWO_STEPS, "G P.a", 1, "false"),
+        (TWO_STEPS, "G P.a", 2, "false"),
+        (URGENT, "G P.a", 1, "undetermined"),
+        (URGENT, "G (P.b -> O P.c)", 1, "undetermined"),
+        (URGENT, "G P.a", 2, "true"),
+    ],
+)
+def test_a_run_that_ends_after_some_steps_is_judged_alike(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], model: str, formula: str, steps: int, verdict: str
+) -> None:
+    assert verdicts(tmp_path, capsys, model, formula, ("--max-steps", str(steps)))[1:] == (verdict, verdict)
+
+
+def verdicts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], model: str, formula: str, limits: tuple[str, ...]
+) -> tuple[int, str, str]:
+    """The status of `verify`, and what `simulate` and `replay` say of a run."""
     file, run = tmp_path / "m.ta", tmp_path / "m.run"
     file.write_text(model, encoding="utf-8")
 
@@ -45,8 +79,9 @@ def test_a_run_that_ends_in_a_time_lock_is_judged_alike(
         status = app.main(list(arguments), prog_name="tachk", standalone_mode=False)
         return int(status), capsys.readouterr().out
 
-    assert tachk("verify", str(file), formula)[0] == (0 if proved else 10)
-    drawn = tachk("simulate", str(file), "--until", "20", "--monitor", formula, "--all-runs", "-o", str(run))[1]
-    assert f"{verdict} on 1" in drawn
+    status = tachk("verify", str(file), formula)[0]
+    judging = ("--monitor", formula, "--all-runs", "-o", str(run), *limits)
+    drawn = tachk("simulate", str(file), "--until", "20", *judging)[1]
+    (simulated,) = (word for word in ("true", "false", "undetermined") if f"{word} on 1" in drawn)
     replayed = tachk("replay", str(file), str(run), "--monitor", formula, "--quiet")[1]
-    assert replayed.splitlines()[-1].endswith(f": {verdict}")
+    return status, simulated, replayed.splitlines()[-1].rpartition(": ")[2]

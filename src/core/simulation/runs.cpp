@@ -14,6 +14,15 @@ namespace {
 
 constexpr Ticks rows = 1000;
 
+// Whether time can pass where a run ends; not where that cannot be computed.
+bool lasts(Simulator& simulator) {
+  try {
+    return simulator.time_passes();
+  } catch (const ModelFault&) {
+    return false;
+  }
+}
+
 // How far rows are apart that tell how hybrid clocks go on.
 Ticks between_rows(Ticks until, Ticks ticks_per_unit) {
   return until < latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow_sample(ticks_per_unit);
@@ -71,8 +80,10 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
     record.ending = Ending::fault;
     record.fault = fault.kind;
     record.position = fault.position;
+    simulator.retreat();
   }
   record.end = simulator.now();
+  record.lasts = lasts(simulator);
 }
 
 void Simulation::keep(Simulator& simulator, const Recording& recording, RunRecord& record) const {

@@ -26,6 +26,7 @@ struct Recording {
 struct RunRecord {
   Ending ending = Ending::horizon;
   Ticks end = 0;
+  bool lasts = false;  // whether time can pass in the last state
   std::uint64_t transitions = 0;
   FaultKind fault = FaultKind::range;  // of a run that ends with one
   std::int32_t position = no_code;     // where in the code

@@ -138,10 +138,10 @@ bool Simulator::integers_hold(const Condition& condition) {
   return condition.code == no_code || machine_.value(condition.code, state_.slots.data()) != 0;
 }
 
-// The moments at which the conditions on clocks that are not hybrid hold.
-Window Simulator::clock_window(const Condition& condition) {
+// The moments at which the conditions on clocks that are not hybrid hold, or, with the closure 1, up to which they do.
+Window Simulator::clock_window(const Condition& condition, Raw closure) {
   Window result;
-  for (const Atom& atom : condition.atoms) state_.clocks.narrow(atom.left, atom.right, atom.raw, result);
+  for (const Atom& atom : condition.atoms) state_.clocks.narrow(atom.left, atom.right, atom.raw | closure, result);
   std::int32_t* slots = state_.slots.data();
   for (const ComputedConstraint& c : condition.computed) {
     if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
@@ -149,7 +149,7 @@ Window Simulator::clock_window(const Condition& condition) {
     const std::int64_t right = c.right_code == no_code ? c.right : machine_.value(c.right_code, slots);
     const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.value(c.bound_code, slots);
     state_.clocks.narrow(static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right),
-                         raw_bound(bound, c.strict), result);
+                         raw_bound(bound, c.strict) | closure, result);
   }
   return result;
 }
@@ -313,6 +313,7 @@ bool Simulator::enter() {
   change_.values.clear();
   change_.switched.clear();
   change_.clocks = 0;
+  change_.under_way = true;
   update();
   if (program_.has_stopwatches) switch_clocks();
   find_concerned();
@@ -396,6 +397,7 @@ void Simulator::undo() {
   for (auto each = change_.values.rbegin(); each != change_.values.rend(); ++each)
     state_.clocks.set(each->first, each->second, now_);
   std::copy(change_.slots.begin(), change_.slots.end(), state_.slots.begin());
+  change_.under_way = false;
 }
 
 // Who is concerned draws anew.
@@ -412,6 +414,7 @@ void Simulator::settle() {
   for (const std::size_t p : change_.concerned) refresh(p);
   for (std::size_t p = 0; p < processes(); ++p)
     if (race_.waits[p] == Wait::parked) refresh(p);
+  change_.under_way = false;
 }
 
 }  // namespace tachk

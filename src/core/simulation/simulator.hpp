@@ -90,6 +90,11 @@ class Simulator {
   // the past nor behind `next_moment`. Throws ModelFault.
   bool take(std::uint32_t edge, Ticks moment);
 
+  // Whether some time can pass in this state, however little. Throws ModelFault.
+  bool time_passes();
+  // After a fault: back to the state before the action that it has interrupted, which ends the run.
+  void retreat();
+
   Snapshot snapshot() const { return {state_, race_, now_}; }
   // Goes on from a snapshot: what processes are still to wait is drawn anew from what is left of it.
   void resume(const Snapshot& snapshot, Random random);
@@ -120,6 +125,7 @@ class Simulator {
     std::uint64_t clocks = 0;            // groups of those that were touched
     std::vector<std::size_t> concerned;  // processes
     bool flow = false;                   // hybrid clocks go on in another way
+    bool under_way = false;
   };
 
   // Lists that are made anew each time, kept for their memory.
@@ -141,7 +147,7 @@ class Simulator {
     return integers_hold(condition) && clock_window(condition).holds(now_) &&
            (condition.flow.empty() || crossings().hold(condition.flow));
   }
-  Window clock_window(const Condition& condition);
+  Window clock_window(const Condition& condition, Raw closure = 0);
   Window window(const Condition& condition, Ticks from);
   Ticks end_of(const Condition& invariant, Ticks sight);
   Crossings crossings() { return {flow_, machine_, state_.slots.data()}; }

@@ -236,12 +236,12 @@ def _successor(model: PreparedNetwork, state: TimedState, transition: Transition
 
 
 def time_passes(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether some time can pass in a state."""
+    """Whether some time can pass in a state; not where that cannot be computed."""
     # No bound is nearer than this to a clock that is not at it.
     finest = lcm(*(value.denominator for value in state.clocks))
     try:
         delay(model, state, Fraction(1, 2 * finest))
-    except StepError:
+    except (StepError, EvaluationFault):
         return False
     return True
 

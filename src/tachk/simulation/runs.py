@@ -10,7 +10,7 @@ import numpy as np
 from tachk.compiler.features import check_simulated
 from tachk.compiler.lower import lower_simulation
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import Drawing, Ending, Numbers, Recorded, Simulated, Simulator
+from tachk.engines.simulation.simulator import Drawing, Numbers, Recorded, Simulated, Simulator
 from tachk.model.network import Network
 from tachk.runtime.trace import LARGEST_TICK, Trace, Values
 from tachk.semantics.timed_trace import Transition
@@ -49,8 +49,7 @@ class Runs:
         """What was observed in a run."""
         name = f"run {run.number}"
         rows = run.observed[:, : len(self.columns)]
-        lasts = run.ending is Ending.HORIZON
-        return recording(self.network, self.columns, name, run.times, rows, int(run.end), run.ticks_per_unit, lasts)
+        return recording(self.network, self.columns, name, run.times, rows, int(run.end), run.ticks_per_unit, run.lasts)
 
     def counts(self, run: Simulated) -> list[int]:
         """The counters at the end of a run that was observed."""
@@ -61,7 +60,7 @@ def steps_of(run: Simulated) -> Iterator[tuple[Fraction, Transition | None]]:
     """The transitions of a run whose actions are recorded, with their times; None where only time passes."""
     for time, transition in zip(run.times[1:].tolist(), run.actions, strict=True):
         yield Fraction(time, run.ticks_per_unit), transition
-    if run.end > int(run.times[-1]) and run.ending in (Ending.HORIZON, Ending.TIME_LOCK):
+    if run.end > int(run.times[-1]):
         yield Fraction(run.end, run.ticks_per_unit), None
 
 

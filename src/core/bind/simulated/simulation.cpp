@@ -47,6 +47,7 @@ void bind_run_record(nb::module_& m) {
   nb::class_<tachk::RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
       .def_ro("ending", &tachk::RunRecord::ending)
       .def_ro("end", &tachk::RunRecord::end)
+      .def_ro("lasts", &tachk::RunRecord::lasts, "Whether time can pass in the last state.")
       .def_ro("transitions", &tachk::RunRecord::transitions)
       .def_prop_ro(
           "fault", [](const tachk::RunRecord& self) { return std::make_tuple(self.fault, self.position); },

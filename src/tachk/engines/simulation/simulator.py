@@ -86,6 +86,7 @@ class Simulated:
         observed: a row for each of these states; floating point numbers as their bits.
         clocks: the same of the values of the clocks, in ticks.
         fault: what went wrong and where, in a run that ends with a run-time error.
+        lasts: whether time can pass in the last state.
     """
 
     number: int
@@ -98,6 +99,7 @@ class Simulated:
     clocks: Numbers
     actions: tuple[Transition, ...] = ()
     fault: tuple[RuntimeErrorKind, Span] | None = None
+    lasts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +167,8 @@ class Simulator:
             kind, position = record.fault
             fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
         if not (recorded.actions or recorded.observed or recorded.clocks):
-            return Simulated(number, per_unit, ending, record.end, record.transitions, _NONE, _NONE, _NONE, fault=fault)
+            none = (_NONE, _NONE, _NONE)
+            return Simulated(number, per_unit, ending, record.end, record.transitions, *none, (), fault, record.lasts)
         times = record.times()
         return Simulated(
             number,
@@ -178,6 +181,7 @@ class Simulator:
             record.clocks().reshape(len(times), self._program.clocks if recorded.clocks else 0),
             tuple(self._actions(record)) if recorded.actions else (),
             fault,
+            record.lasts,
         )
 
     def _actions(self, record: _core.RunRecord) -> Iterator[Transition]:
