@@ -3,11 +3,12 @@
 //
 // A set of processes is enough in a state if one of them stops time, and each process outside of the set is
 // *independent* of it. A process stops time in one of the most committed locations, or, while none is committed, in an
-// urgent one or where a clock has reached the bound that its invariant sets. Two processes are independent if what the member does
-// from its present location and what the other one may do from now on share no channel, and neither writes what the
-// other one reads or writes, clocks and invariants included. Until a member moves, time stands still, and whatever
-// happens meanwhile can as well happen after any action of members. No goal reads what they write. The set only says
-// which actions to take first: whoever uses it must see to it that the others are not put off for ever (PartialOrder).
+// urgent one or where a clock has reached the bound that its invariant sets. Two processes are independent if what the
+// member does from its present location and what the other one may do from now on share no channel, and neither writes
+// what the other one reads or writes, clocks and invariants included. Until a member moves, time stands still, and
+// whatever happens meanwhile can as well happen after any action of members. No goal reads what they write. The set
+// only says which actions to take first: whoever uses it must see to it that the others are not put off for ever
+// (PartialOrder).
 #pragma once
 
 #include <cstddef>
