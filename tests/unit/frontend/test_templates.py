@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import tachk
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.types import ArrayType, IntType, RecordType
@@ -134,6 +136,34 @@ def test_a_branch_may_carry_the_synchronisation(load: Any) -> None:
     assert all(edge.guard.span.text == "n == 0" for edge in (passing, receiving, silent))
 
 
+def test_edges_to_a_branchpoint_without_branches_are_never_taken(load: Any, tmp_path: Path) -> None:
+    text = """
+        clock x; urgent chan hurry; broadcast chan b; int heard;
+        process P() {
+            init location A { to dead { sync hurry!; } to dead { assign heard = 9; } to B { guard x >= 3; sync b!; } }
+            location B { to dead; }
+            branchpoint dead { }
+        }
+        process R() {
+            branchpoint nowhere { }
+            init location s { to s { sync hurry?; } to nowhere { sync b?; assign heard = 1; } }
+        }
+        system P, R;"""
+    model = load(text)
+    assert [(warning.code, warning.span.text) for warning in model.warnings if warning.code == "W0412"] == [
+        ("W0412", "dead"),
+        ("W0412", "nowhere"),
+    ]
+    assert [len(process.edges) for process in model.network.processes] == [1, 1]
+    model = tachk.loads(text)
+    reports = [model.verify(query) for query in ("E<> P.B && x > 5", "E<> heard > 0", "A[] deadlock imply P.B")]
+    assert [report[0].answer.value for report in reports] == ["holds", "fails", "holds"]
+    assert tachk.simulate(model, until=20)[0]["P"][-1] == "B"
+    xml = tmp_path / "m.xml"
+    xml.write_text(tachk.export(model, "xml"), "utf-8")
+    assert tachk.diff(model, xml) == ""
+
+
 def test_values_are_passed_through_a_hidden_meta_variable(load: Any) -> None:
     text = """
         typedef struct { int a; bool b; } msg_t;
@@ -196,7 +226,7 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ("int s; process P() { state a; init a; trans a -> a { guard a; }; }", [("E0203", "a")]),
         ("process P() { state s; init s; trans s -> s { select i : int; }; }", [("E0316", "int")]),
         ("process P() { state s; init s; trans s -> s { select i : int[0,1]; assign i = 0; }; }", [("E0303", "i")]),
-        ("process P() { state s; branchpoint b; init s; trans s -> b { }; }", [("E0750", "b")]),
+        ("process P() { state s; branchpoint b; init s; trans s -> b { }; }", [("W0412", "b")]),
         ("process P() { state s; branchpoint b, d; init s; trans s -> b { }, b -> d { }, d -> s { }; }", None),
         (
             "process P() { state s; branchpoint b; init s; trans s -> b { }, b -> s { select i : int; }; }",

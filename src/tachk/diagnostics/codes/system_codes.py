@@ -228,4 +228,11 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "process P() { clock x; init location a { invariant x <= 5; to a { guard x >= 6; } } }\nsystem P;",
         "process P() { clock x; init location a { invariant x <= 5; to a { guard x >= 5; } } }\nsystem P;",
     ),
+    "W0412": Explanation(
+        "branchpoint without branches",
+        "An edge through a branchpoint is one edge for each branch. Where no edge leaves the branchpoint there is none: "
+        "the edges to it are never taken.",
+        "process P() { state s; branchpoint b; init s; trans s -> b { }; }\nsystem P;",
+        "process P() { state s; branchpoint b; init s; trans s -> b { }, b -> s { }; }\nsystem P;",
+    ),
 }

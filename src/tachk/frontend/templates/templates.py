@@ -101,7 +101,7 @@ class Body:
                 result.append(edge)
                 continue
             result += [self._joined(way, edge, inner, node, target) for node, target in outgoing[point]]
-        self._dead_branchpoints()
+        self._warn_of_dead_branchpoints()
         return tuple(result)
 
     def _joined(self, way: int, edge: Edge, scope: Scope, node: ast.EdgeDeclaration, target: int) -> Edge:
@@ -130,14 +130,14 @@ class Body:
             branch=Branching(way, len(edge.selects), chance(node.probability, "a weight", inner, self.context)),
         )
 
-    def _dead_branchpoints(self) -> None:
+    def _warn_of_dead_branchpoints(self) -> None:
         left = {branch.source.name for branch in branches(self.template)}
         for point in self.template.branchpoints:
             if point.name.name not in left:
-                self.context.error(
-                    "E0750",
+                self.context.findings.add(
+                    "W0412",
                     point.name.span,
-                    f"branchpoint `{point.name.name}` has no outgoing edge, which is not supported",
+                    f"no edge leaves branchpoint `{point.name.name}`: the edges to it are never taken",
                     "add a branch",
                 )
 
