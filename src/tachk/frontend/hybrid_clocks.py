@@ -1,15 +1,16 @@
 """Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
 
 Clocks that are declared so are, and plain ones that are used like them: with rates that are not certainly 0 or 1, with
-floating point numbers, in guards over urgent channels, in weights, or in arithmetic other than `x = y + e`. Only names
-are looked at; a plain clock that is taken for a hybrid one needlessly has the same runs, but for the rounding of
-floating point numbers.
+floating point numbers, in guards over urgent channels, in weights, or in arithmetic other than `x = y + e`. So are
+parameters and their arguments, if one of the two is. Only names are looked at; a plain clock that is taken for a
+hybrid one needlessly has the same runs, but for the rounding of floating point numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from tachk.frontend.passed_arguments import passed_arguments
 from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
@@ -28,12 +29,13 @@ _TRUTHS_OF_TRUTHS = (
 """They give 0 or 1 if both operands are."""
 
 
-def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
-    """The names of plain clocks that are used like hybrid ones."""
+def hybrid_clocks(items: Iterable[ast.Item], taken: Iterable[str] = ()) -> frozenset[str]:
+    """The names of plain clocks that are used like hybrid ones, or together with those that are ``taken`` for such."""
     tree = tuple(items)
     declared = tuple(node for item in tree for node in nodes_of_kind(item, ast.VariableDeclaration))
     clocks = _plain_clocks(tree)
-    floating = {d.name.name for node in declared if _is_floating(node) for d in node.declarators}
+    floating = _floating(tree)
+    passed = [pair for pair in passed_arguments(tree) if pair[0].name.name in clocks | floating]
     initial = [d for node in declared if _is(node, "clock") for d in node.declarators if d.initialiser is not None]
     truths = _truths(tree)
     nodes = [
@@ -42,14 +44,23 @@ def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
         for node in nodes_of_kind(item, ast.BinaryExpression, ast.AssignmentExpression, ast.FunctionDeclaration)
     ]
     found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating) or _draws(d.initialiser)}
+    found |= {parameter.name.name for parameter, argument in passed if not _is_exact(argument, set())} & clocks
+    found |= set(taken)
     found |= {name for guard in urgent_guards(tree) for name in _names(guard, clocks)}
     for edge in (inner for item in tree for inner in nodes_of_kind(item, ast.EdgeDeclaration)):
         found.update(_names(edge.probability, clocks))
     while True:
         more = found | {name for node in nodes for name in _used(node, clocks, floating | found, truths)}
+        more |= {name for pair in passed for name in _passed(*pair, clocks, floating | more)}
         if more <= found:
             return frozenset(found)
         found |= more
+
+
+def _passed(parameter: ast.Parameter, argument: ast.Expression, clocks: set[str], floating: set[str]) -> frozenset[str]:
+    """The plain clocks among a parameter and its argument, if one of the two is a floating point number."""
+    names = frozenset((parameter.name.name, *_names(argument, clocks | floating)))
+    return names & clocks if names & floating else frozenset()
 
 
 def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
@@ -58,8 +69,8 @@ def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
     tree = tuple(items)
     clocks: set[str] = set()
     urgent: dict[str, bool] = {}
-    for node in (inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration, ast.Parameter)):
-        names = [node.name.name] if isinstance(node, ast.Parameter) else [d.name.name for d in node.declarators]
+    for node in _declarations(tree):
+        names = _declared_names(node)
         if _is_of(node.type, "clock"):
             clocks.update(names)
         if _is_of(node.type, "chan") and node.type is not None and "urgent" in node.type.prefixes:
@@ -80,8 +91,19 @@ def named_clocks(node: ast.Expression, items: Iterable[ast.Item]) -> frozenset[s
 
 
 def _plain_clocks(tree: tuple[ast.Item, ...]) -> set[str]:
-    declared = (inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration))
-    return {d.name.name for each in declared if _is(each, "clock") for d in each.declarators}
+    return {name for node in _declarations(tree) if _is(node, "clock") for name in _declared_names(node)}
+
+
+def _floating(tree: tuple[ast.Item, ...]) -> set[str]:
+    return {name for node in _declarations(tree) if _is_floating(node) for name in _declared_names(node)}
+
+
+def _declarations(tree: tuple[ast.Item, ...]) -> Iterator[ast.VariableDeclaration | ast.Parameter]:
+    return (inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration, ast.Parameter))
+
+
+def _declared_names(node: ast.VariableDeclaration | ast.Parameter) -> list[str]:
+    return [node.name.name] if isinstance(node, ast.Parameter) else [d.name.name for d in node.declarators]
 
 
 def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: bool) -> frozenset[str]:
@@ -91,9 +113,7 @@ def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: b
         measured: the expression is a value and no condition: alone a clock is exact, but everything else computes.
     """
     tree = tuple(items)
-    declared = tuple(inner for item in tree for inner in nodes_of_kind(item, ast.VariableDeclaration))
-    clocks = _plain_clocks(tree)
-    floating = {d.name.name for each in declared if _is_floating(each) for d in each.declarators}
+    clocks, floating = _plain_clocks(tree), _floating(tree)
     if measured:
         alone = isinstance(node, ast.NameExpression | ast.MemberExpression | ast.IndexExpression)
         return frozenset() if alone else frozenset(_names(node, clocks))
@@ -166,7 +186,7 @@ def _is_place(node: ast.Expression, clocks: set[str]) -> bool:
             return False
 
 
-def _is(node: ast.VariableDeclaration, name: str) -> bool:
+def _is(node: ast.VariableDeclaration | ast.Parameter, name: str) -> bool:
     return node.type is not None and "hybrid" not in node.type.prefixes and _is_of(node.type, name)
 
 
@@ -174,7 +194,7 @@ def _is_of(type_: ast.TypeExpression | None, name: str) -> bool:
     return type_ is not None and isinstance(type_.base, ast.BuiltinType) and type_.base.name == name
 
 
-def _is_floating(node: ast.VariableDeclaration) -> bool:
+def _is_floating(node: ast.VariableDeclaration | ast.Parameter) -> bool:
     return _is(node, "double") or (node.type is not None and "hybrid" in node.type.prefixes)
 
 

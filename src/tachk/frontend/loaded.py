@@ -162,7 +162,7 @@ def with_hybrid_clocks(loaded: LoadedModel, names: Collection[str]) -> LoadedMod
     Raises InputError where the model is wrong then.
     """
     findings = Findings()
-    hybrid = hybrid_clocks(loaded.items) | frozenset(names)
+    hybrid = hybrid_clocks(loaded.items, names)
     context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=True, hybrid_clocks=hybrid)
     result = elaborate_each_property(loaded.items, loaded.document.span, loaded.overrides, context)
     if findings.has_mistakes:

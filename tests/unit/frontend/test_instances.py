@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import tachk
 from tachk.diagnostics.diagnostic import InputError
 from tachk.model.expressions import Constant, Index, Reference
 
@@ -190,3 +191,52 @@ def test_what_is_missing_is_named(load: Any, text: str, help: str) -> None:
     with pytest.raises(InputError) as caught:
         load(text)
     assert [found.help for found in caught.value.diagnostics] == [help]
+
+
+OWN_CLOCKS = """
+clock g;
+int n;
+process P(clock x, const int k) {
+    state A { x <= 5 }, B;
+    init A;
+    trans A -> B { guard x >= k; assign x = 0, n = n + 1; };
+}
+Q(const int[3,4] k) = P(k - 2, k);
+p = P(2, 3);
+system p, Q;
+"""
+
+
+def test_a_clock_passed_by_value_is_a_clock_of_the_process_that_begins_with_the_argument() -> None:
+    model = tachk.loads(OWN_CLOCKS)
+    assert [[(v.name, v.initial) for v in process.variables] for process in model.network.processes] == [
+        [("p.x", (2,))],
+        [("Q(3).x", (1,))],
+        [("Q(4).x", (2,))],
+    ]
+    answers = {
+        "E<> p.B && g == 1": "holds",
+        "E<> p.B && g < 1": "fails",
+        "A[] n == 0 imply g <= 3": "holds",
+        "E<> Q(3).B && Q(4).B && Q(4).x > p.x && Q(3).x > Q(4).x": "holds",
+        "A[] g - p.x <= 3": "holds",
+        "E<> g - p.x == 3": "holds",
+    }
+    for query, answer in answers.items():
+        assert model.verify(query)[0].answer.value == answer, query
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "named"),
+    [
+        ("clock g;\nprocess P(clock x) { state s; init s; }\np = P(g);\nsystem p;", "E0315", "clock x"),
+        ("process P(clock x) { state s; init s; }\np = P(-1);\nsystem p;", "E0603", "-1"),
+        ("process P(clock x) { state s; init s; }\np = P(true);\nsystem p;", "E0302", "true"),
+        ("int n;\nprocess P(clock x) { state s; init s; }\np = P(n);\nsystem p;", "E0601", "n"),
+        ("process P(clock x) { state s; init s; trans s -> s { assign x = 0; }; }\nsystem P;", "E0413", "P"),
+    ],
+)
+def test_what_a_clock_passed_by_value_cannot_begin_with(load: Any, text: str, code: str, named: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load(text)
+    assert [(found.code, found.span.text) for found in caught.value.diagnostics] == [(code, named)]

@@ -297,3 +297,43 @@ def test_weights_may_read_clocks() -> None:
     (late,) = tachk.loads(text.replace("to b; }", "to b { guard x >= 4; } }")).estimate("Pr[<=5](<> M.t)", runs=200)
     assert isinstance(late, Estimated)
     assert late.sample.hits == 200
+
+
+PASSED = """
+clock g;
+hybrid clock h;
+hybrid clock many[2];
+void reset(clock &c) { c = 0; }
+process P(clock &x) { init location A { invariant x' == 2; to B { guard x >= 3; } } location B; }
+process Q(hybrid clock &x) { init location A { invariant x' == 2; to B { guard x >= 3; } } location B; }
+process V(hybrid clock x) { init location A { invariant x' == 2; to B { guard x >= 4.5; } } location B; }
+process W(clock x) { init location A { invariant x <= 4; to B { guard x >= 4; assign reset(x); } } location B; }
+p = P(g);
+q = P(h);
+r = Q(many[1]);
+s = Q(g);
+v = V(1.5);
+w = W(2.5);
+"""
+
+
+@pytest.mark.parametrize(
+    ("process", "clock"),
+    [("p", "g"), ("q", "h"), ("r", "many[1]"), ("s", "g"), ("v", "v.x"), ("p", "p.x"), ("q", "q.x")],
+)
+def test_parameters_and_arguments_are_hybrid_together(process: str, clock: str) -> None:
+    model = tachk.loads(f"{PASSED}system {process};")
+    (found,) = model.estimate(f"Pr[<=20](<> {clock} >= 9)", runs=3)
+    assert isinstance(found, Estimated)
+    # Until 3 (or from 1.5 until 4.5) the rate is 2, then 1 from some moment on.
+    begins = 1.5 if process == "v" else 0
+    assert all(4.49 - begins <= time / TICKS_PER_UNIT <= 9 for time in found.sample.times[0].tolist())
+    (reached,) = model.estimate(f"Pr[<=1](<> {clock} >= 1.9)", runs=3)
+    assert isinstance(reached, Estimated)
+    assert reached.sample.hits == 3
+
+
+def test_a_clock_passed_by_value_may_begin_with_a_fraction() -> None:
+    (found,) = tachk.loads(f"{PASSED}system w;").estimate("Pr[<=20](<> w.B)", runs=3)
+    assert isinstance(found, Estimated)
+    assert [time / TICKS_PER_UNIT for time in found.sample.times[0].tolist()] == pytest.approx([1.5] * 3)

@@ -230,8 +230,8 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "W0412": Explanation(
         "branchpoint without branches",
-        "An edge through a branchpoint is one edge for each branch. Where no edge leaves the branchpoint there is none: "
-        "the edges to it are never taken.",
+        "An edge through a branchpoint is one edge for each branch. Where no edge leaves the branchpoint there is "
+        "none: the edges to it are never taken.",
         "process P() { state s; branchpoint b; init s; trans s -> b { }; }\nsystem P;",
         "process P() { state s; branchpoint b; init s; trans s -> b { }, b -> s { }; }\nsystem P;",
     ),

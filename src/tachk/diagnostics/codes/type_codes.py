@@ -93,8 +93,9 @@ TYPE_CODES: dict[str, Explanation] = {
     ),
     "E0315": Explanation(
         "type that cannot stand here",
-        "Clocks and channels are passed by reference, never by value; they cannot be constants, results or local to a "
-        "function. Only channels are urgent or broadcast. A channel cannot be a field.",
+        "Clocks and channels are passed by reference, never by value, but for a clock of a template that begins with a "
+        "number, `P(2)`; they cannot be constants, results or local to a function. Only channels are urgent or "
+        "broadcast. A channel cannot be a field.",
         "void f(clock c) { c = 0; }",
         "void f(clock &c) { c = 0; }",
     ),

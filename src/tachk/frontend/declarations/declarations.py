@@ -130,8 +130,7 @@ def _declare_each(node: ast.VariableDeclaration, scope: Scope, declared: Declare
     constant = node.type is None or "const" in node.type.prefixes
     base: Type | None = IntType() if node.type is None else reader.declared(node.type)
     for declarator in node.declarators:
-        used = isinstance(base, ClockType) and context.keeps_doubles and declarator.name.name in context.hybrid_clocks
-        written: Type | None = HYBRID_DOUBLE if used else base
+        written: Type | None = HYBRID_DOUBLE if reader.is_used_as_hybrid(base, declarator.name.name) else base
         hybrid = written is not None and element_type(written) == HYBRID_DOUBLE
         type_ = None if written is None else reader.dimensions(variable_type(written), declarator.dimensions)
         symbol: Symbol | None = None

@@ -31,6 +31,7 @@ from tachk.model.expressions import (
     VariableKind,
     While,
 )
+from tachk.model.floating import variable_type
 from tachk.model.types import ScalarType, Type, VoidType
 from tachk.syntax import ast
 
@@ -88,11 +89,10 @@ def _scalar_references(node: ast.FunctionDeclaration, parameters: list[Variable 
 
 
 def _parameter(node: ast.Parameter, scope: Scope, context: Context) -> Variable | None:
-    reader = type_reader(scope, context)
-    base = reader.type(node.type)
-    type_ = None if base is None else reader.dimensions(base, node.dimensions)
-    if type_ is None:
+    written = type_reader(scope, context).parameter(node)
+    if written is None:
         return None
+    type_ = variable_type(written)
     if isinstance(type_, VoidType) or not (node.reference or is_data(type_)):
         context.error(
             "E0315",

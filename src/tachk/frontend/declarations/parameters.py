@@ -1,15 +1,17 @@
-"""Parameters passed by value that the template assigns to: every process has a variable of its own instead."""
+"""Parameters passed by value that are no constants in the template: every process has a variable of its own instead."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
 from tachk.frontend.context import Context
-from tachk.frontend.declarations.declarations import Declared, argument_value
+from tachk.frontend.declarations.declarations import Declared, argument_value, checked_cells
+from tachk.frontend.expressions.initialisers import clock_value
 from tachk.frontend.expressions.typing import WIDE
 from tachk.frontend.scope import Scope, ValueSymbol
-from tachk.model.expressions import Constant, Reference, Variable, VariableKind
-from tachk.model.types import IntType
+from tachk.model.expressions import Constant, Expression, Reference, Variable, VariableKind
+from tachk.model.floating import HYBRID_DOUBLE, variable_type
+from tachk.model.types import IntType, Type
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
@@ -50,6 +52,28 @@ def as_variables(changed: Iterable[ast.Parameter], parameters: Scope, declared: 
             declared.variables.append(variable)
             symbols[name] = ValueSymbol(Reference(variable), True, "parameter", symbol.span)
     return Scope(parameters.parent, parameters.label, symbols, parameters.below)
+
+
+def own_clock(
+    parameter: ast.Parameter, type_: Type, value: Expression, declared: Declared, context: Context
+) -> ValueSymbol | None:
+    """What a clock passed by value means: a clock of the process itself that begins with the argument.
+
+    Args:
+        type_: as `TypeReader.parameter` gives it.
+        declared: gets the clock.
+    """
+    name, of_variable = parameter.name.name, variable_type(type_)
+    initial = clock_value(value, of_variable, value.span, context)
+    cells = None if initial is None else checked_cells(initial, of_variable, f"the argument for `{name}`", context)
+    if cells is None:
+        return None
+    hybrid = type_ == HYBRID_DOUBLE
+    variable = Variable(
+        declared.full_name(name), of_variable, VariableKind.LOCAL, cells, span=parameter.name.span, is_hybrid=hybrid
+    )
+    declared.variables.append(variable)
+    return ValueSymbol(Reference(variable), True, "parameter", parameter.name.span)
 
 
 def _assigned(template: ast.Template) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import report_unknown_names
@@ -23,20 +24,23 @@ def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Contex
     if value is None:
         return None
     if isinstance(type_, ClockType):
-        return _clock_value(value, node, context)
+        return clock_value(value, type_, node.span, context)
     if not can_assign(type_, value.type):
         context.error("E0302", node.span, f"{describe(value.type)} cannot initialise {describe(type_)}")
         return None
     return converted(value, value_type(type_))
 
 
-def _clock_value(value: Expression, node: ast.Expression, context: Context) -> Expression | None:
+def clock_value(value: Expression, type_: Type, span: Span, context: Context) -> Expression | None:
+    """What a clock, plain or hybrid, begins with; None after a report."""
+    if is_double(type_) and can_assign(type_, value.type):
+        return converted(value, type_)
     if value.type == DOUBLE:
         help = "`tachk simulate` and `tachk estimate` know them; write an integer"
-        context.error("E0750", node.span, "an initial value of a clock that is no integer is not supported", help)
+        context.error("E0750", span, "an initial value of a clock that is no integer is not supported", help)
         return None
     if not isinstance(value.type, IntType):
-        context.error("E0302", node.span, f"{describe(value.type)} cannot initialise clock")
+        context.error("E0302", span, f"{describe(value.type)} cannot initialise clock")
         return None
     return value
 

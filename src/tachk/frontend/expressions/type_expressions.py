@@ -67,6 +67,15 @@ class TypeReader:
             return self._channel(base, channel, node.span)
         return base
 
+    def parameter(self, node: ast.Parameter) -> Type | None:
+        """The type of a parameter, which tells hybrid clocks from other floating point numbers; None after a report."""
+        base = self.declared(node.type)
+        if base is None:
+            return None
+        if self.is_used_as_hybrid(base, node.name.name):
+            base = HYBRID_DOUBLE
+        return self.dimensions(base, node.dimensions)
+
     def _channel(self, base: Type, prefixes: set[str], span: Span) -> Type | None:
         if isinstance(base, ArrayType):
             element = self._channel(base.element, prefixes, span)
@@ -169,7 +178,7 @@ class TypeReader:
                         "a field of a struct cannot have an initialiser",
                         "initialise the variables of this type instead",
                     )
-                element = HYBRID_DOUBLE if self._is_used_as_hybrid(base, declarator) else base
+                element = HYBRID_DOUBLE if self.is_used_as_hybrid(base, declarator.name.name) else base
                 type_ = None if element is None else self.dimensions(element, declarator.dimensions)
                 if isinstance(type_, ChannelType | VoidType):
                     self.context.error("E0315", declarator.span, f"a struct cannot have a {describe(type_)} field")
@@ -192,9 +201,10 @@ class TypeReader:
             "assignments to it are left out; anything that reads it is refused",
         )
 
-    def _is_used_as_hybrid(self, base: Type | None, declarator: ast.Declarator) -> bool:
+    def is_used_as_hybrid(self, base: Type | None, name: str) -> bool:
+        """Whether what a type declares with a name is a plain clock that a simulation takes for a hybrid one."""
         context = self.context
-        return isinstance(base, ClockType) and context.keeps_doubles and declarator.name.name in context.hybrid_clocks
+        return isinstance(base, ClockType) and context.keeps_doubles and name in context.hybrid_clocks
 
     def dimensions(self, element: Type, dimensions: tuple[ast.Expression | ast.TypeExpression, ...]) -> Type | None:
         """The type of an array with the given dimensions; the element's type where there are none."""

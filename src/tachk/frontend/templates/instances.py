@@ -19,7 +19,7 @@ from tachk.frontend.declarations.declarations import (
     keeps_names,
     widened,
 )
-from tachk.frontend.declarations.parameters import as_variables, changed_parameters
+from tachk.frontend.declarations.parameters import as_variables, changed_parameters, own_clock
 from tachk.frontend.expressions.places import assignable, converted, is_place
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe, is_bounded, is_data, same_shape
@@ -36,8 +36,10 @@ from tachk.frontend.scope import (
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable, VariableKind
+from tachk.model.floating import HYBRID_DOUBLE, variable_type
 from tachk.model.network import Process
-from tachk.model.types import BoolType, IntType, ScalarType, Type, VoidType, bounds
+from tachk.model.traversal import holds_hybrid_clock
+from tachk.model.types import BoolType, ClockType, IntType, ScalarType, Type, VoidType, bounds, element_type
 from tachk.records import dataclass
 from tachk.syntax import ast
 
@@ -247,17 +249,18 @@ class Instances:
         self, parameter: ast.Parameter, argument: ast.Expression, outer: Scope, inner: Scope, declared: Declared
     ) -> Symbol | None:
         """What a parameter means inside the template."""
-        reader = type_reader(inner, self.context)
-        base = reader.type(parameter.type)
-        type_ = None if base is None else reader.dimensions(base, parameter.dimensions)
+        written = type_reader(inner, self.context).parameter(parameter)
         value = expression(argument, outer, self.context)
-        if type_ is None or value is None:
+        if written is None or value is None:
             return None
+        type_ = variable_type(written)
         name = parameter.name.name
         constant = "const" in parameter.type.prefixes
         if parameter.reference and (is_place(value) or not constant):
             return self._bind_reference(parameter, argument, type_, value, outer)
-        if not is_data(type_):
+        if _is_clock(written) and not (constant or isinstance(value.type, ClockType) or holds_hybrid_clock(value)):
+            return own_clock(parameter, written, value, declared, self.context)
+        if not is_data(type_) or element_type(written) == HYBRID_DOUBLE:
             self.context.error(
                 "E0315", parameter.span, f"a {describe(type_)} cannot be passed by value", "put `&` before its name"
             )
@@ -343,17 +346,23 @@ class Instances:
                 self.context.findings.extend([found])
 
     def _made_up(self, parameter: ast.Parameter, bound: Scope, declared: Declared) -> Symbol:
-        reader = type_reader(bound, self.context)
-        base = reader.type(parameter.type)
-        type_ = None if base is None else reader.dimensions(base, parameter.dimensions)
+        written = type_reader(bound, self.context).parameter(parameter)
         span = parameter.name.span
-        if type_ is None or isinstance(type_, VoidType):
+        if written is None or isinstance(written, VoidType):
             return BrokenSymbol(span)
+        type_ = variable_type(written)
         if isinstance(type_, IntType | BoolType | ScalarType) and not parameter.reference:
             return ValueSymbol(Constant(default_cells(type_)[0], type_), False, "parameter", span)
-        variable = Variable(parameter.name.name, type_, VariableKind.LOCAL, default_cells(type_), span=NOWHERE)
-        constant = "const" in parameter.type.prefixes or not parameter.reference
+        hybrid = element_type(written) == HYBRID_DOUBLE
+        variable = Variable(
+            parameter.name.name, type_, VariableKind.LOCAL, default_cells(type_), span=NOWHERE, is_hybrid=hybrid
+        )
+        constant = "const" in parameter.type.prefixes or not (parameter.reference or _is_clock(written))
         if constant and is_data(type_):
             self.context.constants.add(variable)
         declared.variables.append(variable)
         return ValueSymbol(Reference(variable), not constant, "parameter", span)
+
+
+def _is_clock(written: Type) -> bool:
+    return isinstance(written, ClockType) or written == HYBRID_DOUBLE
