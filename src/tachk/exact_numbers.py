@@ -5,8 +5,12 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
+DIGITS = r"\d{1,1000}"
+"""A whole number without a sign, as a pattern: one of more digits nobody means, and Python makes none of it."""
+
 _HUGE_EXPONENT = re.compile(r"e[+-]?0*[1-9]\d{3}", re.IGNORECASE)
 _MOST_CHARACTERS = 1000
+_WHOLE = re.compile(DIGITS)
 
 
 def exact_number(text: str) -> Fraction:
@@ -21,6 +25,11 @@ def exact_number(text: str) -> Fraction:
         return Fraction(text)
     except ZeroDivisionError:
         raise ValueError("a division by zero") from None
+
+
+def is_whole(text: str) -> bool:
+    """Whether a text is a whole number without a sign, as `DIGITS` has it."""
+    return _WHOLE.fullmatch(text) is not None
 
 
 def is_huge(text: str) -> bool:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import closest
+from tachk.exact_numbers import DIGITS
 from tachk.model.grid import grid_of, set_by
 
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
@@ -111,7 +113,7 @@ def _as_range(values: str) -> str:
 
 def parse_size(text: str) -> int:
     """``500M``, ``2GB``, ``1.5 GiB`` as bytes. Raises UsageError."""
-    match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([KMG]I?|)B?\s*", text.upper())
+    match = re.fullmatch(rf"\s*({DIGITS}(?:\.{DIGITS})?)\s*([KMG]I?|)B?\s*", text.upper())
     if match is None:
         raise UsageError(f"{text!r} is not a size", "write it like 500M, 2G or 4GiB")
-    return int(float(match[1]) * _SIZES[match[2]])
+    return int(Fraction(match[1]) * _SIZES[match[2]])

@@ -5,13 +5,14 @@ from __future__ import annotations
 import socket
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import is_whole
 from tachk.xrce.messages import Endpoint
 
 
 def place(text: str, option: str, needs_host: bool = False) -> Endpoint:
     """Of ``[HOST:]PORT``, 127.0.0.1 without a host. Raises UsageError."""
     host, colon, port = text.rpartition(":")
-    if not port.isdecimal() or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
+    if not is_whole(port) or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
         raise UsageError(f"{option} {text}: no {'HOST:PORT' if needs_host else '[HOST:]PORT'}", "like 127.0.0.1:8888")
     try:
         return Endpoint(socket.gethostbyname(host or "127.0.0.1"), int(port))

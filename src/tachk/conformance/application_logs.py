@@ -15,6 +15,7 @@ from fractions import Fraction
 from tachk.conformance.carried import samples_in
 from tachk.conformance.events import Cell, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import is_whole
 
 WRITTEN, CLIENT, DETAIL = "written", "client", "detail"
 _WRITES = (WRITTEN, "written_best_effort")
@@ -56,7 +57,7 @@ def _is_sample(detail: Cell | None) -> bool:
 
 def _client(event: Event) -> Cell | None:
     cell = event.cells.get(CLIENT)
-    return int(cell) if isinstance(cell, str) and cell.strip().isdecimal() else cell
+    return int(cell) if isinstance(cell, str) and is_whole(cell.strip()) else cell
 
 
 def _end(recording: Recording, client: Cell | None) -> Fraction:

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from tachk.conformance.events import Event, Recording
 from tachk.conformance.refusal import Offer
+from tachk.exact_numbers import is_whole
 from tachk.records import dataclass
 
 _NEAR = 6
@@ -126,7 +127,7 @@ def _value(recording: Recording, column: str, cell: object) -> object:
     if not isinstance(cell, str):
         return cell
     words = recording.words.get(column, ())
-    return words.index(cell) if cell in words else int(cell) if cell.lstrip("-").isdecimal() else cell
+    return words.index(cell) if cell in words else int(cell) if is_whole(cell.removeprefix("-")) else cell
 
 
 def _saying(event: Event, cells: tuple[tuple[str, int], ...]) -> Event:

@@ -10,9 +10,11 @@ from math import prod
 from operator import index
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import DIGITS
 from tachk.records import dataclass
 
-_RANGE = re.compile(r"(-?\d+)\s*\.\.\s*(-?\d+)(?:\s*:\s*(\d+))?")
+_NUMBER = re.compile(rf"-?{DIGITS}")
+_RANGE = re.compile(rf"(-?{DIGITS})\s*\.\.\s*(-?{DIGITS})(?:\s*:\s*({DIGITS}))?")
 _SETTING = re.compile(r"\s*[^\W\d]\w*\s*=(?!=)")
 _EXAMPLE = "for example N=4; for several values LOSSES=0..5 or SLICE=10,50,100..400:100"
 _IN_PYTHON = 'for example over="LOSSES=0..5,SLICE=10,50" or over={"LOSSES": range(6), "SLICE": [10, 50]}'
@@ -161,7 +163,7 @@ def _split(listed: str) -> list[str]:
 
 
 def _values(name: str, part: str) -> Iterable[int | str]:
-    if re.fullmatch(r"-?\d+", part):
+    if _NUMBER.fullmatch(part):
         return (int(part),)
     match = _RANGE.fullmatch(part)
     if match is None:

@@ -22,13 +22,14 @@ from typing import Final
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
 from tachk.diagnostics.suggestion import closest
+from tachk.exact_numbers import DIGITS, is_whole
 from tachk.proxy.rules import EVERY, NUMBERED, ONE_WAY, Chosen, Deed, Packets, Rule, Wait, Way
 from tachk.time_units import NANOSECONDS, SPELLINGS
 from tachk.xrce.wire import Kind
 
 _TOKEN: Final = re.compile(r"\d+(?:st|nd|rd|th)\b|\d+(?:\.\d+)?|[A-Za-z_]+(?:->[A-Za-z]+)?|\S")
-_NUMBER: Final = re.compile(r"\d+(?:\.\d+)?")
-_ORDINAL: Final = re.compile(r"(\d+)(?:st|nd|rd|th)")
+_NUMBER: Final = re.compile(rf"{DIGITS}(?:\.{DIGITS})?")
+_ORDINAL: Final = re.compile(rf"({DIGITS})(?:st|nd|rd|th)")
 _DEEDS: Final = {deed.value: deed for deed in Deed}
 _WAYS: Final = {way.value: way for way in Way}
 _KINDS: Final = ("packet", "NACK", *(kind.name for kind in Kind))
@@ -179,7 +180,7 @@ class _Line:
     def packets(self) -> Packets:
         kind, names_missing = self.kind()
         number, number_place = None, self.place
-        if self.place.text.isdecimal() and self.following.lower() not in SPELLINGS:
+        if is_whole(self.place.text) and self.following.lower() not in SPELLINGS:
             number = int(self.take().text)
         way_place = self.place
         way = _WAYS[self.take().text] if self.place.text in _WAYS else None
@@ -209,7 +210,7 @@ class _Line:
 
     def port(self) -> int:
         place = self.place
-        if not place.text.isdecimal():
+        if not is_whole(place.text):
             raise self.wrong(f"expected a port{self.found}")
         port = int(self.take().text)
         if self.ports and port not in self.ports:

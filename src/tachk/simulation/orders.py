@@ -15,6 +15,7 @@ from functools import reduce
 from math import inf, lcm
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import DIGITS, is_whole
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -39,7 +40,7 @@ from tachk.words import Direction
 _LARGEST = 2**31 - 1
 _NOW = "now"
 _FINEST = 10**6
-_RANGE = re.compile(r"(\d+)(?:\.\.(\d+))?")
+_RANGE = re.compile(rf"({DIGITS})(?:\.\.({DIGITS}))?")
 _CHANNEL = re.compile(r"(\w+(?:\.\w+)?)((?:\[\w+\])*)")
 
 
@@ -283,9 +284,9 @@ def _channel(network: Network, order: Order) -> tuple[Variable, tuple[int, ...]]
     constants = dict(network.constants)
     values = []
     for index in re.findall(r"\w+", match[2]):
-        if not index.isdecimal() and index not in constants:
+        if not is_whole(index) and index not in constants:
             raise UsageError(problem, f"{index} is no constant of the model")
-        values.append(int(index) if index.isdecimal() else constants[index])
+        values.append(int(index) if is_whole(index) else constants[index])
     return variable, tuple(values)
 
 

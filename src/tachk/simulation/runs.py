@@ -11,6 +11,7 @@ from tachk.compiler.features import check_simulated
 from tachk.compiler.lower import lower_simulation
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.simulator import Drawing, Numbers, Recorded, Simulated, Simulator
+from tachk.exact_numbers import is_whole
 from tachk.model.network import Network
 from tachk.runtime.trace import LARGEST_TICK, Trace, Values
 from tachk.semantics.timed_trace import Transition
@@ -129,6 +130,6 @@ def _unit(network: Network) -> tuple[str, int]:
         return "", 1
     amount, _, name = network.time_unit.strip().rpartition(" ")
     length = length_of(network.time_unit)
-    if length is None or name not in NANOSECONDS or not (amount or "1").isdigit():
+    if length is None or name not in NANOSECONDS or not is_whole(amount or "1"):
         return "", 1
     return name, int(amount or 1)

@@ -19,6 +19,7 @@ from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
+from tachk.exact_numbers import DIGITS
 from tachk.model.network import Network
 from tachk.report.quantity import decimal
 from tachk.report.run.trace_view import Names
@@ -28,7 +29,7 @@ from tachk.stepping.claims import Claim, ClaimedMove, ClaimedRun
 
 SUFFIX = ".run"
 _DIGITS = 9
-_TIME = re.compile(r"(\+?)(\d+(?:\.\d+)?(?:/[1-9]\d*)?)(?=\s|$)")
+_TIME = re.compile(rf"(\+?)({DIGITS}(?:\.{DIGITS})?(?:/(?!0){DIGITS})?)(?=\s|$)")
 _CHANNEL = re.compile(r"(\S+)[!?](?=\s|$)")
 _MOVE = re.compile(
     r"(?P<process>.+?)\s*:\s*(?P<source>\w+)\s*(?:->|→)\s*(?P<target>\w+)"

@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 from tachk.diagnostics.diagnostic import TachkError
-from tachk.exact_numbers import exact_number
+from tachk.exact_numbers import DIGITS, exact_number, is_whole
 from tachk.model.fault import EvaluationFault
 from tachk.report.quantity import decimal, duration
 from tachk.report.run.trace_text import change_lines, event_lines
@@ -44,7 +44,7 @@ With @ it is taken after a delay of the interval in front of it:    2 @ 7.5
 Commands may be shortened. The list shows after which delays, counted from now, each
 transition is possible: [3, 5] is from 3 to 5, (3, 5] not at 3 itself, [3, ∞) from 3 on."""
 
-_TAKE = re.compile(r"(\d+)\s*(?:@\s*(\S+)|(?:after|in)\s+(\S+))?")
+_TAKE = re.compile(rf"({DIGITS})\s*(?:@\s*(\S+)|(?:after|in)\s+(\S+))?")
 _SHORT = {
     "?": "help",
     "r": "random",
@@ -310,6 +310,6 @@ def _time(text: str) -> Fraction:
 def _count(text: str, default: int | None = 1) -> int:
     if not text and default is not None:
         return default
-    if not text.isdecimal():
+    if not is_whole(text):
         raise NotUnderstoodError(f"{text or 'nothing'} is no number of steps")
     return int(text)

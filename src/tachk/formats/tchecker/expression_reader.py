@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
+from tachk.exact_numbers import is_whole
 from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
@@ -125,6 +126,8 @@ class Reader:
     def _primary(self) -> ast.Expression:
         word = self.take()
         if word.kind == "number":
+            if not is_whole(word.text):
+                raise failure(f"the number {word.text[:20]}… is too large", word.span)
             return ast.IntegerLiteral(word.span, int(word.text))
         if word.kind == "name":
             return self._place(word)

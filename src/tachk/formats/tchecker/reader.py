@@ -167,10 +167,10 @@ class _Reader:
         bounds = ast.RangeType(entry.span, _literal(low), _literal(high))
         type_ = ast.TypeExpression(entry.span, (), bounds)
         value: ast.Expression = _literal(initial)
-        count = _number(size)
-        if count > 1:
-            value = ast.InitialiserList(initial, ((None, value),) * count)
-        declarator = ast.Declarator(name, self._declare(name), _dimensions(size), value)
+        dimensions = _dimensions(size)
+        if dimensions:
+            value = ast.InitialiserList(initial, ((None, value),) * _number(size))
+        declarator = ast.Declarator(name, self._declare(name), dimensions, value)
         self.declarations.append(ast.VariableDeclaration(entry.span, type_, (declarator,)))
 
     # ---- processes --------------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
 from tachk.diagnostics.span import Span
+from tachk.exact_numbers import exact_number
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
 from tachk.frontend.expressions.typing import is_integral
@@ -240,7 +241,10 @@ class _Reader:
         match = _DURATION.fullmatch(span.text.strip())
         if match is None:
             return Fraction(self._constant(span))
-        number = Fraction(match[1])
+        try:
+            number = exact_number(match[1])
+        except ValueError as error:
+            raise self._wrong(str(error), span) from None
         if not match[2]:
             return number
         length = length_of(self._context.time_unit)

@@ -15,6 +15,7 @@ import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import did_you_mean
+from tachk.exact_numbers import DIGITS
 from tachk.runtime.trace import Ticks, Values
 from tachk.runtime.trace_csv import Rows
 from tachk.runtime.trace_packets import PROPERTIES
@@ -38,7 +39,7 @@ _MOST_KEPT: Final = 1 << 16
 
 _WITH_HINDSIGHT: Final = ("unconfirmed.Open", "unconfirmed.Idle")
 _OF_STREAM: Final = re.compile(
-    r"(?P<client>client_[0-9A-Za-z]+?)(?:_at_(?P<port>\d+))?\."
+    rf"(?P<client>client_[0-9A-Za-z]+?)(?:_at_(?P<port>{DIGITS}))?\."
     rf"(?:(?P<way>to|from)_agent(?:_(?P<stream>[89A-F][0-9A-F]))?\.(?P<signal>{'|'.join(SIGNALS)})|asleep)"
 )
 

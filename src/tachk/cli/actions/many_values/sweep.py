@@ -22,6 +22,7 @@ from tachk.cli.reporting import ReportForm, Reporting
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
+from tachk.exact_numbers import DIGITS
 from tachk.model.grid import grid_of
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
@@ -117,7 +118,7 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
 
 
 def _part(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"(\d+)/(\d+)", text)
+    match = re.fullmatch(rf"({DIGITS})/({DIGITS})", text)
     if match is None:
         raise UsageError(f"--part {text} is no part", "write 3/10 for the third of ten parts")
     return int(match[1]), int(match[2])

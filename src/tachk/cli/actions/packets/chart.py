@@ -12,6 +12,7 @@ from tachk.drawing.png import to_png
 from tachk.drawing.sequence.chart import Chart
 from tachk.drawing.sequence.layout import TimeAxis, lay_out
 from tachk.drawing.sequence.sequence_svg import draw_chart
+from tachk.exact_numbers import DIGITS
 from tachk.records import dataclass
 from tachk.report.sequence.of_capture import chart_of_capture
 from tachk.report.sequence.of_run import chart_of_run
@@ -25,7 +26,7 @@ from tachk.xrce.transmissions import read_transmissions
 MOST_EVENTS = 1000
 """A chart of more is not readable."""
 
-_TIME = re.compile(r"\s*(\d+(?:\.\d+)?)\s*([a-zµμ]+)?\s*")
+_TIME = re.compile(rf"\s*({DIGITS}(?:\.{DIGITS})?)\s*([a-zµμ]+)?\s*")
 
 
 @dataclass(frozen=True, slots=True)
