@@ -497,8 +497,8 @@ class Model(Estimable):
             InputError: the initial state violates an invariant.
             UnsupportedError: the model uses a feature that cannot be checked.
         """
-        from tachk.compiler.features import check_selections
         from tachk.engines.zone_graph import zone_graph
+        from tachk.model.selections import check_selections
         from tachk.report.run.zone_view import as_networkx
         from tachk.semantics.discrete import prepare
         from tachk.semantics.initial_state import check_initial_state

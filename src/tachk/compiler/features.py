@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import prod
 
 from tachk.compiler.fold import Known, fold, known_values
 from tachk.compiler.goal import check_predicate, mentions_time
 from tachk.compiler.hybrid import refuse_hybrid
 from tachk.compiler.intervals import interval
-from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
@@ -26,9 +24,6 @@ from tachk.model.types import ChannelType
 from tachk.operators import COMPARISONS
 from tachk.records import dataclass
 from tachk.words import Direction
-
-MAXIMAL_SELECTIONS = 10_000_000
-"""Combinations of the values of one edge's select labels; each is tried against the guard."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,22 +61,6 @@ def _is_urgent(edge: Edge) -> bool:
     assert isinstance(channel, ChannelType)
     hears = channel.broadcast and edge.synchronisation.direction is Direction.RECEIVE
     return channel.urgent and not hears
-
-
-def check_selections(network: Network) -> None:
-    """Raises UnsupportedError where the select labels of an edge have too many combinations of values to try."""
-    for process in network.processes:
-        for edge in process.edges:
-            sizes = [high - low + 1 for low, high in (cell_range(variable.type) for variable in edge.selects)]
-            if prod(sizes) > MAXIMAL_SELECTIONS:
-                raise UnsupportedError(
-                    Diagnostic(
-                        "E0708",
-                        f"the select labels of this edge have {prod(sizes)} combinations of values",
-                        edge.spans[0],
-                        "select from smaller ranges, or replace a select by a variable that is set step by step",
-                    )
-                )
 
 
 def check_supported(network: Network, query: Query) -> None:

@@ -12,7 +12,6 @@ from dataclasses import replace
 from fractions import Fraction
 from math import ceil
 
-from tachk.compiler.features import check_selections
 from tachk.compiler.lower import Measured, lower, lower_measures
 from tachk.compiler.program import Goal, Program
 from tachk.conformance.edits import Edit
@@ -30,6 +29,7 @@ from tachk.engines.zone import explore
 from tachk.model.expressions import BOOL, Constant
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
+from tachk.model.selections import check_selections
 from tachk.records import dataclass
 from tachk.semantics.timed_trace import Transition
 from tachk.time_limit import OutOfTimeError

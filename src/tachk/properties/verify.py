@@ -8,12 +8,13 @@ from dataclasses import replace
 from functools import partial
 from typing import assert_never
 
-from tachk.compiler.features import check_selections, check_supported
+from tachk.compiler.features import check_supported
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.selections import check_selections
 from tachk.properties.fault_explanation import with_blame
 from tachk.properties.momentary import with_momentary_triggers
 from tachk.properties.observed import check_observable

@@ -17,6 +17,7 @@ from tachk.model.evaluate import Environment, channel_number, clock_number, eval
 from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference, Unary, Variable
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Edge, Location, Network
+from tachk.model.selections import check_selections
 from tachk.model.traversal import children, process_expressions, written_variables
 from tachk.model.types import ChannelType, bounds, cell_count
 from tachk.records import dataclass
@@ -47,7 +48,8 @@ class PreparedNetwork:
     @cached_property
     def instances(self) -> tuple[tuple[tuple[Participant, ...], ...], ...]:
         """For each process and location, the outgoing edges, once for each combination of select values. There may be
-        millions, which most of what needs a model never looks at."""
+        millions, which most of what needs a model never looks at. Raises UnsupportedError (E0708) for too many."""
+        check_selections(self.network)
         return tuple(_instances(self.network, p) for p in range(len(self.network.processes)))
 
     @cached_property

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.compiler.features import check_selections, check_supported, stopwatches, urgent_clock_guards
+from tachk.compiler.features import check_supported, stopwatches, urgent_clock_guards
 from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, deadlock
 from tachk.model.query import Query
+from tachk.model.selections import check_selections
 from tachk.model.types import IntType
 from tachk.words import QueryKind
 

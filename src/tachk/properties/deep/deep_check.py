@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
-from tachk.compiler.features import check_selections, check_supported
+from tachk.compiler.features import check_supported
 from tachk.compiler.fold import Known, known_values
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
@@ -18,6 +18,7 @@ from tachk.engines.zone import explore_everything
 from tachk.model.expressions import BOOL, Constant, Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.selections import check_selections
 from tachk.properties.deep.findings import DeepCheck, Evidence, Part, counted
 from tachk.properties.deep.guards import GuardGoal, always_true_findings, guard_goals, never_true
 from tachk.properties.deep.interchange import interchange_parts
