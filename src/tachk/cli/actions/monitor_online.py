@@ -29,13 +29,14 @@ from tachk.runtime.node_signal import Truth
 from tachk.runtime.packets.live import LivePackets
 from tachk.runtime.trace_csv import CsvRecording, PushedBack, open_csv, open_csv_stream
 from tachk.runtime.trace_files import JSON_LINES, is_csv
+from tachk.time_limit import check_time
 
 _PATIENCE = 0.2
 """Seconds between two looks at a file that may grow."""
 
 
 class _GrowingFile:
-    """A file read beyond its end: whoever reads waits for more."""
+    """A file read beyond its end: whoever reads waits for more, until the time is over."""
 
     def __init__(self, path: Path) -> None:
         self._stream = path.open("rb")
@@ -47,6 +48,7 @@ class _GrowingFile:
             if self._line.endswith(b"\n"):
                 line, self._line = self._line, b""
                 return line
+            check_time()
             time.sleep(_PATIENCE)
 
     def read1(self, size: int = -1, /) -> bytes:
@@ -54,6 +56,7 @@ class _GrowingFile:
             piece = self._stream.read1(size)
             if piece:
                 return piece
+            check_time()
             time.sleep(_PATIENCE)
 
     def close(self) -> None:

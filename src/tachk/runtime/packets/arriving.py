@@ -1,4 +1,4 @@
-"""Bytes of a capture as they come: from a pipe, or from a file that grows."""
+"""Bytes of a capture as they come, until the time is over: from a pipe, or from a file that grows."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
+
+from tachk.time_limit import check_time
 
 PATIENCE: Final = 0.2
 """Seconds after which nothing has come for a while."""
@@ -21,6 +23,7 @@ class Pipe:
 
     def read1(self, size: int, /) -> bytes | None:
         """What has come; empty at the end, None if nothing has come for a while."""
+        check_time()
         ready, _, _ = select.select([self._descriptor], [], [], PATIENCE)
         return os.read(self._descriptor, size) if ready else None
 
@@ -37,6 +40,7 @@ class GrowingFile:
 
     def read1(self, size: int, /) -> bytes | None:
         """What has come; None if nothing has come for a while."""
+        check_time()
         octets = self._stream.read(size)
         if not octets:
             self._sleep(PATIENCE)
