@@ -13,7 +13,7 @@ from tachk.time_units import SPELLINGS, UNITS
 TIME_NAMES = ("time", "t", "timestamp")
 """The names by which a time column is known without being told, in this order."""
 
-_WITH_UNIT = re.compile(r"\s*(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]\s*")
+_OPENING = re.compile(r"[\[(]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +55,11 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
     """
     parts = [_split(cell) for cell in cells]
     names = tuple(name for name, _ in parts)
-    for number, name in enumerate(names):
-        if name and name in names[:number]:
+    seen: set[str] = set()
+    for name in filter(None, names):
+        if name in seen:
             raise UsageError(f"{trace} has two columns {name!r}", "rename one of them")
+        seen.add(name)
     place = _time_column(names, tuple(cells), time, trace)
     return Header(names, place, agreed_unit(known_unit(parts[place][1]), unit, trace))
 
@@ -91,12 +93,14 @@ def no_such_column(name: str, columns: Sequence[str], trace: str) -> UsageError:
 
 def _split(cell: str) -> tuple[str, str]:
     """``speed [km/h]`` as name and unit; a name that ends in a bracket without a space is a name: ``a[0]``."""
-    match = _WITH_UNIT.fullmatch(cell)
-    if match is None or not match["name"]:
-        return cell.strip(), ""
-    attached = not cell.rstrip()[len(match["name"].rstrip()) :].startswith((" ", "\t"))
-    time_like = match["name"].lower() in TIME_NAMES
-    return (cell.strip(), "") if attached and not time_like else (match["name"], match["unit"])
+    text = cell.strip()
+    inner = text[:-1]
+    opening = _OPENING.search(inner, max(inner.rfind("]"), inner.rfind(")")) + 1)
+    if not text.endswith(("]", ")")) or opening is None:
+        return text, ""
+    name, unit = inner[: opening.start()].rstrip(), inner[opening.end() :].strip()
+    attached = not inner[len(name) :].startswith((" ", "\t")) and name.lower() not in TIME_NAMES
+    return (text, "") if not name or attached else (name, unit)
 
 
 def _time_column(names: tuple[str, ...], cells: tuple[str, ...], time: str | None, trace: str) -> int:
