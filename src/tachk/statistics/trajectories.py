@@ -29,6 +29,7 @@ from tachk.model.types import ClockType
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
 from tachk.statistics.sampling import Sample, Source, clock_number, path_sampler, reach_of
+from tachk.time_limit import check_time
 
 Floats = NDArray[np.float64]
 _BATCH = 4096
@@ -126,6 +127,7 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
     column = 0
     ends = np.append(run.times[1:], run.end)
     for value in values:
+        check_time()
         if isinstance(value.type, ClockType):
             begins = run.clocks[:, clock_number(value, network, program) - 1]
             runs_on = ends - run.times
@@ -143,8 +145,8 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
 
 def _settled(name: str, times: Floats, values: Floats) -> Line:
     """Without what lasts no time, but for the last state, and without points between equal neighbours."""
-    lasting = np.flatnonzero(np.diff(times)[::2] > 0)
-    kept = np.union1d(np.concatenate((2 * lasting, 2 * lasting + 1)), [len(times) - 1])
+    kept = np.repeat(np.diff(times)[::2] > 0, 2)
+    kept[-1] = True
     times, values = times[kept], values[kept]
     middle = np.ones(len(times), dtype=bool)
     middle[1:-1] = (values[1:-1] != values[:-2]) | (values[1:-1] != values[2:])
