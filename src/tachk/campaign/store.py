@@ -15,6 +15,7 @@ import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 from tachk.campaign.job import COLUMNS, Row
 from tachk.diagnostics.diagnostic import UsageError
@@ -23,6 +24,8 @@ from tachk.model.grid import Values
 _FORMAT = "tachk sweep 1"
 _PATIENCE = 10.0
 _ANOTHER = "give another file, or delete this one"
+_KINDS: Mapping[str, Any] = {"TEXT": str | None, "INTEGER": int | None, "REAL": float | None}
+"""What SQLite's types are in Python."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,15 +34,30 @@ class Store:
 
     _database: sqlite3.Connection
     _names: tuple[str, ...]
+    _path: str | os.PathLike[str] | None = None
 
     def finished(self) -> set[Values]:
         """The cells that are finished."""
         return set(self.times())
 
     def times(self) -> dict[Values, float]:
-        """The cells that are finished, each with what it took."""
+        """The cells that are finished, each with what it took. Raises UsageError where the file is damaged."""
         found = self._database.execute("select cell, seconds from cells")
-        return {tuple(json.loads(key)): seconds for key, seconds in found}
+        return {self._cell(key, seconds): seconds for key, seconds in found}
+
+    def _cell(self, key: object, seconds: object) -> Values:
+        try:
+            values = json.loads(key) if isinstance(key, str) else None
+        except (ValueError, RecursionError):
+            values = None
+        if (
+            not isinstance(values, list)
+            or len(values) != len(self._names)
+            or not all(type(value) in (int, str) for value in values)
+            or not isinstance(seconds, float)
+        ):
+            raise UsageError(f"{self._path}: a cell in this file is damaged", _ANOTHER)
+        return tuple(values)
 
     def add(self, values: Values, rows: Sequence[Row], seconds: float) -> None:
         """Keeps what was found for a cell. One that is finished already, by a program that shares the file, stays.
@@ -64,7 +82,10 @@ class Store:
         for values in cells:
             found = self._database.execute(f"select {quoted} from rows where cell = ? order by rowid", (_key(values),))
             for row in found:
-                yield dict(zip(names, row, strict=True))
+                told = dict(zip(names, row, strict=True))
+                if not all(isinstance(told[name], _KINDS[kind]) for name, kind in COLUMNS.items()):
+                    raise UsageError(f"{self._path}: a row in this file is damaged", _ANOTHER)
+                yield told
 
 
 @contextmanager
@@ -86,8 +107,8 @@ def opened(path: str | os.PathLike[str] | None, names: tuple[str, ...], parts: M
         database.execute("pragma synchronous = normal")
         with _transaction(database):
             _prepare(database, path, names, parts)
-        yield Store(database, names)
-    except sqlite3.DatabaseError as error:
+        yield Store(database, names, path)
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:  # the latter where a name in it is no text
         advice = _ANOTHER if "not a database" in str(error) else "can the file be written?"
         raise UsageError(f"{path}: {error}", advice) from None
     finally:

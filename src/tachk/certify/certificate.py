@@ -398,7 +398,7 @@ def _header(text: bytes) -> Header:
             tuple(map(str, given["clocks"])),
             tuple(map(Group.from_json, given["groups"])),
         )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise MalformedCertificateError(f"its header cannot be read: {error}") from None
 
 

@@ -9,6 +9,8 @@ import signal
 import sys
 from typing import IO, TYPE_CHECKING, NoReturn, TextIO, cast
 
+from tachk.exact_numbers import is_whole
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -42,7 +44,8 @@ _SPELLINGS = {
 
 
 def prepare_streams() -> None:
-    """Lets the standard streams replace characters that their encoding does not have, instead of raising errors.
+    """Lets the standard streams replace characters that their encoding does not have, and what is no text in it,
+    instead of raising errors.
 
     A stream that is closed, as by ``>&-``, becomes one that takes everything: nobody wants what it would get, and its
     number must not become that of the next file that is opened.
@@ -51,10 +54,10 @@ def prepare_streams() -> None:
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
-    for stream in (sys.stdout, sys.stderr):
+    for stream, errors in ((sys.stdin, "replace"), (sys.stdout, "tachk"), (sys.stderr, "tachk")):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
-            reconfigure(errors="tachk")
+            reconfigure(errors=errors)
 
 
 def _spelled(error: UnicodeError) -> tuple[str, int]:
@@ -81,7 +84,7 @@ def can_rewrite_lines(stream: TextIO) -> bool:
 def width_of(stream: TextIO) -> int:
     """The columns of a terminal, `COLUMNS` of the environment first."""
     columns = os.environ.get("COLUMNS", "")
-    if columns.isdecimal() and int(columns) > 0:
+    if is_whole(columns) and int(columns) > 0:
         return int(columns)
     try:
         return os.get_terminal_size(stream.fileno()).columns or 80

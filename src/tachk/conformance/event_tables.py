@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from tachk.conformance.events import Cell, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
@@ -85,6 +86,13 @@ def _number(cell: Cell, path: Path, place: str) -> Fraction:
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
     reader = csv.reader(text.splitlines())
+    try:
+        yield from _rows(path, reader)
+    except csv.Error as error:
+        raise UsageError(f"{path}, line {reader.line_num}: {error}") from None
+
+
+def _rows(path: Path, reader: Any) -> Iterator[tuple[int, Mapping[str, Cell]]]:
     header = next(reader, None)
     if header is None or TIME not in [_bare(name)[0] for name in header]:
         raise UsageError(f"{path} has no column `{TIME}`", f"the first line names the columns: {TIME},{NAME},...")

@@ -13,6 +13,7 @@ from collections.abc import Collection, Mapping
 from typing import Any, Final
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import is_whole
 from tachk.proxy.rules import Way
 from tachk.records import dataclass
 from tachk.xrce.wire import Kind
@@ -26,6 +27,9 @@ _KINDS: Final = {
     "PING": (Kind.GET_INFO, None),
 }
 """What the kinds of messages of `models/micro_xrce_dds/protocol.ta` are on the wire: to the Agent, to the client."""
+
+REPORT_WITH_RUN = "tachk verify MODEL --property NAME --format json -o TRACE.json makes one"
+"""How to get a report that has a run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +92,9 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
 
 
 def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, int], list[dict[str, Any]]]:
-    how = "tachk verify MODEL --property NAME --format json -o TRACE.json makes one"
     runs = document.get("runs") if isinstance(document, dict) else None
     if not isinstance(runs, list):
-        raise UsageError(f"{name} is no report of tachk verify", how)
+        raise UsageError(f"{name} is no report of tachk verify", REPORT_WITH_RUN)
     try:
         found = {
             result["name"]: (run["constants"], result["trace"])
@@ -100,9 +103,11 @@ def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, 
             if result["trace"]
         }
     except (KeyError, TypeError, AttributeError):
-        raise UsageError(f"{name} is no report of tachk verify", how) from None
+        raise UsageError(f"{name} is no report of tachk verify", REPORT_WITH_RUN) from None
     if not found:
-        raise UsageError(f"{name} has no run of a model: no property is shown false, no state is found in it", how)
+        raise UsageError(
+            f"{name} has no run of a model: no property is shown false, no state is found in it", REPORT_WITH_RUN
+        )
     names = ", ".join(found)
     if prop is None and len(found) > 1:
         raise UsageError(f"{name} has several runs", f"choose one with --property: {names}")
@@ -151,9 +156,9 @@ class _Reading:
 
     def number(self, name: str, channel: str) -> int:
         """What a name of a link or a client, or a number, stands for."""
-        if not name.isdecimal() and name not in self.constants:
+        if not is_whole(name) and name not in self.constants:
             raise UsageError(f"{channel}: {name} is no constant of the model")
-        return int(name) if name.isdecimal() else self.constants[name]
+        return int(name) if is_whole(name) else self.constants[name]
 
     def message(self, client: int, way: Way, kind: Kind) -> Message:
         key = (client, way, kind)

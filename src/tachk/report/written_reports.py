@@ -38,15 +38,25 @@ def read_json(path: Path, how: str) -> Mapping[str, Any]:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
         raise UsageError(f"{path} is no text in UTF-8: {error.reason} at byte {error.start}", how) from None
+    return json_object(text, str(path), how)
+
+
+def json_object(text: str, name: str, how: str) -> Mapping[str, Any]:
+    """The object that a text in JSON is, without numbers and characters that no report has. Raises UsageError.
+
+    Args:
+        name: of the file, for messages.
+        how: what writes such files.
+    """
     try:
         document = json.loads(text, parse_int=_integer, parse_float=_real, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise UsageError(f"{path}: {reason}", how) from None
+        raise UsageError(f"{name}: {reason}", how) from None
     if not isinstance(document, dict):
-        raise UsageError(f"{path} is no result of tachk", how)
+        raise UsageError(f"{name} is no result of tachk", how)
     if "\\ud" in text.lower() and _HALF_OF_A_PAIR.search(json.dumps(document, ensure_ascii=False)):
-        raise UsageError(f"{path} has half of a pair of surrogates, which is no character", how)
+        raise UsageError(f"{name} has half of a pair of surrogates, which is no character", how)
     return document
 
 

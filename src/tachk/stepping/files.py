@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.model.expressions import Call
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk, with_bodies
+from tachk.report.written_reports import json_object
 from tachk.stepping.claims import ClaimedRun
 from tachk.stepping.report_file import read_report
 from tachk.stepping.run_file import SUFFIX, read_run_file
@@ -30,10 +30,7 @@ def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
                 f" tachk simulate MODEL -o NAME{SUFFIX} writes it",
             )
         return read_run_file(source)
-    try:
-        document = json.loads(source.text)
-    except ValueError as error:
-        raise UsageError(f"{path}: {error}", "a report of tachk verify --format json is expected") from None
+    document = json_object(source.text, str(path), "a report of tachk verify --format json is expected")
     return read_report(document, str(path), prop)
 
 

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.exact_numbers import exact_number
 from tachk.stepping.claims import Claim, ClaimedMove, ClaimedRun, ClaimedState
 from tachk.words import Direction
 
@@ -38,7 +39,7 @@ def read_report(document: object, name: str, prop: str | None = None) -> Claimed
             raise UsageError(f"{name} has no run for {prop}", f"it has runs for {names}")
         constants, states = found[next(iter(found)) if prop is None else prop]
         return _run(name, constants, states)
-    except (KeyError, TypeError, AttributeError, ValueError, ZeroDivisionError):
+    except (LookupError, TypeError, AttributeError, ValueError):
         raise UsageError(f"{name}: a run in this report is damaged", _HOW) from None
 
 
@@ -46,7 +47,7 @@ def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) 
     state = initial = _merged(ClaimedState({}, {}, {}), states[0], Fraction(0))
     claims = []
     for told in states[1:]:
-        waited = Fraction(told["delay"])
+        waited = exact_number(told["delay"])
         state = _merged(state, told, waited)
         transition = told["transition"] or {"channel": None, "participants": []}
         moves = tuple(
@@ -70,6 +71,6 @@ def _merged(before: ClaimedState, told: Mapping[str, Any], waited: Fraction) -> 
     return ClaimedState(
         {**before.locations, **told.get("locations", {})},
         {**before.variables, **told.get("variables", {})},
-        {**passed, **{name: Fraction(value) for name, value in (told.get("clocks") or {}).items()}},
-        Fraction(told["time"]),
+        {**passed, **{name: exact_number(value) for name, value in (told.get("clocks") or {}).items()}},
+        exact_number(told["time"]),
     )

@@ -37,12 +37,29 @@ def state(channel: str, *processes: str, **variables: int) -> dict[str, object]:
         {"process": process, "role": "receives" if place else "sends", "source": "a", "target": "b"}
         for place, process in enumerate(processes)
     ]
-    return {"time": "0", "transition": {"channel": channel, "participants": participants}, "variables": variables}
+    transition = {"channel": channel, "participants": participants}
+    return {"time": "0", "delay": "0", "transition": transition, "variables": variables}
 
 
 def report(*steps: dict[str, object], prop: str = "p") -> dict[str, object]:
-    trace = [{"time": "0", "variables": {"losses": 0}}, *steps]
-    return {"runs": [{"constants": CONSTANTS, "results": [{"name": prop, "trace": trace}]}]}
+    """As tachk verify writes it."""
+    first = {"time": "0", "locations": {}, "clocks": {}, "variables": {"losses": 0}}
+    texts = dict.fromkeys(("title", "query", "reason", "assumption"), "")
+    counts = dict.fromkeys(("states_explored", "states_stored", "transitions", "seconds", "peak_bytes"), 0)
+    stats = {**counts, "interchangeable": 0, "exchanged": [], "less_known": [], "threads": 1}
+    result = {
+        **texts,
+        **dict.fromkeys(("expected", "met", "loop_start", "due", "fault", "observer")),
+        **{key: [] for key in ("notes", "unexamined", "values")},
+        "name": prop,
+        "answer": "fails",
+        "exact": True,
+        "ending": "open",
+        "stats": {**stats, "asked_of_all": False, "local_times": False},
+        "trace": [first, *steps],
+    }
+    run = {"model": "m.ta", "constants": CONSTANTS, "time_unit": "1 ms", "templates": {}, "results": [result]}
+    return {"runs": [{**run, "not_checked": [], "estimates": [], "errors": []}]}
 
 
 STALE = report(
@@ -54,7 +71,7 @@ STALE = report(
     state("deliver[PUB_UP][DATA]", "Up(1)", "writer"),
     state("dds", "writer"),
     state("send[PUB_DOWN][ACKNACK]", "writer", "Down(1)"),
-    {"time": "1", "transition": None},
+    {"time": "1", "delay": "1", "transition": None},
     state("deliver[PUB_DOWN][ACKNACK]", "Down(1)", "publisher"),
     state("deliver[PUB_DOWN][ACKNACK]", "Down(0)", "publisher"),
 )

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.pictures import Taken
+from tachk.report.written_reports import check_report, read_json
 from tachk.syntax.picture_layout import EdgeKey
+
+_HOW = "make it: tachk conform MODEL FILE... --coverage --format json -o FILE"
 
 
 def read_taken(path: Path) -> Taken:
@@ -17,25 +19,19 @@ def read_taken(path: Path) -> Taken:
 
     Raises UsageError for another file.
     """
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        return _taken(document["coverage"])
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: {error}") from None
-    except (ValueError, KeyError, TypeError):
-        raise UsageError(
-            f"{path} tells no coverage", "make it: tachk conform MODEL FILE... --coverage --format json -o FILE"
-        ) from None
+    document = read_json(path, _HOW)
+    if not document.get("coverage"):
+        raise UsageError(f"{path} tells no coverage", _HOW)
+    check_report(document, "conform", path, _HOW)
+    return _taken(document["coverage"])
 
 
 def _taken(edges: list[dict[str, Any]]) -> Taken:
     taken: dict[str, Counter[EdgeKey]] = defaultdict(Counter)
     seen: Counter[tuple[str, str, str]] = Counter()
-    if not edges:
-        raise KeyError("coverage")
     for edge in edges:
         ends = edge["process"], edge["source"], edge["target"]
         key = EdgeKey(edge["source"], edge["target"], seen[ends])
-        taken[edge["template"]][key] += int(edge["times"])
+        taken[edge["template"]][key] += edge["times"]
         seen[ends] += 1
     return taken

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -16,10 +15,11 @@ from tachk.proxy.decisions import Answer, Arrival, Decisions
 from tachk.proxy.recording import Recording
 from tachk.proxy.relay import Plan, Relay
 from tachk.proxy.rules import Rule
-from tachk.proxy.run_of_model import read_run
+from tachk.proxy.run_of_model import REPORT_WITH_RUN, read_run
 from tachk.proxy.script import parse_script
 from tachk.proxy.sightings import said
 from tachk.records import dataclass
+from tachk.report.written_reports import check_report, read_json
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,10 +70,8 @@ def _rules(proxying: Proxying, ports: list[int]) -> list[Rule]:
         rules += parse_script(Source("--rule", rule), ports)
     if proxying.trace is not None:
         name = str(proxying.trace)
-        try:
-            document = json.loads(proxying.trace.read_bytes())
-        except ValueError as error:
-            raise UsageError(f"{name} is no JSON: {error}", "tachk verify --format json makes it") from None
+        document = read_json(proxying.trace, REPORT_WITH_RUN)
+        check_report(document, "verify", proxying.trace, REPORT_WITH_RUN)
         rules += rules_of(read_run(document, name, proxying.prop), ports, name)
     return rules
 
