@@ -8,21 +8,9 @@ from random import Random
 import click
 
 from tachk.cli.main import COMMANDS, load_command
-from tests.fuzz.inputs import (
-    CSV,
-    FORMULAS,
-    LIMITS,
-    MODEL,
-    NUMBERS,
-    QUERIES,
-    SMALL,
-    SMALL_QUERIES,
-    TIME,
-    VCD,
-    WITHOUT_TIME,
-    WORDS,
-    sound,
-)
+from tests.fuzz.mutations import NUMBERS, WORDS
+from tests.fuzz.readers import LIMITS, READERS, TIME
+from tests.fuzz.samples import CSV, FORMULAS, MODEL, QUERIES, SMALL, SMALL_QUERIES, VCD
 from tests.fuzz.worker import Case
 
 _NUMBERS = (*NUMBERS, "nan", "inf", "-inf", "٣", "1,5", "--")
@@ -67,7 +55,8 @@ _FORMULAS = (
     "G[5,1] p",
     "rise(",
 )
-
+_WITHOUT_TIME = frozenset({"verify", "verifyta", "sentences", "models", "completion"})
+"""Commands that have `LIMITS`, or nothing that takes long."""
 
 _OF_VERIFYTA = """
 -t0 -t1 -t2 -t9 -t -y -Y -u -q -s -o0 -o1 -o2 -o5 -o7 -r1 -rx -n0 -n1 -n2 -n4 -n7 -T -S0 -S2 -A -C -H10 -Z -Ocsv -v -h
@@ -102,9 +91,9 @@ def random_command(random: Random) -> Case:
     count = sum(parameter.nargs if parameter.nargs > 0 else random.choice((1, 1, 2, 3)) for parameter in arguments)
     words += [_argument(random, name, place) for place in range(count)]
     if name == "verify" and random.random() < 0.9:
-        words = [*LIMITS, *words]  # the last value of an option counts
-    elif name not in WITHOUT_TIME and random.random() < 0.9:
-        words = [*TIME, *words]
+        words = [*LIMITS.split(), *words]  # the last value of an option counts
+    elif name not in _WITHOUT_TIME and random.random() < 0.9:
+        words = [*TIME.split(), *words]
     if random.random() < 0.08:
         words.insert(random.randrange(len(words) + 1), random.choice((*WORDS, *_TEXTS, "--help", "-x", "--nonsense=1")))
     if random.random() < 0.05:
@@ -118,7 +107,7 @@ def _files() -> Mapping[str, bytes]:
         "m.ta": MODEL.encode(),
         "small.xml": SMALL.encode(),
         "small.q": SMALL_QUERIES.encode(),
-        "m.xml": sound()["xml"][0],
+        "m.xml": READERS["UPPAAL XML"].seeds()[1],
         "m.q": QUERIES.encode(),
         "m.csv": CSV.encode(),
         "m.vcd": VCD.encode(),

@@ -1,69 +1,100 @@
 """``python -m tests.fuzz.run --inputs N --commands M --seed S``: does tachk answer whatever it is given?
 
-Every case runs in a process of its own, bounded by processor time. A finding is a status that no command should end
-with (70 above all), a traceback, a signal, or no end. Findings are kept as folders with the files and the command.
+N damaged files are given to each reader (readers.py), then M random command lines are run. Each runs in a child that
+is bounded by processor time and memory. A finding is a status that no command should end with (70 above all), a
+traceback, a warning of Python, a signal, no end, or more time or memory than the command's limits allow by a fifth.
+Findings are kept as folders with the files and the command.
 """
 
 from __future__ import annotations
 
-import argparse
 import shlex
 import sys
+from argparse import ArgumentParser, BooleanOptionalAction
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from random import Random
 
 from tests.fuzz.commands import random_command
-from tests.fuzz.inputs import random_input, sound_cases
+from tests.fuzz.readers import READERS
 from tests.fuzz.worker import Case, Finding, prepare, run_all
 
-BATCH = 40
+BATCH = 100
 """How many cases one child runs."""
+COMMANDS = "command lines"
 
 
-def cases(inputs: int, commands: int, seed: int) -> Iterator[tuple[str, Case]]:
-    """The cases, each with a name that says how to make it again."""
-    for number in range(inputs):
-        yield f"input-{seed}-{number}", random_input(Random(f"input {seed} {number}"))
-    for number in range(commands):
-        yield f"command-{seed}-{number}", random_command(Random(f"command {seed} {number}"))
+@dataclass(slots=True)
+class Tally:
+    """What came of the cases of one reader."""
+
+    cases: int = 0
+    found: Counter[str] = field(default_factory=Counter)
+
+
+def cases(reader: str, count: int, seed: int, first: int = 0) -> Iterator[tuple[str, Case]]:
+    """The cases of a reader, or of random command lines, each with a name that says how to make it again."""
+    for number in range(first, first + count):
+        name = f"{reader.replace(' ', '-')}-{seed}-{number}"
+        random = Random(name)
+        if reader == COMMANDS:
+            yield name, random_command(random)
+        else:
+            yield name, READERS[reader].case(random, READERS[reader].seeds())
+
+
+def campaign(counts: dict[str, int], seed: int, only: Sequence[str], folder: Path, limits: bool) -> dict[str, Tally]:
+    """Runs so many cases of each reader, and keeps the findings. The readers take turns."""
+    tallies = {reader: Tally() for reader in counts}
+    prepare(case for reader in READERS.values() if reader.warms for case in reader.sound_cases(reader.seeds()[:1]))
+    going = {reader: cases(reader, count, seed) for reader, count in counts.items()}
+    while going:
+        for reader, rest in list(going.items()):
+            batch = list(islice(rest, BATCH))
+            if not batch:
+                del going[reader]
+            chosen = [(name, case) for name, case in batch if not only or name in only]
+            if not limits:
+                chosen = [(name, replace(case, seconds=None, memory=None)) for name, case in chosen]
+            for (name, _), found in zip(chosen, run_all([case for _, case in chosen]), strict=True):
+                tallies[reader].cases += 1
+                if found is not None:
+                    _keep(folder, name, found, tallies[reader])
+    return tallies
+
+
+def _keep(folder: Path, name: str, found: Finding, tally: Tally) -> None:
+    tally.found[found.what] += 1
+    command = f"tachk {shlex.join(found.case.arguments)}"
+    if tally.found[found.what] <= 3:
+        print(f"{name}: {found.what}\n    {command[:300]}", flush=True)
+        (folder / name).mkdir(parents=True, exist_ok=True)
+        for file, content in found.case.files.items():
+            (folder / name / file).write_bytes(content)
+        (folder / name / "command").write_text(f"{command}\n{found.what}\n\n{found.said}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.fuzz.run", description=__doc__)
-    parser.add_argument("--inputs", type=int, default=2000, metavar="N", help="damaged inputs")
+    parser = ArgumentParser(prog="python -m tests.fuzz.run", description=__doc__)
+    parser.add_argument("--inputs", type=int, default=100, metavar="N", help="damaged files for each reader")
     parser.add_argument("--commands", type=int, default=500, metavar="M", help="random command lines")
+    parser.add_argument("--reader", action="append", default=[], choices=[*READERS], help="this reader only")
+    parser.add_argument("--limits", action=BooleanOptionalAction, default=True, help="judge time and memory, too")
     parser.add_argument("--seed", type=int, default=1, metavar="S")
-    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="this case, such as input-1-37")
+    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="this case, such as models-1-37")
     parser.add_argument("--folder", type=Path, default=Path("build/fuzz"), help="where findings are kept")
     given = parser.parse_args(arguments)
-    prepare(sound_cases())
-    chosen = (
-        (name, case)
-        for name, case in cases(given.inputs, given.commands, given.seed)
-        if not given.only or name in given.only
-    )
-    count, seen = 0, dict[str, int]()
-    while batch := list(islice(chosen, BATCH)):
-        for (name, _), found in zip(batch, run_all([case for _, case in batch]), strict=True):
-            count += 1
-            if found is not None:
-                seen[found.what] = seen.get(found.what, 0) + 1
-                _keep(given.folder / name, found)
-                if seen[found.what] <= 3:
-                    print(f"{name}: {found.what}\n    tachk {shlex.join(found.case.arguments)}", flush=True)
-            if count % 1000 == 0:
-                print(f"{count} cases, {sum(seen.values())} findings", flush=True)
-    print(f"{count} cases, {sum(seen.values())} findings, {len(seen)} different")
-    return 1 if seen else 0
-
-
-def _keep(folder: Path, found: Finding) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, content in found.case.files.items():
-        (folder / name).write_bytes(content)
-    (folder / "command").write_text(f"tachk {shlex.join(found.case.arguments)}\n{found.what}\n\n{found.said}")
+    counts = dict.fromkeys(given.reader or READERS, given.inputs) | {COMMANDS: given.commands}
+    tallies = campaign(counts, given.seed, given.only, given.folder, given.limits)
+    print(f"{'reader':<24} {'inputs':>9} {'findings':>9} {'different':>9}")
+    for reader, tally in tallies.items():
+        print(f"{reader:<24} {tally.cases:>9,} {tally.found.total():>9,} {len(tally.found):>9,}")
+    total = sum(tally.found.total() for tally in tallies.values())
+    print(f"{'all':<24} {sum(tally.cases for tally in tallies.values()):>9,} {total:>9,}")
+    return 1 if total else 0
 
 
 if __name__ == "__main__":

@@ -7,36 +7,61 @@ import faulthandler
 import gc
 import io
 import os
+import pickle
+import re
 import resource
 import signal
 import sys
 import tempfile
 import traceback
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
 from tachk.cli import main
+from tachk.report.process_memory import peak_memory
 
 CPU_SECONDS = 20
 """Of processor time, not of the clock: a busy machine makes no finding."""
+WAITING_SECONDS = 120
+"""Of the clock: for a command that waits for something and takes no processor time."""
 MEMORY_BYTES = 4 * 2**30
 FILE_BYTES = 256 * 2**20
 STATUSES = frozenset({0, 1, 2, 3, 10, 20})
 """The statuses that a command may end with here: nobody interrupts it, and 70 is a defect."""
+
+TOLERATED = 1.2
+"""A command may take this many times what its limits allow."""
+_WARNING = re.compile(r"^\S+:\d+: \w*Warning: .*|^Exception ignored in.*", re.MULTILINE)
 
 _HEAVY = ("numpy", "pyarrow.parquet", "z3", "networkx", "matplotlib.figure", "lark", "vcd.reader")
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A command line, and the files that it finds in its folder."""
+    """A command line, and the files that it finds in its folder.
+
+    Attributes:
+        seconds, memory: how much processor time and how many bytes it may take, by its options; None where that is not
+            looked at.
+    """
 
     arguments: tuple[str, ...]
     files: Mapping[str, bytes]
     standard_input: bytes = b""
+    seconds: float | None = None
+    memory: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Usage:
+    """What a command took: seconds of processor time, and bytes at most beyond those that were there before it."""
+
+    seconds: float = 0.0
+    memory: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,18 +125,41 @@ def run_all(cases: Sequence[Case]) -> list[Finding | None]:
                 _child(rest, folder)
             _, status = os.waitpid(child, 0)
             for number, case in enumerate(rest):
-                ended = folder / str(number) / ".status"
-                is_over = ended.exists()
-                code = int(ended.read_text()) << 8 if is_over else status
+                is_over = (folder / str(number) / ".usage").exists()
+                code = status if not is_over else int((folder / str(number) / ".status").read_text()) << 8
                 found.append(run(case) if _judged(case, folder / str(number), code) is not None else None)
                 if not is_over:
                     break
     return found
 
 
+def results(
+    written: Callable[[], Sequence[bytes]], commands: Sequence[tuple[str, ...]], beside: Mapping[str, bytes], file: str
+) -> list[bytes]:
+    """What a function returns, and what commands write into a file, in another process."""
+    with tempfile.TemporaryDirectory(prefix="fuzz-") as name:
+        folder = Path(name)
+        child = os.fork()
+        if child == 0:
+            found = list(written())
+            for number, command in enumerate(commands):
+                here = folder / str(number)
+                here.mkdir()
+                _in_folder(Case(command, beside), here)
+                found += [(here / file).read_bytes()] if (here / file).exists() else []
+            (folder / "found").write_bytes(pickle.dumps(found))
+            os._exit(0)
+        os.waitpid(child, 0)
+        return list(pickle.loads((folder / "found").read_bytes()))
+
+
 def _judged(case: Case, folder: Path, status: int) -> Finding | None:
     said = (folder / ".stderr").read_bytes().decode(errors="replace") if (folder / ".stderr").exists() else ""
+    usage = folder / ".usage"
     what = wrong(status, said)
+    if what is None and usage.exists():
+        seconds, memory = usage.read_text().split()
+        what = beyond(case, Usage(float(seconds), int(memory)))
     return None if what is None else Finding(case, what, said)
 
 
@@ -121,11 +169,26 @@ def wrong(status: int, said: str) -> str | None:
         number = os.WTERMSIG(status)
         if number in (signal.SIGXCPU, signal.SIGKILL):
             return f"no end after {CPU_SECONDS} s of processor time"
+        if number == signal.SIGALRM:
+            return f"no end after {WAITING_SECONDS} s"
         return f"died of {signal.Signals(number).name}"
     code = os.WEXITSTATUS(status)
     if code not in STATUSES:
         return f"status {code}: {_cause(said)}"
-    return f"a traceback: {_cause(said)}" if "Traceback (most recent call last)" in said else None
+    if "Traceback (most recent call last)" in said:
+        return f"a traceback: {_cause(said)}"
+    warned = _WARNING.search(said)
+    return None if warned is None else f"a warning of Python: {warned[0]}"
+
+
+def beyond(case: Case, usage: Usage) -> str | None:
+    """What a command took more of than it may, if there is anything. Processor time is never more than the time that
+    has passed, which is what commands limit."""
+    if case.seconds is not None and usage.seconds > TOLERATED * case.seconds:
+        return f"{usage.seconds:.1f} s of processor time, allowed were {case.seconds:g} s"
+    if case.memory is not None and usage.memory > TOLERATED * case.memory:
+        return f"{usage.memory >> 20} MiB, allowed were {case.memory >> 20} MiB"
+    return None
 
 
 def _cause(said: str) -> str:
@@ -145,15 +208,35 @@ def _child(cases: Sequence[Case], folder: Path) -> NoReturn:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
         resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
         for number, case in enumerate(cases):
-            used = resource.getrusage(resource.RUSAGE_SELF)
-            limit = int(used.ru_utime + used.ru_stime) + CPU_SECONDS
+            limit = int(_seconds()) + CPU_SECONDS
             resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+            signal.alarm(WAITING_SECONDS)
             here = folder / str(number)
             here.mkdir()
+            before, at_first = _seconds(), _memory_from_here()
             code = _in_folder(case, here)
             (here / ".status").write_text(str(code))
+            (here / ".usage").write_text(f"{_seconds() - before} {_peak() - at_first}")
     finally:
         os._exit(code & 255)
+
+
+def _seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+
+
+def _memory_from_here() -> int:
+    """Lets `_peak` count from here on, where the system can do that, and tells how many bytes there are now."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+    return _peak()
+
+
+def _peak() -> int:
+    """The bytes that this process had at most since `_memory_from_here`."""
+    found = peak_memory()
+    return 0 if found is None else found[1] << 10
 
 
 def _in_folder(case: Case, folder: Path) -> int:
@@ -175,6 +258,9 @@ def _in_folder(case: Case, folder: Path) -> int:
     faulthandler.enable(sys.stderr)
     faulthandler.register(signal.SIGXCPU, sys.stderr, chain=True)
     sys.argv = ["tachk", *case.arguments]
+    warnings.simplefilter("always")
+    for kind in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+        warnings.simplefilter("ignore", kind)
     code = 0
     try:
         main.run()
