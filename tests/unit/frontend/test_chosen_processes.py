@@ -14,6 +14,11 @@ typedef int[1, 3] id_t;
 id_t who; int wide = 1;
 process P(const id_t id) {
     clock z; int[0, 5] n = id;
+    int a[2] = {id, 0};
+    int twice() { return 2 * n; }
+    int plus(int k) { return n + k; }
+    bool busy() { return n > 2; }
+    int first(int v[2]) { return v[0]; }
     state A { z <= 3 }, B { z <= 9 };
     init A;
     trans
@@ -40,6 +45,11 @@ def chosen(text: str, variable: str = "who") -> str:
         ("E<> P(who).z > 9", f"E<> {chosen('P(@).z > 9')}"),
         ("E<> P(who).z - P(1).z > 5", f"E<> {chosen('P(@).z - P(1).z > 5')}"),
         ("A[] !(P(who).A && P(4 - who).B)", f"A[] !({chosen('P(@).A')} && {chosen('P(@).B', '4 - who')})"),
+        ("E<> P(who).twice() == 6", f"E<> {chosen('P(@).twice() == 6')}"),
+        ("A[] P(who).busy() imply P(who).plus(who) > 3", f"A[] !{chosen('P(@).n > 2 && P(@).n + @ <= 3')}"),
+        ("E<> P(who).plus(P(4 - who).n) == 6 && P(who).B", f"E<> {chosen('P(@).plus(P(4 - @).n) == 6 && P(@).B')}"),
+        ("A[] P(who).first(P(4 - who).a) == 4 - who", "A[] true"),
+        ("A[] P(4 - who).first(P(who).a) == who", "A[] true"),
         ("P(who).A --> P(who).B", f"{chosen('P(@).A')} --> {chosen('P(@).B')}"),
         ("A<> P(who).B", f"A<> {chosen('P(@).B')}"),
         ("E<> exists (i : id_t) i != who && P(i).n > P(who).n && P(who).B", "E<> who == 3 && P(3).B"),
@@ -53,9 +63,11 @@ def test_one_case_for_each_instance(query: str, written_out: str) -> None:
 
 
 def test_measured() -> None:
-    found = tachk.loads(MODEL).verify("sup: P(who).n", "inf{Wide.B && wide == 4}: P(who).n", "sup{P(who).B}: P(who).z")
+    found = tachk.loads(MODEL).verify(
+        "sup: P(who).n", "inf{Wide.B && wide == 4}: P(who).n", "sup{P(who).B}: P(who).z", "sup: P(who).twice()"
+    )
     rows = [row["values"] for row in found.to_rows()]
-    assert rows == ["P(who).n ≤ 4", "P(who).n ≥ 2", "P(who).z ≤ 9"]
+    assert rows == ["P(who).n ≤ 4", "P(who).n ≥ 2", "P(who).z ≤ 9", "P(who).twice() ≤ 8"]
 
 
 def test_no_such_instance_is_a_run_time_error() -> None:
@@ -83,6 +95,11 @@ def test_two_parameters() -> None:
     [
         ("E<> P(who, 1).B", "E0308"),
         ("E<> P(who).C", "E0207"),
+        ("E<> P(who).c()", "E0207"),
+        ("E<> P(who).n()", "E0208"),
+        ("E<> P(who).twice", "E0203"),
+        ("E<> P(who).plus()", "E0308"),
+        ("E<> P(who).plus(true, 2)", "E0308"),
         ("E<> P(P(1).z).B", "E0301"),
         ("E<> P(1.5 * who).B", "E0301"),
     ],
@@ -106,7 +123,7 @@ def test_random_runs() -> None:
     text = """
     typedef int[0, 1] id_t; id_t who;
     process P(const id_t id) {
-        clock z; state A { z <= 2 }, B; init A;
+        clock z; bool there() { return id == 1; } state A { z <= 2 }, B; init A;
         trans A -> B { guard id == 1; assign who = 1, z = 0; };
     }
     system P;
@@ -115,6 +132,7 @@ def test_random_runs() -> None:
         "Pr[<=1](<> P(who).B)",  # P(1) leaves at a time that is uniform on 0 to 2
         "E[<=2; 2000](max: P(who).z)",  # the larger one of L and 2 - L
         "simulate [<=3; 1] {P(who).z, P(who).B}",
+        "Pr[<=1](<> P(who).there())",
         runs=2000,
         confidence=0.999,
     )
@@ -126,3 +144,5 @@ def test_random_runs() -> None:
     clock, place = found[2].runs[0].lines
     left = place.times[1]
     assert clock.values[-1] == pytest.approx(3 - left)
+    assert isinstance(found[3], Estimated)
+    assert found[3].sample.hits == found[0].sample.hits

@@ -21,7 +21,7 @@ from tachk.frontend.expressions.builtin_names import (
     FLOATING_FUNCTIONS,
 )
 from tachk.frontend.expressions.changed_places import changed_first, in_turn
-from tachk.frontend.expressions.chosen_processes import chosen_member, is_constant
+from tachk.frontend.expressions.chosen_processes import chosen, chosen_member, is_constant
 from tachk.frontend.expressions.name_expressions import misuse_help, named
 from tachk.frontend.expressions.operator_types import choose, combine
 from tachk.frontend.expressions.places import assignable, converted, element, field, is_place
@@ -281,18 +281,9 @@ def _index(node: ast.IndexExpression, scope: Scope, context: Context) -> Express
 
 
 def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expression | None:
-    match node.base:
-        case ast.CallExpression(function=ast.NameExpression(name=name), arguments=given) if context.in_query:
-            family = scope.lookup(name)
-            if isinstance(family, FamilySymbol):
-                arguments = tuple(expression(argument, scope, context) for argument in given)
-                known = tuple(argument for argument in arguments if argument is not None)
-                if len(known) < len(arguments):
-                    return None
-                if not all(is_constant(argument, context) for argument in known):
-                    return chosen_member(node, family, known, context)
-        case _:
-            pass
+    family, arguments = _chosen_process(node.base, scope, context)
+    if family is not None:
+        return chosen_member(node, family, arguments, context)
     found = select_process(node.base, scope, context, _constant_argument)
     if found is not None:
         member = select_member(found, node.name, context)
@@ -313,6 +304,23 @@ def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expre
     if base is None:
         return None
     return field(base, node, context)
+
+
+def _chosen_process(
+    node: ast.Expression, scope: Scope, context: Context
+) -> tuple[FamilySymbol | None, tuple[Expression, ...]]:
+    """The processes among which variables choose in ``P(who)`` in a query, and the values that choose."""
+    match node:
+        case ast.CallExpression(function=ast.NameExpression(name=name), arguments=given) if context.in_query:
+            family = scope.lookup(name)
+            if isinstance(family, FamilySymbol):
+                arguments = tuple(expression(argument, scope, context) for argument in given)
+                known = tuple(argument for argument in arguments if argument is not None)
+                if len(known) == len(arguments) and not all(is_constant(argument, context) for argument in known):
+                    return family, known
+        case _:
+            pass
+    return None, ()
 
 
 def _constant_argument(node: ast.Expression, scope: Scope, context: Context) -> int | None:
@@ -391,7 +399,22 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
         operation = NAMED_OPERATIONS.get(node.function.name)
         if operation is not None and (context.keeps_doubles or not operation.only_simulated):
             return _operation(operation, node, scope, context)
-    symbol = _called(node.function, scope, context)
+    if isinstance(node.function, ast.MemberExpression):
+        member = node.function
+        family, chooses = _chosen_process(member.base, scope, context)
+        if family is not None:
+            return chosen(
+                member.base,
+                node.span,
+                family,
+                chooses,
+                lambda process: _call_of(select_member(process, member.name, context), node, scope, context),
+                context,
+            )
+    return _call_of(_called(node.function, scope, context), node, scope, context)
+
+
+def _call_of(symbol: Symbol | None, node: ast.CallExpression, scope: Scope, context: Context) -> Expression | None:
     if symbol is None:
         return None
     if not isinstance(symbol, FunctionSymbol):
