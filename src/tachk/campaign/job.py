@@ -246,7 +246,9 @@ def _estimated(found: Estimate) -> Row:
             if found.decision is Decision.UNKNOWN:
                 row["reason"] = "no decision"
         case Split():
-            return {**row, "estimate": found.rare.mean, "low": found.low, "high": found.high}
+            rare = found.rare
+            row |= {"estimate": rare.mean, "low": found.low, "high": found.high, "transitions": rare.transitions}
+            return row
         case Drawn():
             return {**row, "answer": Answer.UNKNOWN.value, "reason": "trajectories are not for sweeps"}
         case never:

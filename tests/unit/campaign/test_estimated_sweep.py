@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
 import tachk
+from tachk.cli.main import app
 from tachk.statistics.estimate import Settings
 from tachk.statistics.sampling import Source
 
@@ -68,3 +71,27 @@ def test_cells_have_intervals(link: tachk.Model, tmp_path: Path) -> None:
 def test_a_named_query_is_estimated_alone(link: tachk.Model) -> None:
     found = link.sweep(over="LOSS=20", property="arrives", processes=1)
     assert [row["property"] for row in found.rows] == ["arrives"]
+
+
+def test_cells_split_as_estimate_does(tmp_path: Path) -> None:
+    path = tmp_path / "link.ta"
+    path.write_text(LINK, encoding="utf-8")
+    query = "Pr[<=100](<> Sender.Lost)"
+    options = ["--splitting", "--effort", "50", "--relative", "0.5", "--seed", "3", "--format", "json"]
+
+    def ran(command: str, *further: str) -> dict[str, Any]:
+        result = CliRunner().invoke(app, [command, str(path), query, "-D", "TRIES=4", *options, *further])
+        assert result.exit_code == 0, result.output
+        found: dict[str, Any] = json.loads(result.stdout)
+        return found
+
+    table = ran("sweep", "-D", "LOSS=5,10", "-j", "1")
+    Draft202012Validator(SCHEMA).validate(table)
+    rows = {row["LOSS"]: row for row in table["rows"]}
+    for loss, row in rows.items():
+        answer = ran("estimate", "-D", f"LOSS={loss}")["answers"][0]
+        assert answer["kind"] == "splitting"
+        assert row["estimate"] == answer["mean"]
+        assert [row[name] for name in ("low", "high")] == [answer[name] for name in ("low", "high")]
+        assert 0 < row["low"] <= row["estimate"] <= row["high"] < 0.01
+    assert rows[5]["high"] < rows[10]["low"]

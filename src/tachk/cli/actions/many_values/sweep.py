@@ -28,6 +28,7 @@ from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.campaign.table import Sweep
 from tachk.statistics.estimate import Settings
+from tachk.statistics.rare import Splitting
 from tachk.statistics.sampling import Source as RunSource
 from tachk.time_limit import time_limit
 
@@ -71,6 +72,9 @@ class Sweeping:
     half_width: float = 0.05
     runs: int | None = None
     seed: int = 0
+    splitting: bool = False
+    relative: float = 0.1
+    effort: int = 1000
     formulas: str | None = None
     until: str = "100"
     part: str = "1/1"
@@ -102,7 +106,7 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
             limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
             seconds=None if seconds is None else max(0.0, seconds - (monotonic() - started)),
             progress=progress,
-            settings=Settings(RunSource(asked.seed), asked.confidence, asked.half_width, asked.runs),
+            settings=_settings(asked),
             judge=judge,
             part=_part(asked.part),
             merge=asked.merged,
@@ -115,6 +119,12 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
         return ExitStatus.INTERRUPTED
     unknown = any(row["answer"] == Answer.UNKNOWN.value for row in found.rows)
     return ExitStatus.UNKNOWN if unknown or found.campaign.unfinished else ExitStatus.AS_EXPECTED
+
+
+def _settings(asked: Sweeping) -> Settings:
+    """How statistical queries are answered in each cell."""
+    splitting = Splitting(asked.relative, asked.effort) if asked.splitting else None
+    return Settings(RunSource(asked.seed), asked.confidence, asked.half_width, asked.runs, splitting=splitting)
 
 
 def _part(text: str) -> tuple[int, int]:

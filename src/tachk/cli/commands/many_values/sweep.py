@@ -103,6 +103,7 @@ from tachk.cli.reporting import ReportForm
 @drawing.half_width("Statistical queries draw runs until the interval of a probability is at most 2 E wide.")
 @drawing.runs("Statistical queries draw N runs, --monitor judges N (else 100).")
 @drawing.seed("Of the runs of statistical queries.")
+@drawing.splitting
 @options.max_states("; its answers are unknown then")
 @options.max_memory
 @click.option("non_zeno", "--non-zeno", is_flag=True, help="Count only runs in which time diverges.")

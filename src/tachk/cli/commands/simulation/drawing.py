@@ -60,6 +60,37 @@ def most_steps(name: str, help: str) -> _Adds:
     return click.option(name, "--max-steps", metavar="N", type=options.Count(1, 2**62), help=help)
 
 
+def splitting(function: options.Decorated) -> options.Decorated:
+    """``--splitting``, ``--relative`` and ``--effort``."""
+    for add in reversed(_SPLITTING):
+        function = add(function)
+    return function
+
+
+_SPLITTING: tuple[_Adds, ...] = (
+    click.option(
+        "--splitting",
+        is_flag=True,
+        help="Estimate probabilities of what runs hardly ever reach: begin runs again where others came nearest.",
+    ),
+    click.option(
+        "--relative",
+        metavar="R",
+        type=click.FloatRange(0.001, 1),
+        default=0.1,
+        show_default=True,
+        help="With --splitting: half the width of the interval, as a share of the probability.",
+    ),
+    click.option(
+        "--effort",
+        metavar="N",
+        type=options.Count(10, 10**7),
+        default=1000,
+        show_default=True,
+        help="With --splitting: runs for each level.",
+    ),
+)
+
 policy = click.option(
     "--policy",
     type=click.Choice([policy.value for policy in Policy]),

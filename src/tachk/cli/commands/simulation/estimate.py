@@ -61,27 +61,7 @@ _SHARE = click.FloatRange(0, 0.5, min_open=True)
     show_default=True,
     help="End a test that has no decision after N runs.",
 )
-@click.option(
-    "--splitting",
-    is_flag=True,
-    help="Estimate probabilities of what runs hardly ever reach: begin runs again where others came nearest.",
-)
-@click.option(
-    "--relative",
-    metavar="R",
-    type=click.FloatRange(0.001, 1),
-    default=0.1,
-    show_default=True,
-    help="With --splitting: half the width of the interval, as a share of the probability.",
-)
-@click.option(
-    "--effort",
-    metavar="N",
-    type=options.Count(10, 10**7),
-    default=1000,
-    show_default=True,
-    help="With --splitting: runs for each level.",
-)
+@drawing.splitting
 @click.option(
     "picture",
     "--plot",
