@@ -8,6 +8,7 @@ from fractions import Fraction
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
+from tachk.model.run_formulas import RunFormula
 from tachk.records import dataclass
 
 
@@ -53,17 +54,39 @@ class Path:
 
 
 @dataclass(frozen=True, slots=True)
+class FormulaPath:
+    """What is asked of each run: whether a formula with several temporal operators is true on it.
+
+    Attributes:
+        bound: a time, at which runs end. What a run leaves open then is unknown.
+        runs: how many are to be drawn, if the query says it.
+    """
+
+    bound: Bound
+    runs: int | None
+    formula: RunFormula
+
+    @property
+    def always(self) -> bool:
+        """As of `Path`: violations are never counted here."""
+        return False
+
+
+AskedPath = Path | FormulaPath
+
+
+@dataclass(frozen=True, slots=True)
 class Probability:
     """``Pr[<=T](<> p)``: how probable is it?"""
 
-    path: Path
+    path: AskedPath
 
 
 @dataclass(frozen=True, slots=True)
 class Threshold:
     """``Pr[<=T](<> p) >= 0.9``: is it at least (or at most) so probable?"""
 
-    path: Path
+    path: AskedPath
     at_least: bool
     probability: float
 
@@ -72,8 +95,8 @@ class Threshold:
 class Comparison:
     """``Pr[<=T](<> p) >= Pr[<=S](<> q)``: is the first at least as probable?"""
 
-    first: Path
-    second: Path
+    first: AskedPath
+    second: AskedPath
 
 
 @dataclass(frozen=True, slots=True)

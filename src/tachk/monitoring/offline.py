@@ -28,16 +28,13 @@ from tachk.monitoring.texts import Texts, text_columns, unmet_texts
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
 from tachk.report.monitor.text import print_monitor
 from tachk.report.plain_console import plain_console
+from tachk.runtime.certainty import is_certainly_false
 from tachk.runtime.conventions import Ending, Interpolation
-from tachk.runtime.core_monitor import (
-    RobustnessResult,
-    columns_read,
-)
+from tachk.runtime.core_monitor import RobustnessResult
 from tachk.runtime.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
 from tachk.runtime.logs.joined import with_decimals, with_texts
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_arrays import TableRecording
 from tachk.runtime.trace_files import open_trace
@@ -306,7 +303,7 @@ def verdict_on(
     else:
         truth = reading.truth(program, trace)
     measured = truth.measured
-    if measured is Truth.FALSE and not _is_certain(program, trace):
+    if measured is Truth.FALSE and not is_certainly_false(program, trace):
         measured = Truth.UNDETERMINED
         robustness = None if robustness is None else replace(robustness, high=math.inf)
     explainer = reading.explainer(program, trace)
@@ -326,16 +323,6 @@ def verdict_on(
         explainer,
         _time_robustness(program, trace) if judging.time_robustness else None,
     )
-
-
-def _is_certain(program: MonitorProgram, trace: Trace) -> bool:
-    """Whether what is false on the trace is false however it goes on."""
-    if trace.known_before is None or trace.interpolation is Interpolation.LINEAR:
-        return True
-    online = OnlineMonitor(program, robustness=False)
-    rows = max(1, int(trace.times.searchsorted(trace.known_before)))
-    online.push(trace.times[:rows], [values[:rows] for values in columns_read(program, trace)])
-    return online.advance(trace.known_before) is Truth.FALSE
 
 
 def counted(measured: Truth, ending: Ending) -> Truth:

@@ -17,9 +17,9 @@ from tachk.model.expressions import Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.statistical import (
+    AskedPath,
     Comparison,
     Expectation,
-    Path,
     Probability,
     Scale,
     StatisticalQuery,
@@ -30,9 +30,10 @@ from tachk.model.types import ClockType
 from tachk.records import dataclass
 from tachk.simulation.intervals import clopper_pearson
 from tachk.statistics.deciding import Decision, Errors, RatioTest, comparison_test, threshold_test
+from tachk.statistics.judged import sampler_of
 from tachk.statistics.means import asymptotic_mean, bounded_mean
 from tachk.statistics.rare import Rare, Splitting, split
-from tachk.statistics.sampling import Sample, Sampler, Source, path_sampler, value_sampler
+from tachk.statistics.sampling import Sample, Sampler, Source, value_sampler
 from tachk.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
 from tachk.statistics.trajectories import Trajectory, picked, trajectories
 
@@ -185,8 +186,8 @@ def _frequency(sample: Sample, always: bool) -> float:
 # ---- probabilities --------------------------------------------------------------------------------------------------
 
 
-def _probability(network: Network, query: StatisticalQuery, path: Path, settings: Settings) -> Estimated:
-    sampler = path_sampler(network, path, settings.source)
+def _probability(network: Network, query: StatisticalQuery, path: AskedPath, settings: Settings) -> Estimated:
+    sampler = sampler_of(network, path, settings.source)
     runs = settings.runs or path.runs
     if runs is None:
         rule = StoppingRule(settings.confidence, settings.half_width)
@@ -230,7 +231,7 @@ def _threshold(network: Network, query: StatisticalQuery, asked: Threshold, sett
         at_least = _decided(found.low, found.high, asked.probability)
         decision = at_least if asked.at_least else _at_most(found, asked.probability)
         return Decided(query, decision, (found.sample,), (found.frequency,), (found.low, found.high))
-    sampler = path_sampler(network, path, settings.source)
+    sampler = sampler_of(network, path, settings.source)
     readings = {as_hit: threshold_test(asked.probability, settings.errors) for as_hit in (False, True)}
     decision = Decision.UNKNOWN
     while decision is Decision.UNKNOWN and sampler.sample.runs < settings.most_runs:
@@ -281,10 +282,12 @@ def _opposite(decision: Decision) -> Decision:
             return decision
 
 
-def _comparison(network: Network, query: StatisticalQuery, paths: tuple[Path, Path], settings: Settings) -> Decided:
+def _comparison(
+    network: Network, query: StatisticalQuery, paths: tuple[AskedPath, AskedPath], settings: Settings
+) -> Decided:
     source = settings.source
     other = Source(source.seed, source.first + _SECOND, source.threads, source.most_steps)
-    samplers = path_sampler(network, paths[0], source), path_sampler(network, paths[1], other)
+    samplers = sampler_of(network, paths[0], source), sampler_of(network, paths[1], other)
     readings = {as_hit: comparison_test(settings.errors) for as_hit in (False, True)}
     most = settings.runs or paths[0].runs or settings.most_runs
     decision = Decision.UNKNOWN
@@ -299,7 +302,7 @@ def _comparison(network: Network, query: StatisticalQuery, paths: tuple[Path, Pa
     return Decided(query, decision, samples, frequencies)
 
 
-def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[Path, Path]) -> None:
+def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[AskedPath, AskedPath]) -> None:
     """Gives a pair of runs to both readings: an unknown run speaks for the first probability, or against it."""
     for in_favour, test in readings.items():
         first, second = (
@@ -319,7 +322,9 @@ def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, setti
     return Drawn(query, runs, sample, interval)
 
 
-def _split(network: Network, query: StatisticalQuery, path: Path, splitting: Splitting, settings: Settings) -> Split:
+def _split(
+    network: Network, query: StatisticalQuery, path: AskedPath, splitting: Splitting, settings: Settings
+) -> Split:
     rare = split(network, path, settings.source, settings.confidence, splitting)
     reach = rare.half_width(settings.confidence)
     return Split(query, rare, max(0.0, rare.mean - reach), min(1.0, rare.mean + reach))
@@ -329,12 +334,12 @@ def _split(network: Network, query: StatisticalQuery, path: Path, splitting: Spl
 
 
 def _mean(network: Network, query: StatisticalQuery, asked: Expectation, settings: Settings) -> Mean:
-    sampler = value_sampler(network, asked, settings.source)
+    sampler, largest_reset = value_sampler(network, asked, settings.source)
     sample = sampler.draw_up_to(settings.runs or asked.runs or _RUNS_OF_MEANS)
     values = sample.all_values
     known = values[~np.isnan(values)]
     mean = float(known.mean()) if len(known) else float("nan")
-    between = value_range(network, asked, sampler.largest_reset)
+    between = value_range(network, asked, largest_reset)
     low = high = None
     if between is not None:
         lowest, highest = (np.where(np.isnan(values), end, values) for end in between)

@@ -16,7 +16,7 @@ from tachk.compiler.hybrid import refuse_hybrid
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.splitting import Splitter
 from tachk.model.network import Network
-from tachk.model.statistical import Path
+from tachk.model.statistical import AskedPath, Path
 from tachk.records import dataclass
 from tachk.simulation.intervals import student_quantile
 from tachk.statistics.sampling import Source, asked_of, lowered_path, with_elapsed_time
@@ -74,13 +74,18 @@ class Rare:
         return student_quantile(confidence, count - 1) * deviation
 
 
-def split(network: Network, path: Path, source: Source, confidence: float, splitting: Splitting) -> Rare:
+def split(network: Network, path: AskedPath, source: Source, confidence: float, splitting: Splitting) -> Rare:
     """The probability of ``<> p`` or ``p U q``.
 
     Raises:
         UsageError: the goal is no rare one: it is there at the start, or cannot be reached.
         OutOfTimeError: the limit on time is over.
     """
+    if not isinstance(path, Path):
+        raise UsageError(
+            "splitting has no levels for a formula with several temporal operators",
+            "ask without --splitting, or let the model reach a location where the formula is true: Pr[...](<> P.there)",
+        )
     if path.always:
         raise UsageError("splitting needs <> or U", "ask for the violation: Pr[...](<> not p)")
     refuse_hybrid(network, "splitting")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -103,25 +103,20 @@ class Sample:
 class Sampler:
     """Draws runs for one question, one after the other."""
 
-    def __init__(self, trier: Trier, asked: Asked, source: Source) -> None:
-        self._trier = trier
-        self._asked = asked
-        self._source = source
-        self.sample = Sample(asked.reach.ticks_per_unit)
-
-    @property
-    def largest_reset(self) -> int:
-        """The largest value that a clock is set to."""
-        return self._trier.program.largest_reset
+    def __init__(self, trials: Callable[[range], Trials], first: int, ticks_per_unit: int) -> None:
+        """Args:
+        trials: draws the runs of these numbers.
+        first: the number of the first run.
+        """
+        self._trials = trials
+        self._first = first
+        self.sample = Sample(ticks_per_unit)
 
     def draw(self, runs: int) -> Trials:
         """So many more runs, at most 4096. Raises OutOfTimeError."""
         check_time()
-        first = self._source.first + self.sample.runs
-        numbers = range(first, first + runs)
-        trials = self._trier.trials(
-            self._asked, self._source.seed, numbers, self._source.threads, self._source.most_steps
-        )
+        first = self._first + self.sample.runs
+        trials = self._trials(range(first, first + runs))
         self.sample.add(trials)
         return trials
 
@@ -132,11 +127,20 @@ class Sampler:
         return self.sample
 
 
+def _asking(program: Program, chances: Chances, asked: Asked, source: Source) -> Sampler:
+    trier = Trier(program, chances)
+
+    def trials(numbers: range) -> Trials:
+        return trier.trials(asked, source.seed, numbers, source.threads, source.most_steps)
+
+    return Sampler(trials, source.first, asked.reach.ticks_per_unit)
+
+
 def path_sampler(network: Network, path: Path, source: Source) -> Sampler:
     """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false. Raises as `lowered_path`."""
     network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
-    return Sampler(Trier(program, chances), asked_of(network, path, program), source)
+    return _asking(program, chances, asked_of(network, path, program), source)
 
 
 def with_elapsed_time(network: Network, path: Path) -> tuple[Network, Path]:
@@ -174,8 +178,9 @@ def asked_of(network: Network, path: Path, program: Program) -> Asked:
     return Asked(reach_of(path.bound, network, program), 0, -1 if _lost(path) is None else 1)
 
 
-def value_sampler(network: Network, asked: Expectation, source: Source) -> Sampler:
-    """Runs on which the largest or least value of an expression is measured. Raises as `lowered_path`."""
+def value_sampler(network: Network, asked: Expectation, source: Source) -> tuple[Sampler, int]:
+    """Runs on which the largest or least value of an expression is measured, and the largest value that a clock is set
+    to. Raises as `lowered_path`."""
     check_simulated(network)
     is_clock = isinstance(asked.value.type, ClockType)
     beyond = asked.bound.beyond
@@ -187,7 +192,7 @@ def value_sampler(network: Network, asked: Expectation, source: Source) -> Sampl
         clock=clock_number(asked.value, network, program) if is_clock else 0,
         largest=asked.largest,
     )
-    return Sampler(Trier(program, chances), measured, source)
+    return _asking(program, chances, measured, source), program.largest_reset
 
 
 def reach_of(bound: Bound, network: Network, program: Program) -> Reach:

@@ -1,6 +1,7 @@
 """Statistical queries: the text of one, as the grammar takes it for one token, with its names resolved.
 
-UPPAAL's forms: ``Pr[bound](<> p)``, ``[]`` and ``p U q``, compared with a number or with another one;
+UPPAAL's forms: ``Pr[bound](<> p)``, ``[]`` and ``p U q``, and formulas with several of these and intervals, compared
+with a number or with another one;
 ``E[bound; N](max: e)``; ``simulate [bound; N] {e, f}``, or ``simulate N [bound] {e, f}`` as version 4 has it.
 """
 
@@ -21,12 +22,15 @@ from tachk.frontend.findings import Findings
 from tachk.frontend.hybrid_clocks import computed_clocks, named_clocks
 from tachk.frontend.loaded import LoadedModel, with_hybrid_clocks
 from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.frontend.queries.run_formulas import Reading, operators_in, read_run_formula, refuse_foreign
 from tachk.model.expressions import Conditional, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import (
+    AskedPath,
     Bound,
     Comparison,
     Expectation,
+    FormulaPath,
     Path,
     Probability,
     Question,
@@ -45,7 +49,6 @@ from tachk.time_units import NANOSECONDS, length_of
 _BLANK = re.compile(r"\s+|//[^\n]*|/\*[\s\S]*?\*/")
 _NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _DURATION = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z]*)")
-_BRACKETS = {"(": ")", "[": "]", "{": "}"}
 _MOST_RUNS = 10**9
 _EXAMPLE = "for example Pr[<=100](<> P.location), E[<=100; 1000](max: n) or simulate [<=100; 5] {n, P.location}"
 
@@ -117,38 +120,43 @@ class _Reader:
             return Threshold(path, at_least, self._threshold())
         return Probability(path)
 
-    def _path(self) -> Path:
-        if self._peek() == "(":
-            return self._timed_path()
-        bound, runs = self._bound()
+    def _path(self) -> AskedPath:
+        bounded = self._peek() != "("
+        bound, runs = self._bound() if bounded else (None, None)
         inner = self._bracketed("(")
+        refuse_foreign(inner, self._model.scope)
+        operators = operators_in(inner)
         text = inner.text.lstrip()
         start = inner.end - len(text)
-        if text.startswith(("<>", "[]")):
-            predicate = self._condition(Span(inner.source, start + 2, inner.end))
-            return Path(bound, runs, text.startswith("[]"), predicate)
-        until = _split(inner, "U")
-        if until is None:
+        if len(operators) == 1 and text.startswith(("<>", "[]")):
+            always, before, rest = text.startswith("[]"), None, Span(inner.source, start + 2, inner.end)
+        elif operators == ("U",) and (until := _split(inner, "U")) is not None:
+            always, (before, rest) = False, until
+        elif operators:
+            return self._formula_path(inner, bound, runs)
+        else:
             raise self._wrong("expected <> p, [] p or p U q", inner)
-        before, after = until
-        return Path(bound, runs, False, self._condition(after), self._condition(before))
+        since = 0
+        if bound is None or _begins_with_interval(rest):
+            interval = None if _is_half_open(rest) else self._interval(rest)
+            if interval is None or not _is_within(interval[0][1], bound):
+                return self._formula_path(inner, bound, runs)
+            (since, bound), rest = interval
+        # What comes first is read first, so that its mistakes are told.
+        held = None if before is None else self._condition(before)
+        return Path(bound, runs, always, self._condition(rest), held, since)
 
-    def _timed_path(self) -> Path:
-        """``<>[a,b] p``, ``[][a,b] p`` or ``p U[a,b] q`` without a bound: the interval tells how far to look."""
-        inner = self._bracketed("(")
-        text = inner.text.lstrip()
-        start = inner.end - len(text)
-        if text.startswith(("<>", "[]")):
-            (since, bound), rest = self._interval(Span(inner.source, start + 2, inner.end))
-            return Path(bound, None, text.startswith("[]"), self._condition(rest), since=since)
-        until = _split(inner, "U")
-        if until is None:
-            raise self._unsupported("only <>[a,b] p, [][a,b] p and p U[a,b] q have no bound", inner)
-        (since, bound), rest = self._interval(until[1])
-        return Path(bound, None, False, self._condition(rest), self._condition(until[0]), since)
+    def _formula_path(self, inner: Span, bound: Bound | None, runs: int | None) -> FormulaPath:
+        """A formula with several operators. Its runs end where it is decided, or at the bound before."""
+        if bound is not None and bound.scale is not Scale.TIME:
+            raise self._unsupported("the bound of a formula with intervals is a time", inner)
+        reading = Reading(self._condition, self._value, self._model.scope, self._context)
+        found = read_run_formula(inner, None if bound is None else bound.limit, reading)
+        reach = found.reach if bound is None else min(found.reach, bound.limit)
+        return FormulaPath(Bound(Scale.TIME, reach), runs, found.formula)
 
-    def _interval(self, span: Span) -> tuple[tuple[int, Bound], Span]:
-        """The interval at the beginning of a text, and what is behind it."""
+    def _interval(self, span: Span) -> tuple[tuple[int, Bound], Span] | None:
+        """The interval at the beginning of a text, and what is behind it; None where it begins within a time unit."""
         text = span.text.lstrip()
         start = span.end - len(text)
         end = _partner(text, 0) if text.startswith("[") else None
@@ -158,10 +166,10 @@ class _Reader:
         if len(parts) != 2:
             raise self._wrong("an interval has two ends", Span(span.source, start, start + end + 1))
         since, limit = map(self._time, parts)
-        if since.denominator != 1:
-            raise self._unsupported("an interval begins with a whole number of time units", parts[0])
         if since > limit:
             raise self._wrong("an interval must not end before it begins", Span(span.source, start, start + end + 1))
+        if since.denominator != 1:
+            return None
         return (int(since), Bound(Scale.TIME, limit)), Span(span.source, start + end + 1, span.end)
 
     def _expectation(self) -> Expectation:
@@ -358,16 +366,33 @@ def _is_number(type_: Type) -> bool:
 
 
 def _partner(text: str, start: int) -> int | None:
-    expected = []
+    """Where the bracket ends that begins at a place. Brackets of intervals may differ: ``[0, 5)``."""
+    depth = 0
     for place in range(start, len(text)):
-        character = text[place]
-        if character in _BRACKETS:
-            expected.append(_BRACKETS[character])
-        elif expected and character == expected[-1]:
-            expected.pop()
-            if not expected:
-                return place
+        depth += (text[place] in "([{") - (text[place] in ")]}")
+        if depth == 0:
+            return place
     return None
+
+
+def _is_within(limit: Bound, bound: Bound | None) -> bool:
+    """Whether an interval ends before the bound of the query does."""
+    return bound is None or (bound.scale is Scale.TIME and limit.limit <= bound.limit)
+
+
+def _begins_with_interval(span: Span) -> bool:
+    text = span.text.lstrip()
+    return text.startswith("[") or _is_half_open(span)
+
+
+def _is_half_open(span: Span) -> bool:
+    """Whether a text begins with an interval that lacks one of its ends, or both: with a comma in round brackets."""
+    text = span.text.lstrip()
+    end = _partner(text, 0) if text.startswith(("[", "(")) else None
+    if end is None or (text[0], text[end]) == ("[", "]"):
+        return False
+    start = span.end - len(text)
+    return len(_parts(Span(span.source, start + 1, start + end), ",")) == 2
 
 
 def _places(span: Span, separator: str) -> list[int]:

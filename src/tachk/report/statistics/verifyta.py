@@ -23,7 +23,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.model.statistical import Comparison, Expectation, Path, Probability, Scale, Threshold
+from tachk.model.statistical import AskedPath, Comparison, Expectation, Path, Probability, Scale, Threshold
 from tachk.report.verifyta_notes import memory_lines, note
 from tachk.statistics.answers import StatisticalAnswer, samples_of
 from tachk.statistics.deciding import Decision
@@ -73,7 +73,7 @@ def statistical_lines(answer: StatisticalAnswer, form: Form = Form.V4, bars: Bar
             yield " -- Formula is satisfied."
             yield from _probability(found, form, settings)
             path = path_of(found)
-            if path is not None and path.bound.scale is Scale.TIME and not path.always:
+            if isinstance(path, Path) and path.bound.scale is Scale.TIME and not path.always:
                 yield from _values(found.sample.all_times, bars)
         case Mean():
             yield " -- Formula is satisfied."
@@ -118,7 +118,7 @@ def _interval_lines(interval: str, hits: int, runs: int, form: Form, settings: S
         yield f" -- Result: ({hits}/{runs} runs) {interval} ({settings.confidence * 100:.6g}% CI)"
 
 
-def path_of(found: Estimated) -> Path | None:
+def path_of(found: Estimated) -> AskedPath | None:
     """What is asked of each run."""
     match found.query.question:
         case Probability(path) | Threshold(path):
@@ -127,7 +127,9 @@ def path_of(found: Estimated) -> Path | None:
             return None
 
 
-def _operator(path: Path, form: Form) -> str:
+def _operator(path: AskedPath, form: Form) -> str:
+    if not isinstance(path, Path):
+        return f"Pr({form.dots})"
     if path.before is not None:
         return f"Pr({form.dots} U {form.dots})"
     return f"Pr({'[]' if path.always else '<>'} {form.dots})"

@@ -1,0 +1,214 @@
+"""Formulas in ``Pr(...)`` with more than one temporal operator: what UPPAAL calls MITL, and STL as monitors read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import reduce
+from itertools import pairwise
+from typing import Any
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
+from tachk.diagnostics.span import Span
+from tachk.frontend.context import Context
+from tachk.frontend.queries.formula_durations import resolve_durations
+from tachk.frontend.scope import Scope
+from tachk.logic.horizon import horizon
+from tachk.model.connectives import as_number, both, either, negation
+from tachk.model.expressions import BOOL, Constant, Expression
+from tachk.model.run_formulas import RunFormula, RunOperator, RunWindow
+from tachk.model.traversal import reads_clock, reads_hybrid
+from tachk.syntax import formula as syntax
+from tachk.syntax.formulas.parser import parse_formula
+from tachk.syntax.formulas.tokens import TEMPORAL, resolve_formula
+from tachk.syntax.parsing.tables import lexer
+from tachk.syntax.rewrite import rewrite
+from tachk.syntax.walk import nodes_of_kind
+
+_AHEAD = (syntax.Eventually, syntax.Always, syntax.Until, syntax.WeakUntil)
+_BEHIND = (syntax.Once, syntax.Historically, syntax.Since)
+_EXAMPLE = "for example Pr(<>[0,5] ([][0,2] P.idle)) or Pr[<=100]([] (p -> <>[0,5] q))"
+_FOREIGN = {
+    "X": "a next step has no meaning where time is dense; give an interval: <>[0,1] p",
+    "R": "write !(!p U[a,b] !q) for p R[a,b] q",
+}
+"""UPPAAL's other operators, and what to write in their place."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReadFormula:
+    """Attributes:
+    reach: the time after which the formula is decided whatever the run does.
+    """
+
+    formula: RunFormula
+    reach: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How the parts of a formula are read.
+
+    Attributes:
+        condition: the typed condition in a text. Raises what the reader of the query raises.
+        value: the same of a number.
+    """
+
+    condition: Callable[[Span], Expression]
+    value: Callable[[Span], Expression]
+    scope: Scope
+    context: Context
+
+
+def operators_in(span: Span) -> tuple[str, ...]:
+    """The temporal operators of a text from left to right, as letters; none where it is no formula."""
+    lexed = lexer().cut(span.source, span.start, span.end)
+    marked = resolve_formula(list(lexed.tokens[:-1]))
+    return tuple(token.text for token in marked if token.type in TEMPORAL)
+
+
+def read_run_formula(span: Span, limit: Fraction | None, reading: Reading) -> ReadFormula:
+    """The formula in a text.
+
+    Args:
+        limit: the bound of the query, which is the interval of outermost operators that have none.
+
+    Raises:
+        InputError: it is wrong.
+        UnsupportedError: it is of a form that is not estimated.
+    """
+    formula, found = parse_formula(span)
+    if formula is None:
+        raise InputError(found)
+    resolved = resolve_durations(formula, reading.scope, reading.context)
+    if resolved is None:
+        raise InputError(reading.context.findings.sorted())
+    bounded = _bounded(resolved, limit)
+    reach = horizon(bounded)
+    assert reach is not None
+    return ReadFormula(_as_formula(_converted(bounded, reading)), reach)
+
+
+def refuse_foreign(span: Span, scope: Scope) -> None:
+    """Raises UnsupportedError for an operator of UPPAAL that is not estimated."""
+    tokens = lexer().cut(span.source, span.start, span.end).tokens
+    for token, following in pairwise(tokens):
+        is_release = token.text == "R" and following.text in ("[", "(")
+        is_next = token.text == "X" and (following.text in ("(", "<", "[", "!") or following.type == "NAME")
+        if (is_release or is_next) and scope.lookup(token.text) is None:
+            raise _unsupported(f"the operator {token.text} is not estimated", token.span, _FOREIGN[token.text])
+
+
+def _bounded(formula: syntax.Formula, limit: Fraction | None) -> syntax.Formula:
+    """The formula in which every operator that looks ahead has an interval with an end."""
+    inner = {
+        id(node)
+        for outer in nodes_of_kind(formula, *_AHEAD, *_BEHIND)
+        for part in syntax.operands(outer)
+        for node in nodes_of_kind(part, *_AHEAD)
+    }
+    for node in nodes_of_kind(formula, *_AHEAD):
+        if isinstance(node, syntax.WeakUntil) or node.interval.upper is None:
+            if limit is None or id(node) in inner:
+                raise _unsupported("this operator needs an interval with an end", node.span, _EXAMPLE)
+
+    def change(node: Any) -> Any:
+        if isinstance(node, syntax.WeakUntil):
+            place, left, right = node.span, node.left, node.right
+            whole = _until(syntax.all_time(place), limit)
+            return syntax.Or(place, (syntax.Until(place, whole, left, right), syntax.Always(place, whole, left)))
+        if isinstance(node, (syntax.Eventually, syntax.Always, syntax.Until)) and node.interval.upper is None:
+            return replace(node, interval=_until(node.interval, limit))
+        return node
+
+    result: syntax.Formula = rewrite(formula, change)
+    return result
+
+
+def _until(interval: syntax.Interval, limit: Fraction | None) -> syntax.Interval:
+    assert limit is not None
+    lower = interval.lower.value
+    if isinstance(lower, Fraction) and lower > limit:
+        message = "this interval begins after the bound of the query"
+        raise InputError([Diagnostic("E0147", message, interval.span, "make the bound larger")])
+    return replace(interval, upper=syntax.Duration(interval.span, limit), upper_closed=True)
+
+
+def _as_formula(part: RunFormula | Expression) -> RunFormula:
+    return part if isinstance(part, RunFormula) else RunFormula(RunOperator.AND, (part, part))
+
+
+def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expression:
+    """The formula with its names resolved; a condition on one state is an expression."""
+    match formula:
+        case syntax.Truth(value=value):
+            return Constant(int(value), BOOL)
+        case syntax.Atom(expression=expression):
+            return as_number(_state(reading.condition(expression.span), expression.span))
+        case syntax.Change(expression=expression):
+            return RunFormula(RunOperator.CHANGE, (_state(reading.value(expression.span), expression.span),))
+        case syntax.Implies(left=left, right=right):
+            return _either((_negated(_converted(left, reading)), _converted(right, reading)))
+        case syntax.Not(operand=operand):
+            return _negated(_converted(operand, reading))
+        case syntax.And(operands=operands):
+            parts = tuple(_converted(operand, reading) for operand in operands)
+            conditions = tuple(_conditions(parts))
+            return reduce(both, conditions) if len(conditions) == len(parts) else RunFormula(RunOperator.AND, parts)
+        case syntax.Or(operands=operands):
+            return _either(tuple(_converted(operand, reading) for operand in operands))
+        case syntax.WeakUntil():
+            raise InternalError("W has been written out")
+        case syntax.Rise() | syntax.Fall():
+            return RunFormula(_operator(formula), _operands(formula, reading))
+        case (
+            syntax.Eventually(interval=interval)
+            | syntax.Always(interval=interval)
+            | syntax.Once(interval=interval)
+            | syntax.Historically(interval=interval)
+            | syntax.Until(interval=interval)
+            | syntax.Since(interval=interval)
+        ):
+            return RunFormula(_operator(formula), _operands(formula, reading), _window(interval))
+
+
+def _operator(formula: syntax.Formula) -> RunOperator:
+    return RunOperator[type(formula).__name__.upper()]
+
+
+def _operands(formula: syntax.Formula, reading: Reading) -> tuple[RunFormula | Expression, ...]:
+    return tuple(_converted(operand, reading) for operand in syntax.operands(formula))
+
+
+def _conditions(parts: tuple[RunFormula | Expression, ...]) -> Iterator[Expression]:
+    for part in parts:
+        if not isinstance(part, RunFormula):
+            yield part
+
+
+def _either(parts: tuple[RunFormula | Expression, ...]) -> RunFormula | Expression:
+    conditions = tuple(_conditions(parts))
+    return reduce(either, conditions) if len(conditions) == len(parts) else RunFormula(RunOperator.OR, parts)
+
+
+def _negated(part: RunFormula | Expression) -> RunFormula | Expression:
+    return RunFormula(RunOperator.NOT, (part,)) if isinstance(part, RunFormula) else negation(part)
+
+
+def _window(interval: syntax.Interval) -> RunWindow:
+    lower, upper = interval.lower.value, None if interval.upper is None else interval.upper.value
+    assert isinstance(lower, Fraction) and (upper is None or isinstance(upper, Fraction))
+    return RunWindow(lower, upper, interval.lower_closed, interval.upper_closed)
+
+
+def _state(value: Expression, span: Span) -> Expression:
+    """An expression whose value changes only when something happens."""
+    if reads_clock(value) or reads_hybrid(value):
+        help_ = "compare clocks in <>[a,b] p, [][a,b] p or p U[a,b] q alone, or keep what is meant in a variable"
+        raise _unsupported("a formula with several operators does not read clocks", span, help_)
+    return value
+
+
+def _unsupported(message: str, span: Span, help_: str) -> UnsupportedError:
+    return UnsupportedError(Diagnostic("E0728", message, span, help_))

@@ -1,0 +1,46 @@
+"""Formulas over runs with their names resolved: what a statistical query with several operators asks of each run."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from fractions import Fraction
+
+from tachk.model.expressions import Expression
+from tachk.records import dataclass
+
+
+class RunOperator(StrEnum):
+    """Operators as docs/logic.md defines them; CHANGE watches the value of an expression."""
+
+    NOT = "not"
+    AND = "and"
+    OR = "or"
+    RISE = "rise"
+    FALL = "fall"
+    CHANGE = "change"
+    EVENTUALLY = "eventually"
+    ALWAYS = "always"
+    ONCE = "once"
+    HISTORICALLY = "historically"
+    UNTIL = "until"
+    SINCE = "since"
+
+
+@dataclass(frozen=True, slots=True)
+class RunWindow:
+    """Which distances from now an operator looks at, in time units of the model; without an end where ``upper`` is
+    None."""
+
+    lower: Fraction = Fraction(0)
+    upper: Fraction | None = None
+    lower_closed: bool = True
+    upper_closed: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class RunFormula:
+    """An operator with its operands: formulas, or conditions on one state."""
+
+    operator: RunOperator
+    operands: tuple[RunFormula | Expression, ...]
+    window: RunWindow = RunWindow()
