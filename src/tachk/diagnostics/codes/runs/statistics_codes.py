@@ -15,7 +15,8 @@ STATISTICS_CODES = {
     ),
     "E0728": Explanation(
         "statistical query of a form that is not estimated",
-        "`tachk estimate` knows <>, [] and U under one bound or with an interval, expectations and trajectories. "
+        "`tachk estimate` knows <>, [] and U under one bound or with an interval, formulas of several of these without "
+        "clocks, in which each operator has an interval, expectations and trajectories. "
         "It does not look for `deadlock`, since a run that is drawn does not tell whether anything else was possible.",
         "Pr[<=100](<> deadlock)",
         "E<> deadlock",
