@@ -140,6 +140,15 @@ def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
     assert not loaded & UNUSED
 
 
+@pytest.mark.usefixtures("with_tables")
+@pytest.mark.parametrize("form", ["text", "json", "junit", "verifyta"])
+def test_reports_load_statistics_only_where_a_model_has_them(tmp_path: Path, form: str) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text(MODEL, encoding="utf-8")
+    loaded = modules_after("verify", str(model), "--format", form, "-o", str(tmp_path / "report"))
+    assert not loaded & {"numpy", "statistics", "tachk.engines.simulation", "tachk.statistics", "tachk.report.statistics"}
+
+
 def test_one_module_knows_lark() -> None:
     users = {
         str(path.relative_to(SOURCES))

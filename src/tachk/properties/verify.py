@@ -16,7 +16,6 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.selections import check_selections
 from tachk.properties.fault_explanation import with_blame
-from tachk.properties.momentary import with_momentary_triggers
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.scheduling.in_order import VerifyProgress, in_order, processes
@@ -74,9 +73,17 @@ def verify(
     shares = Shares(limits, started, len(tasks))
     verdicts |= in_order(searches, answer, shares, processes(options), progress)
     found = [with_blame(verdicts[number]) for number in range(len(queries))]
-    left = limits.after(time.monotonic() - started)
-    noted = with_momentary_triggers(network, found, left, _decided_plainly)
+    noted = _with_momentary_triggers(network, found, limits.after(time.monotonic() - started))
     return non_zeno.noted(_examined(network, noted))
+
+
+def _with_momentary_triggers(network: Network, found: Sequence[Verdict], left: Limits) -> Sequence[Verdict]:
+    """The verdicts with notes about what is true for no time, of which only observers may speak."""
+    if all(verdict.query.observer is None for verdict in found):
+        return found
+    from tachk.properties.momentary import with_momentary_triggers
+
+    return with_momentary_triggers(network, found, left, _decided_plainly)
 
 
 def _decided_plainly(network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from tachk.report.extreme_text import answer_text
 from tachk.report.quantity import grouped, seconds
 from tachk.report.record import RunRecord
-from tachk.report.statistics.answered import answered_document, short_answer
 from tachk.report.text_report import evidence_text
 from tachk.resources import template_text
+
+if TYPE_CHECKING:
+    from tachk.statistics.answers import StatisticalAnswer
 
 _COLOURS = {"holds": "green", "fails": "firebrick", "unknown": "darkorange"}
 
@@ -27,14 +31,22 @@ def run_to_html(record: RunRecord) -> str:
         for title, _, text in (evidence_text(record.network, verdict).partition("\n"),)
         if title
     ]
-    estimates = [(answer, short_answer(answered_document(answer)["found"])) for answer in record.estimates]
     answers = {verdict.query.name: answer_text(verdict, record.network.time_unit) for verdict in record.verdicts}
     return template.render(
         record=record,
         answers=answers,
-        estimates=estimates,
+        estimates=_estimates(record),
         runs=runs,
         colours=_COLOURS,
         count=grouped,
         seconds=seconds,
     )
+
+
+def _estimates(record: RunRecord) -> list[tuple[StatisticalAnswer, str]]:
+    """The answers to statistical queries, each with what it says in a few words."""
+    if not record.estimates:
+        return []
+    from tachk.report.statistics.answered import answered_document, short_answer
+
+    return [(answer, short_answer(answered_document(answer)["found"])) for answer in record.estimates]

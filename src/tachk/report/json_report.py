@@ -15,7 +15,6 @@ from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Extreme, Extremes, Verdict
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
-from tachk.report.statistics.answered import answered_document
 from tachk.semantics.timed_trace import Due
 from tachk.words import Direction
 
@@ -52,9 +51,17 @@ def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
             }
             for query in record.not_checked
         ],
-        "estimates": [answered_document(answer) for answer in record.estimates],
+        "estimates": _estimates(record),
         "errors": _errors(record.blocking),
     }
+
+
+def _estimates(record: RunRecord) -> list[Json]:
+    if not record.estimates:
+        return []
+    from tachk.report.statistics.answered import answered_document
+
+    return [answered_document(answer) for answer in record.estimates]
 
 
 def statistics_to_json(statistics: Statistics) -> dict[str, Json]:

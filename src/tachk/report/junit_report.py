@@ -15,7 +15,6 @@ from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import view_trace
-from tachk.report.statistics.answered import answered_lines
 from tachk.report.text_report import print_fault
 
 _NUMBERED = re.compile(r"q\d+")
@@ -70,6 +69,20 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
         words = [*value_lines(verdict, record.network.time_unit), *verdict.notes]
         if words:
             ElementTree.SubElement(case, "system-out").text = clean("\n".join(words))
+    if record.estimates:
+        _estimates(suite, record)
+    for query in record.not_checked:
+        case = _case(suite, record.model, _name(query.name, query.title), "0.000")
+        if query.diagnostics:
+            _result(case, "error", f"cannot be checked: {query.reason}", _rendered(query.diagnostics))
+        else:
+            _result(case, "skipped", query.reason, "")
+
+
+def _estimates(suite: ElementTree.Element, record: RunRecord) -> None:
+    """A case for each statistical query."""
+    from tachk.report.statistics.answered import answered_lines
+
     for answer in record.estimates:
         name = _name(answer.query.name, answer.query.title)
         case = _case(suite, record.model, name, f"{answer.seconds:.3f}")
@@ -79,12 +92,6 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
         elif answer.met is False:
             _result(case, "failure", first, "\n".join(others))
         ElementTree.SubElement(case, "system-out").text = clean("\n".join((first, *others)))
-    for query in record.not_checked:
-        case = _case(suite, record.model, _name(query.name, query.title), "0.000")
-        if query.diagnostics:
-            _result(case, "error", f"cannot be checked: {query.reason}", _rendered(query.diagnostics))
-        else:
-            _result(case, "skipped", query.reason, "")
 
 
 def _suite_of_nothing(parent: ElementTree.Element, record: NotRead) -> None:

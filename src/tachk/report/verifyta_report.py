@@ -7,17 +7,18 @@ holds words that scripts take for a verdict.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.engines.options import SearchOrder
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import verifyta_values
 from tachk.report.record import NotChecked, RunRecord
-from tachk.report.statistics.verifyta import statistical_lines, statistical_summary
 from tachk.report.verifyta_notes import harmless, memory_lines, note
 from tachk.semantics.timed_trace import Ending, TimedTrace
-from tachk.statistics.answers import StatisticalAnswer
+
+if TYPE_CHECKING:
+    from tachk.statistics.answers import StatisticalAnswer
 
 _ORDERS = {
     SearchOrder.AUTO: "breadth first",
@@ -40,18 +41,24 @@ def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:
         if isinstance(report, NotChecked):
             lines += heading_lines(number, report.span)
             lines.append(note(f"not checked: {report.reason}"))
-        elif isinstance(report, StatisticalAnswer):
-            lines += heading_lines(number, report.query.span)
-            lines += statistical_lines(report)
-            lines += statistical_summary(report)
-        else:
+        elif isinstance(report, Verdict):
             lines += heading_lines(number, report.query.span)
             lines += verdict_lines(report)
             if trace != "no" and report.trace is not None:
                 lines.append(f"Showing {evidence(report)}.")
                 lines += ending_lines(report.trace)
             lines += summary_lines(report)
+        else:
+            lines += heading_lines(number, report.query.span)
+            lines += _estimate_lines(report)
     return "\n".join(lines) + "\n"
+
+
+def _estimate_lines(answer: StatisticalAnswer) -> Iterator[str]:
+    from tachk.report.statistics.verifyta import statistical_lines, statistical_summary
+
+    yield from statistical_lines(answer)
+    yield from statistical_summary(answer)
 
 
 def numbered(record: RunRecord) -> Iterator[tuple[int, Verdict | NotChecked | StatisticalAnswer]]:
