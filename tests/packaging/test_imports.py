@@ -146,7 +146,13 @@ def test_reports_load_statistics_only_where_a_model_has_them(tmp_path: Path, for
     model = tmp_path / "m.ta"
     model.write_text(MODEL, encoding="utf-8")
     loaded = modules_after("verify", str(model), "--format", form, "-o", str(tmp_path / "report"))
-    assert not loaded & {"numpy", "statistics", "tachk.engines.simulation", "tachk.statistics", "tachk.report.statistics"}
+    assert not loaded & {
+        "numpy",
+        "statistics",
+        "tachk.engines.simulation",
+        "tachk.statistics",
+        "tachk.report.statistics",
+    }
 
 
 def test_one_module_knows_lark() -> None:

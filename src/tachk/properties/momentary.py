@@ -2,24 +2,26 @@
 
 Temporal properties speak of what lasts. A trigger that is true for no time asks for nothing, a condition that must
 always be true may lapse for no time, and a property may hold because of that. The verdict then says so. Whether it
-happens is a question of reachability about a network in which each edge that begins a transition notes what the
-condition was when the chain began and whether it has been true since. It is no part of the property: where it takes
-more states than it may, the verdict says that it is not known.
+happens is a question of reachability about a network in which each edge that begins a transition notes whether the
+condition was false when the chain began and has been true since. It is no part of the property: where it takes more
+states than it may, the verdict says that it is not known.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from time import monotonic
 
 from tachk.compiler.fold import cannot_fail
 from tachk.engines.options import Limits
-from tachk.model.connectives import any_of, as_number, both, either, is_set, negation, somebody_committed
+from tachk.model.connectives import any_of, both, negation, somebody_committed
 from tachk.model.expressions import (
+    BOOL,
     INT,
     Assign,
+    Binary,
     Conditional,
     Constant,
     Expression,
@@ -28,10 +30,11 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.network import Network
+from tachk.model.network import Edge, Network
 from tachk.model.query import Observer, Query
 from tachk.model.traversal import roots, walk, with_bodies, written_variables
 from tachk.model.types import IntType
+from tachk.operators import BinaryOperator
 from tachk.properties.verdict import Answer, Verdict
 from tachk.records import dataclass
 from tachk.words import Direction, QueryKind
@@ -51,7 +54,20 @@ class _Moment:
     truth: bool
 
 
-_Ends = Mapping[tuple[Variable, bool], set[tuple[int, int]]]
+@dataclass(frozen=True, slots=True)
+class _End:
+    """An edge that may be one side of a synchronisation."""
+
+    process: int
+    source: int
+    target: int
+
+
+_Ends = Mapping[tuple[Variable, bool], set[_End]]
+
+_OPEN, _LASTING, _RISEN = Constant(0), Constant(1), Constant(2)
+"""What is noted of a condition: it was false when the chain began; it was true then; it was false and has been true
+since. Where no chain is open, nothing is noted, which is as if it were false."""
 
 Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
 """What answers queries about a network."""
@@ -81,7 +97,7 @@ def with_momentary_triggers(
     bounded = limits.of_states(max(FEWEST_STATES, stored))
     found = _reached(network, goals, bounded, decide)
     in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
-    watched, momentary = _watched(network, committed, in_chains)
+    watched, momentary = _watched(network, committed, ends, in_chains)
     left = bounded.after(monotonic() - started)
     notes = {of: _note(of, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
     return tuple(_noted(verdict, notes) for verdict in verdicts)
@@ -138,26 +154,38 @@ def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Exp
             moves = edge.source != edge.target and not placed.isdisjoint({(number, edge.source), (number, edge.target)})
             if moves or not read.isdisjoint(written_variables(edge.updates)):
                 found.add((number, edge.source))
-                if edge.synchronisation is not None:
-                    for channel in roots(edge.synchronisation.channel):
-                        found |= ends[channel, edge.synchronisation.direction is Direction.RECEIVE]
+                found |= {(end.process, end.source) for end in _partners(edge, ends)}
+    return _some_committed(network, found)
+
+
+def _some_committed(network: Network, places: Iterable[tuple[int, int]]) -> Expression | None:
+    """Whether some process is in one of its locations that are named, of those that are committed; None: none is."""
     tests: list[Expression] = [
         LocationTest(process, location)
-        for process, location in sorted(found)
+        for process, location in sorted(places)
         if network.processes[process].locations[location].committed
     ]
     return any_of(tests) if tests else None
 
 
 def _ends_by_channel(network: Network) -> _Ends:
-    """For each channel and for its senders (True) and its receivers (False): processes and locations of their edges."""
-    found: defaultdict[tuple[Variable, bool], set[tuple[int, int]]] = defaultdict(set)
+    """For each channel, the edges that send on it (True) and that receive (False)."""
+    found: defaultdict[tuple[Variable, bool], set[_End]] = defaultdict(set)
     for number, process in enumerate(network.processes):
         for edge in process.edges:
             if edge.synchronisation is not None:
                 for channel in roots(edge.synchronisation.channel):
-                    found[channel, edge.synchronisation.direction is Direction.SEND].add((number, edge.source))
+                    sends = edge.synchronisation.direction is Direction.SEND
+                    found[channel, sends].add(_End(number, edge.source, edge.target))
     return found
+
+
+def _partners(edge: Edge, ends: _Ends) -> set[_End]:
+    """The edges with which the edge may synchronise."""
+    if edge.synchronisation is None:
+        return set()
+    receives = edge.synchronisation.direction is Direction.RECEIVE
+    return {end for channel in roots(edge.synchronisation.channel) for end in ends.get((channel, receives), ())}
 
 
 def _nodes(condition: Expression) -> Iterator[Expression]:
@@ -166,34 +194,62 @@ def _nodes(condition: Expression) -> Iterator[Expression]:
 
 
 def _watched(
-    network: Network, committed: Expression, conditions: Mapping[_Moment, Expression]
+    network: Network, committed: Expression, ends: _Ends, conditions: Mapping[_Moment, Expression]
 ) -> tuple[Network, Mapping[_Moment, Expression]]:
-    """The network with two variables for each condition, and what is true where it has been true for no time.
+    """The network with a variable for each condition, and what is true where it has been true for no time.
 
     The variables are set before a transition changes anything, so they tell of the states before it.
     """
-    variables, noted, over = [], [], {}
-    for number, (of, condition) in enumerate(conditions.items()):
-        before, risen = (_variable(f"{name}{number}") for name in ("before", "risen"))
-        was, has_been = Reference(before), Reference(risen)
-        again = as_number(both(negation(is_set(was)), either(is_set(has_been), condition)))
-        variables += [before, risen]
-        noted += [
-            Assign(has_been, Conditional(committed, again, Constant(0), INT), INT),
-            Assign(was, Conditional(committed, was, as_number(condition), INT), INT),
-        ]
-        over[of] = both(both(negation(committed), negation(condition)), is_set(has_been))
+    variables = {of: _variable(number) for number, of in enumerate(conditions)}
+    noted = [(variables[of], condition) for of, condition in conditions.items()]
     processes = tuple(
         replace(
             process,
             edges=tuple(
-                replace(edge, updates=(*noted, *edge.updates)) if edge.begins else edge for edge in process.edges
+                replace(edge, updates=(*_noting(network, number, edge, ends, noted), *edge.updates))
+                if edge.begins
+                else edge
+                for edge in process.edges
             ),
         )
-        for process in network.processes
+        for number, process in enumerate(network.processes)
     )
-    return replace(network, processes=processes, variables=(*network.variables, *variables)), over
+    over = {
+        of: both(both(negation(committed), negation(condition)), _is(Reference(variables[of]), _RISEN))
+        for of, condition in conditions.items()
+    }
+    return replace(network, processes=processes, variables=(*network.variables, *variables.values())), over
 
 
-def _variable(name: str) -> Variable:
-    return Variable(f"momentary.{name}", IntType(0, 1), VariableKind.GLOBAL, (0,))
+def _noting(
+    network: Network, process: int, edge: Edge, ends: _Ends, noted: Sequence[tuple[Variable, Expression]]
+) -> Iterator[Expression]:
+    """What the edge notes of each condition before it begins a transition.
+
+    While somebody is in a committed location, somebody who takes part is: so most edges know whether a chain begins
+    with them, goes on, or neither.
+    """
+    partners = _partners(edge, ends)
+    locations = network.processes[process].locations
+    chain_follows = locations[edge.target].committed or any(
+        network.processes[end.process].locations[end.target].committed for end in partners
+    )
+    others_committed = _some_committed(network, {(end.process, end.source) for end in partners})
+    for variable, condition in noted:
+        so_far = Reference(variable)
+        again = Conditional(both(_is(so_far, _OPEN), condition), _RISEN, so_far, INT)
+        anew = Conditional(condition, _LASTING, _OPEN, INT) if chain_follows else _OPEN
+        if locations[edge.source].committed:
+            yield Assign(so_far, again, INT)
+        elif others_committed is None:
+            yield Assign(so_far, anew, INT)
+        else:
+            yield Assign(so_far, Conditional(others_committed, again, anew, INT), INT)
+
+
+def _is(noted: Expression, value: Constant) -> Expression:
+    return Binary(BinaryOperator.EQUAL, noted, value, BOOL)
+
+
+def _variable(number: int) -> Variable:
+    return Variable(f"momentary.{number}", IntType(0, 2), VariableKind.GLOBAL, (0,))

@@ -114,7 +114,9 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
         committed = somebody_committed(case.network)
         if isinstance(committed, Constant):
             continue
-        watched, goals = momentary._watched(case.network, committed, {momentary._Moment("it", True): condition})
+        ends = momentary._ends_by_channel(case.network)
+        conditions = {momentary._Moment("it", True): condition}
+        watched, goals = momentary._watched(case.network, committed, ends, conditions)
         (answer,) = momentary._reached(watched, goals, tachk.Limits(states=5000), _decided_plainly).values()
         expected = visited(case.network, condition)
         if expected is not None and answer.answer is not tachk.Answer.UNKNOWN:
