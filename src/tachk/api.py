@@ -24,6 +24,7 @@ from tachk.engines.options import Engine, Extrapolation, Limits, Options, Search
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.loading.load import load_model
+from tachk.memory_limit import memory_limit
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.questions import Questions, checked, why_not
@@ -302,7 +303,7 @@ class Model(Estimable):
             non_zeno,
             statistical=True,
         )
-        with time_limit(limits.seconds):
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
             formulas = questions.about(self.loaded)
         symbolic = checked(formulas)
         left = limits.after(monotonic() - started)

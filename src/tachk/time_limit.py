@@ -8,16 +8,23 @@ The limit is set by whoever has one and looked at by the loops that may take lon
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from time import monotonic
 
 _deadline: ContextVar[float | None] = ContextVar("deadline", default=None)
+_other_limit: ContextVar[Callable[[], None] | None] = ContextVar("other_limit", default=None)
 
 
 class OutOfTimeError(Exception):
-    """A time limit is over."""
+    """A time limit is over, or the other limit that is looked at together with it.
+
+    Attributes:
+        reason: which limit, as reports say it.
+    """
+
+    reason = "time limit"
 
 
 @contextmanager
@@ -39,6 +46,16 @@ def time_limit(seconds: float | None) -> Iterator[None]:
         _deadline.reset(token)
 
 
+@contextmanager
+def looked_at_too(limit: Callable[[], None]) -> Iterator[None]:
+    """`check_time` calls another limit, too, which raises an OutOfTimeError of its own kind."""
+    token = _other_limit.set(limit)
+    try:
+        yield
+    finally:
+        _other_limit.reset(token)
+
+
 def time_left() -> float | None:
     """The seconds until the time is over, not less than 0; None without a limit."""
     deadline = _deadline.get()
@@ -46,7 +63,15 @@ def time_left() -> float | None:
 
 
 def check_time() -> None:
-    """Raises OutOfTimeError if the time is over. Cheap: meant for inner loops."""
+    """Raises OutOfTimeError if the time is over or another limit is hit. Cheap: meant for inner loops."""
     deadline = _deadline.get()
     if deadline is not None and monotonic() >= deadline:
         raise OutOfTimeError
+    check_other_limit()
+
+
+def check_other_limit() -> None:
+    """As `check_time`, where somebody else looks at the time."""
+    limit = _other_limit.get()
+    if limit is not None:
+        limit()

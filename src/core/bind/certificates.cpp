@@ -99,6 +99,7 @@ void bind_certificates(nb::module_& m) {
            }),
            nb::arg("image"), nb::arg("options"), nb::arg("limits"), nb::kw_only(), nb::arg("hulls"))
       .def("run", &run_patiently<tachk::CoverSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           nb::arg("look") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def("reached", &tachk::CoverSearch::reached, "Whether a goal is reached, and there is no such set.")
       .def(

@@ -7,6 +7,10 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <memory>
 #include <string>
 #include <tuple>
@@ -127,16 +131,24 @@ std::optional<FailureTuple> failure_of(tachk::Explorer& explorer, std::size_t go
   return FailureTuple{failure->fault.kind, failure->fault.position, explorer.path_to_goal(goal)};
 }
 
+void give_back_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 }  // namespace
 
 NB_MODULE(_core, m) {
   m.doc() = "The C++ core: the exploration engine, the monitors and the reader of tables.";
 
+  m.def("give_back_memory", &give_back_memory, "Gives the system back what the allocator keeps but nobody uses.");
   bind_enumerations(m);
   bind_options(m);
   nb::class_<tachk::Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<tachk::Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           nb::arg("look") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",

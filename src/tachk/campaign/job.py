@@ -10,12 +10,12 @@ from typing import Protocol, assert_never
 
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import TIME_LIMIT
 from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.frontend.queries.statistical import read_statistical
+from tachk.memory_limit import memory_limit
 from tachk.model.grid import Values
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -134,8 +134,8 @@ class Verification:
         """One row for each property. What is wrong, refused or out of time is unknown, with the reason."""
         try:
             return self._answers(values)
-        except OutOfTimeError:
-            return unknown_rows(self.asked, TIME_LIMIT)
+        except OutOfTimeError as error:
+            return unknown_rows(self.asked, error.reason)
         except InputError as error:
             first = next(found for found in error.diagnostics if found.severity is Severity.ERROR)
             return unknown_rows(self.asked, f"wrong model: {first.message}")
@@ -144,7 +144,7 @@ class Verification:
 
     def _answers(self, values: Values) -> tuple[Row, ...]:
         began = monotonic()
-        with time_limit(self.limits.seconds):
+        with memory_limit(self.limits.memory_bytes), time_limit(self.limits.seconds):
             model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
             formulas = self.questions.about(model) if self.asks_queries else ()
             rows = [*self._drawn(model, [query for query in formulas if is_statistical(query)])]

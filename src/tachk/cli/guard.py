@@ -12,8 +12,12 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, Unsup
 from tachk.time_limit import OutOfTimeError
 
 _DIAGNOSTICS_SHOWN = 20
+_NO_MEMORY = "the machine was out of memory before there was a result"
 
-OUT_OF_TIME = "the time limit was over before there was a result"
+
+def without_result(error: OutOfTimeError) -> str:
+    """What is said where a limit has ended a command."""
+    return f"the {error.reason} was over before there was a result"
 
 
 def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
@@ -40,8 +44,11 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
     except OSError as error:
         complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         return ExitStatus.BAD_INPUT
-    except OutOfTimeError:
-        complain(f"{subject}: {OUT_OF_TIME}" if subject else OUT_OF_TIME)
+    except OutOfTimeError as error:
+        complain(f"{subject}: {without_result(error)}" if subject else without_result(error))
+        return ExitStatus.UNKNOWN
+    except MemoryError:
+        complain(f"{subject}: {_NO_MEMORY}" if subject else _NO_MEMORY, "--max-memory ends a search before that")
         return ExitStatus.UNKNOWN
     except KeyboardInterrupt:
         complain("interrupted before there was an answer")

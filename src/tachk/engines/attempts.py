@@ -7,7 +7,7 @@ no answer. The other one takes one order of independent actions where time canno
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from tachk import _core
@@ -16,6 +16,7 @@ from tachk.engines.core_search import RunningSearch, core_limits, core_options, 
 from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import Progress
 from tachk.engines.program_image import encode
+from tachk.memory_limit import OutOfMemoryError
 
 STORED = 20_000
 """Where fewer states are enough nothing else is tried: the runs that are found depth first are longer."""
@@ -36,13 +37,15 @@ class Stretch:
         self._search, self._stored, self._left = search, stored, explored
         self._to_look = 0
 
-    def run(self, expansions: int, seconds: float | None = None) -> _core.Status:
+    def run(
+        self, expansions: int, seconds: float | None = None, look: Callable[[], None] | None = None
+    ) -> _core.Status:
         end = None if seconds is None else time.perf_counter() + seconds
         while expansions > 0:
             if self._left == 0 or self._is_full():
                 return _core.Status.STATE_LIMIT
             step = min(self._to_look, expansions, *(() if self._left is None else (self._left,)))
-            status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0))
+            status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0), look)
             if status is not _core.Status.RUNNING:
                 return status
             expansions -= step
@@ -88,7 +91,7 @@ def in_one_order(
         stretch = Stretch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
         status, reason = run_in_slices(stretch, time.perf_counter(), left, progress)
     decided = status is _core.Status.FINISHED and not explorer.any_failure()
-    return explorer if decided else None, reason if status in _ENDED_FROM_OUTSIDE else ""
+    return explorer if decided else None, _ended_from_outside(status, reason)
 
 
 def depth_first(
@@ -106,4 +109,9 @@ def depth_first(
     explorer = _core.Explorer(encode(apart, goals), core_options(deep), core_limits(limits))
     status, reason = run_in_slices(Stretch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
     reached = all(explorer.reached(number) is not None for number, goal in enumerate(goals) if goal.decides)
-    return explorer if reached else None, reason if status in _ENDED_FROM_OUTSIDE else ""
+    return explorer if reached else None, _ended_from_outside(status, reason)
+
+
+def _ended_from_outside(status: _core.Status, reason: str) -> str:
+    """Why an attempt was ended from outside; not where its memory is free again when it has ended."""
+    return reason if status in _ENDED_FROM_OUTSIDE and reason != OutOfMemoryError.reason else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import Protocol
 
@@ -14,9 +14,18 @@ from tachk.compiler.program import Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, STATE_LIMIT, TIME_LIMIT, Progress, RunTimeFault, Statistics
+from tachk.engines.outcome import (
+    INTERRUPTED,
+    MACHINE_OUT_OF_MEMORY,
+    STATE_LIMIT,
+    TIME_LIMIT,
+    Progress,
+    RunTimeFault,
+    Statistics,
+)
 from tachk.model.fault import RuntimeErrorKind
 from tachk.semantics.timed_trace import Participant, Transition
+from tachk.time_limit import OutOfTimeError, check_other_limit
 
 _OPTION_NAMES = [name for name in vars(_core.Options) if not name.startswith("_")]
 _REASONS = {
@@ -34,7 +43,9 @@ _SLICE_SECONDS = 0.1
 class RunningSearch(Protocol):
     """A search of the core, whatever it looks for."""
 
-    def run(self, expansions: int, seconds: float | None = None) -> _core.Status: ...
+    def run(
+        self, expansions: int, seconds: float | None = None, look: Callable[[], None] | None = None
+    ) -> _core.Status: ...
     def statistics(self) -> tuple[int, int, int, int]: ...
 
 
@@ -82,11 +93,15 @@ def run_in_slices(
     while True:
         begun = time.perf_counter()
         try:
-            status = search.run(slice_size, _seconds_left(limits, start))
+            status = search.run(slice_size, _seconds_left(limits, start), check_other_limit)
+            if status is _core.Status.RUNNING:
+                check_other_limit()
         except KeyboardInterrupt:
             return _core.Status.RUNNING, INTERRUPTED
+        except OutOfTimeError as error:
+            return _core.Status.RUNNING, error.reason
         except MemoryError:
-            return _core.Status.RUNNING, "the machine is out of memory"
+            return _core.Status.RUNNING, MACHINE_OUT_OF_MEMORY
         if status is not _core.Status.RUNNING:
             return status, _REASONS.get(status, "")
         now = time.perf_counter()

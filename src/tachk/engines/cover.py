@@ -15,7 +15,7 @@ from tachk.engines.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Op
 from tachk.engines.outcome import Progress
 from tachk.engines.program_image import encode
 from tachk.records import dataclass
-from tachk.time_limit import check_time, time_left
+from tachk.time_limit import check_other_limit, check_time, time_left
 
 ZONES_IN_A_BLOCK = 4096
 
@@ -85,14 +85,16 @@ class _TwoSearches:
         self._covers: list[Cover] = []
         self._most: float = math.inf
 
-    def run(self, expansions: int, seconds: float | None = None) -> _core.Status:
+    def run(
+        self, expansions: int, seconds: float | None = None, look: Callable[[], None] | None = None
+    ) -> _core.Status:
         """Explores so many states or some more, as far as there are any. FINISHED also if a goal is reached;
         then there is no cover."""
         end = None if seconds is None else time.perf_counter() + seconds
         for _ in range(expansions // _TURN + 1):
             for search in tuple(self._all):
                 left = None if end is None else max(end - time.perf_counter(), 0.0)
-                status = search.run(_TURN, left) if search in self._running else _core.Status.RUNNING
+                status = search.run(_TURN, left, look) if search in self._running else _core.Status.RUNNING
                 if status is _core.Status.TIME_LIMIT:
                     return status
                 if status is not _core.Status.RUNNING and self._ends(search, status):
@@ -154,7 +156,7 @@ def _single(program: Program, goal: Goal, options: Options, best: Cover, explore
     search = _core.CoverSearch(encode(program, [goal]), core_options(exact), core_limits(Limits()), hulls=True)
     for _ in range(min(_STEPS_FOR_A_ZONE * best.zones, max(_SHORT, explored)) // _TURN + 1):
         check_time()
-        status = search.run(_TURN, time_left())
+        status = search.run(_TURN, time_left(), check_other_limit)
         if status is not _core.Status.RUNNING:
             return _told(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
     return None

@@ -25,6 +25,8 @@ from tachk.engines.exchanged import with_exchanges
 from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options
 from tachk.engines.outcome import GoalOutcome, Outcome, Progress, Status
 from tachk.engines.program_image import encode
+from tachk.memory_limit import OutOfMemoryError
+from tachk.time_limit import check_other_limit
 
 _FIRST_LOOK = 500
 """How many states both searches explore before one is chosen."""
@@ -88,7 +90,7 @@ def _chosen(
     if look:
         if ordinary.has_merged():  # which hides how many orders there are
             ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
-            if _first_look(ordinary, end) is not _core.Status.RUNNING:
+            if _look_beside(ordinary, end) is not _core.Status.RUNNING:
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:
             return None
@@ -97,7 +99,7 @@ def _chosen(
         options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
     if look:
-        status = _first_look(search, end)
+        status = _look_beside(search, end)
         if status in _IMPATIENT:
             return None
         if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
@@ -113,15 +115,21 @@ def _first_look(search: _core.Explorer | _core.LocalExplorer, end: float | None)
     more memory than a search needs as a rule."""
     status = _core.Status.RUNNING
     for _ in range(_FIRST_LOOK // _STEP):
-        try:
-            status = search.run(_STEP, None if end is None else max(end - time.perf_counter(), 0.0))
-        except MemoryError:
-            return _core.Status.MEMORY_LIMIT
+        left = None if end is None else max(end - time.perf_counter(), 0.0)
+        status = search.run(_STEP, left, check_other_limit)
         if status is not _core.Status.RUNNING:
             return status
         if search.statistics()[3] > _MUCH_MEMORY:
             return _core.Status.MEMORY_LIMIT
     return status
+
+
+def _look_beside(search: _core.Explorer | _core.LocalExplorer, end: float | None) -> _core.Status:
+    """A first look of a search without which another one goes on, with the memory that this one has taken."""
+    try:
+        return _first_look(search, end)
+    except (MemoryError, OutOfMemoryError):
+        return _core.Status.MEMORY_LIMIT
 
 
 def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:

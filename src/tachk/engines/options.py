@@ -193,7 +193,8 @@ class Limits:
         states: stored states.
         seconds: wall-clock seconds for everything together.
         seconds_each: wall-clock seconds for each search; queries that look at the same clocks share one.
-        memory_bytes: bytes the engine's data structures may take.
+        memory_bytes: bytes that what a search stores may take; and, with a tenth more, what the process grows by
+            meanwhile, where the system tells that.
         depth: transitions from the initial state.
 
     Raises UsageError for a negative limit.

@@ -194,6 +194,9 @@ INTERRUPTED = "interrupted"
 TIME_LIMIT = "time limit"
 """The reason where the time was over, in a search or before it began."""
 
+MACHINE_OUT_OF_MEMORY = "the machine is out of memory"
+"""The reason where the system gave no more memory."""
+
 STATE_LIMIT = "state limit"
 """The reason of a search that stored as many states as it might."""
 

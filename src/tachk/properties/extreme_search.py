@@ -19,7 +19,7 @@ from tachk.engines.exact.concretise import concretise
 from tachk.engines.growth import grows_without_limit
 from tachk.engines.measuring import measure
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import TIME_LIMIT, Outcome, Progress, RunTimeFault, Statistics, Status
+from tachk.engines.outcome import Outcome, Progress, RunTimeFault, Statistics, Status
 from tachk.engines.zone import explore
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
 from tachk.model.network import Network
@@ -93,8 +93,8 @@ class ExtremeSearch:
         try:
             with time_limit(self._rest().seconds):
                 return self._found(questions)
-        except OutOfTimeError:
-            raise UndecidedError(TIME_LIMIT) from None
+        except OutOfTimeError as error:
+            raise UndecidedError(error.reason) from None
 
     def _found(self, questions: Sequence[Question]) -> list[Found] | None:
         found: dict[Question, Found] = {}

@@ -10,7 +10,7 @@ from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.exact.concretise import concretise
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import TIME_LIMIT, Progress, Statistics
+from tachk.engines.outcome import Progress, Statistics
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.query import Query
@@ -50,8 +50,8 @@ def _answer(
             targets = [_where_it_is(where, expression, 0) for expression in query.operands]
             network = held(model.network, targets, options)
             searched = model if network == model.network else prepare(network)
-    except OutOfTimeError:
-        return none_begun([task], TIME_LIMIT)[task.number]
+    except OutOfTimeError as error:
+        return none_begun([task], error.reason)[task.number]
     search = ExtremeSearch(searched, where, options, limits.after(time.monotonic() - started), progress)
     verdict = Verdict(query, Answer.UNKNOWN, True, "", Statistics())
     try:

@@ -17,7 +17,6 @@ from tachk.engines.lasso import lasso
 from tachk.engines.liveness import find_avoiding_run, find_recurring_run
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import (
-    TIME_LIMIT,
     AvoidingRun,
     LivenessOutcome,
     LivenessStatus,
@@ -77,8 +76,8 @@ def _verdict(
     try:
         with time_limit(limits.seconds):
             reduced = _reduced(model.network, task.query) if options.drop_bystanders else model.network
-    except OutOfTimeError:
-        return not_begun(task.query, TIME_LIMIT)
+    except OutOfTimeError as error:
+        return not_begun(task.query, error.reason)
     left = limits.after(time.monotonic() - started)
     if reduced == model.network:
         return _of_network(model, task, options, left, progress, trace)
@@ -108,8 +107,8 @@ def _of_network(
     query = task.query
     try:
         searched = _searched(model, query, options, limits, progress)
-    except OutOfTimeError:
-        return not_begun(query, TIME_LIMIT)
+    except OutOfTimeError as error:
+        return not_begun(query, error.reason)
     outcome = searched.outcome
     if outcome.fault is not None:
         outcome = replace(outcome, fault=explain(model, fault_alone(outcome.fault, searched.beating), limits.seconds))

@@ -15,7 +15,6 @@ from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import (
     INTERRUPTED,
     STATE_LIMIT,
-    TIME_LIMIT,
     GoalOutcome,
     Outcome,
     Progress,
@@ -63,8 +62,8 @@ def answer(
         with time_limit(limits.seconds):
             if search.observer is not None:
                 model = prepare(observed(model.network, search.observer))
-    except OutOfTimeError:
-        return none_begun(search.tasks, TIME_LIMIT)
+    except OutOfTimeError as error:
+        return none_begun(search.tasks, error.reason)
     settled: dict[int, Verdict] = {}
     if options.drop_bystanders:
         settled, reached = settle_without_bystanders(model.network, search, options, limits, progress)
@@ -237,8 +236,8 @@ def _explore(
             mentioned = [*targets, *conditions]
             reduced = held(network, mentioned, options)
             program, goals = lowered(reduced, targets, conditions, options)
-    except OutOfTimeError:
-        return none_begun(search.tasks, TIME_LIMIT)
+    except OutOfTimeError as error:
+        return none_begun(search.tasks, error.reason)
     outcome = explore(program, goals, options, limits.after(time.monotonic() - started), progress)
     searched = model if reduced == network else prepare(reduced)
 

@@ -11,7 +11,8 @@ from typing import assert_never
 from tachk.compiler.features import check_supported
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
+from tachk.engines.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, Progress
+from tachk.memory_limit import memory_limit
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.selections import check_selections
@@ -54,7 +55,7 @@ def verify(
     started = time.monotonic()
     verdicts: dict[int, Verdict] = {}
     try:
-        with time_limit(limits.seconds):
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
             check_selections(network)
             model = prepare(network)
             check_initial_state(model)
@@ -67,8 +68,8 @@ def verify(
                 else:
                     tasks.append(Task(number, query))
             searches = plan(tasks)
-    except OutOfTimeError:
-        return tuple(verdicts.get(number) or not_begun(query, TIME_LIMIT) for number, query in enumerate(queries))
+    except OutOfTimeError as error:
+        return tuple(verdicts.get(number) or not_begun(query, error.reason) for number, query in enumerate(queries))
     answer = partial(_answer, model, options, trace)
     shares = Shares(limits, started, len(tasks))
     verdicts |= in_order(searches, answer, shares, processes(options), progress)
@@ -112,7 +113,12 @@ def _answer(
 ) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number. What was decided before is kept, wherever Ctrl-C comes."""
     try:
-        return _analysed(model, search, options, limits, progress, trace)
+        with memory_limit(limits.memory_bytes):
+            return _analysed(model, search, options, limits, progress, trace)
+    except OutOfTimeError as error:
+        return none_begun(search.tasks, error.reason)
+    except MemoryError:
+        return none_begun(search.tasks, MACHINE_OUT_OF_MEMORY)
     except KeyboardInterrupt:
         return none_begun(search.tasks, INTERRUPTED)
 

@@ -7,7 +7,7 @@ from dataclasses import field, replace
 from time import process_time
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT
+from tachk.engines.outcome import INTERRUPTED
 from tachk.engines.simulation.simulator import Ending
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
@@ -109,8 +109,8 @@ def answer_statistical(
                 found[number] = _answer(loaded, query, number, settings)
     except InputError as error:
         return {number: replace(query, diagnostics=error.diagnostics) for number, query in asked.items()}
-    except OutOfTimeError:
-        reason = TIME_LIMIT
+    except OutOfTimeError as error:
+        reason = error.reason
     except KeyboardInterrupt:
         reason = INTERRUPTED
     return {

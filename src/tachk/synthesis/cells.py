@@ -8,8 +8,9 @@ from time import monotonic
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT
+from tachk.engines.outcome import INTERRUPTED
 from tachk.frontend.loaded import LoadedModel, with_constants
+from tachk.memory_limit import memory_limit
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.answering import answers
@@ -62,8 +63,8 @@ class Cells:
         values = self._values(asked.cell)
         try:
             verdict, evidence, proof = self._verdict(asked)
-        except OutOfTimeError:
-            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, TIME_LIMIT)
+        except OutOfTimeError as error:
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, error.reason)
         except InputError as error:
             self.wrong = self.wrong or error
             known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, f"wrong model: {_first(error).message}")
@@ -122,7 +123,7 @@ class Cells:
         began = monotonic()
         left = self._left()
         limits = replace(self.limits, seconds=None if left is None else left / asked.left)
-        with time_limit(limits.seconds):
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
             model, query = self._model(asked.cell)
             if self.reuse and query.target is not None and not model.network.has_priorities:
                 again = self._again(asked.cell, model.network, query)

@@ -11,6 +11,7 @@ from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT
 from tachk.frontend.loaded import LoadedModel, with_constants
+from tachk.memory_limit import memory_limit
 from tachk.model.query import Query
 from tachk.properties.plan import Analysis, analysis_of
 from tachk.properties.questions import Questions
@@ -60,7 +61,7 @@ def synthesize(
     bounds: Mapping[str, Bound | NoBound] = {}
     if infer:
         try:
-            with time_limit(limits.seconds):
+            with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
                 bounds = _bounds(model, questions, parameters)
         except OutOfTimeError:
             pass

@@ -62,6 +62,7 @@ void bind_liveness(nb::module_& m) {
   nb::class_<tachk::LivenessSearch>(m, "LivenessSearch")
       .def(nb::new_(&make_search), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<tachk::LivenessSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           nb::arg("look") = nb::none(),
            "Takes up to this many steps of the search; TIME_LIMIT if it was given up in the midst of one.")
       .def("statistics", &statistics_of<tachk::LivenessSearch>, "(explored, stored, transitions, bytes)")
       .def("cover", &tachk::LivenessSearch::cover, nb::rv_policy::reference_internal,
@@ -78,6 +79,7 @@ void bind_liveness(nb::module_& m) {
       .def(nb::new_(&make_recurrence_search), nb::arg("image"), nb::arg("begins"), nb::arg("options"),
            nb::arg("limits"))
       .def("run", &run_patiently<tachk::RecurrenceSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           nb::arg("look") = nb::none(),
            "Takes up to this many steps of the search; TIME_LIMIT if it was given up in the midst of one.")
       .def("statistics", &statistics_of<tachk::RecurrenceSearch>, "(explored, stored, transitions, bytes)")
       .def("violation", &violation_of<tachk::RecurrenceSearch>,

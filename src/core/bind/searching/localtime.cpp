@@ -38,6 +38,7 @@ void bind_localtime(nb::module_& m) {
   nb::class_<tachk::LocalExplorer>(m, "LocalExplorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<tachk::LocalExplorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+           nb::arg("look") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",

@@ -1,4 +1,4 @@
-// A piece of a search that Ctrl-C and a limit on time end, also in the midst of a state.
+// A piece of a search that Ctrl-C and limits end, also in the midst of a state.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -10,9 +10,11 @@
 #include "reachability/explorer.hpp"
 #include "zones/patience.hpp"
 
-// Runs a search without the lock of Python, for at most so many seconds. Ctrl-C becomes its exception.
+// Runs a search without the lock of Python, for at most so many seconds. Ctrl-C becomes its exception; what `look`,
+// which is called a few times a second, raises ends the search, too.
 template <class Search>
-tachk::Status run_patiently(Search& search, std::uint64_t expansions, std::optional<double> seconds) {
+tachk::Status run_patiently(Search& search, std::uint64_t expansions, std::optional<double> seconds,
+                            const nanobind::object& look) {
   using Clock = tachk::Patience::Clock;
   std::optional<Clock::time_point> end;
   constexpr double most = 1e8;  // what a clock can count without overflow is more
@@ -20,9 +22,13 @@ tachk::Status run_patiently(Search& search, std::uint64_t expansions, std::optio
     end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
   try {
     const nanobind::gil_scoped_release released;
-    const tachk::Patience patience(end, [] {
+    const tachk::Patience patience(end, [&] {
       const nanobind::gil_scoped_acquire acquired;
-      return PyErr_CheckSignals() == 0;
+      if (PyErr_CheckSignals() != 0) return false;
+      if (look.is_none()) return true;
+      PyObject* const seen = PyObject_CallNoArgs(look.ptr());
+      Py_XDECREF(seen);
+      return seen != nullptr;
     });
     return search.run(expansions);
   } catch (const tachk::GivenUp&) {

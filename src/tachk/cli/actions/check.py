@@ -13,7 +13,7 @@ from tachk import api
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import OUT_OF_TIME, complain, print_diagnostics
+from tachk.cli.guard import complain, print_diagnostics, without_result
 from tachk.cli.reporting import ReportForm
 from tachk.compiler.features import uncomputed_chances, undrawn_ends
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
@@ -78,8 +78,8 @@ def _within(
     try:
         with time_limit(seconds):
             check, model = _check(path, constants, version, strict_xta)
-    except OutOfTimeError:
-        return Checked(path, complaint=OUT_OF_TIME, out_of_time=True)
+    except OutOfTimeError as error:
+        return Checked(path, complaint=without_result(error), out_of_time=True)
     if not deep or model is None:
         return check
     limits = Limits(seconds=seconds).after(monotonic() - started)

@@ -17,6 +17,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
+from tachk.memory_limit import memory_limit
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.page.answers import answers_of, answers_part
@@ -107,7 +108,7 @@ def _verified(asked: Reported, seconds: float | None, number: int) -> Answers:
     started = monotonic()
     path, *queries = asked.asked
     memory = None if asked.max_memory is None else parse_size(asked.max_memory)
-    with time_limit(seconds):
+    with memory_limit(memory), time_limit(seconds):
         model = api.load(path, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     limits = Limits(states=asked.states, seconds=seconds, memory_bytes=memory).after(monotonic() - started)

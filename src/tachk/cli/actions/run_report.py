@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
-from tachk.cli.guard import OUT_OF_TIME
+from tachk.cli.guard import without_result
 from tachk.cli.reporting import Evidence, ReportForm, Reporting
 from tachk.cli.terminal import console
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
@@ -62,8 +62,8 @@ class RunReport:
         except UsageError as error:
             self._records.append(NotRead(model, error.message, error.help))
             raise
-        except OutOfTimeError:
-            self._records.append(NotRead(model, OUT_OF_TIME))
+        except OutOfTimeError as error:
+            self._records.append(NotRead(model, without_result(error)))
             raise
         except Exception as error:
             self._records.append(NotRead(model, f"{type(error).__name__}: {error}"))

@@ -22,6 +22,7 @@ from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits, Options, Pace
 from tachk.engines.outcome import INTERRUPTED
+from tachk.memory_limit import memory_limit
 from tachk.properties.variants.second_engine import DisagreementError
 from tachk.records import dataclass
 from tachk.report.record import RunRecord
@@ -110,7 +111,7 @@ def _check_all(
     def check(path: str) -> ExitStatus:
         with report.listing(path):
             started = time.monotonic()
-            with time_limit(limits.seconds):
+            with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
                 model = api.load(path, **constants)
             print_diagnostics(model.warnings)
             left = limits.after(time.monotonic() - started)

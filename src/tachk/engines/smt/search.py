@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from tachk.engines.options import Limits
 from tachk.engines.outcome import (
     INTERRUPTED,
-    TIME_LIMIT,
     GoalOutcome,
     Outcome,
     Progress,
@@ -66,8 +65,8 @@ def explore(
             fault, reason = _decide(unrolled, Proofs(targets, asking, network, goals), limits.depth)
     except GaveUpError as given_up:
         reason = given_up.reason
-    except OutOfTimeError:
-        reason = TIME_LIMIT
+    except OutOfTimeError as error:
+        reason = error.reason
     except KeyboardInterrupt:
         reason = INTERRUPTED
     outcomes = tuple(status.get(number, GoalOutcome(Status.UNDECIDED)) for number in range(len(goals)))

@@ -9,7 +9,7 @@ from typing import assert_never
 
 from tachk.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
 from tachk.engines.options import Engine, Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Outcome, Progress, RunTimeFault
+from tachk.engines.outcome import INTERRUPTED, Outcome, Progress, RunTimeFault
 from tachk.model.query import Query
 from tachk.properties import reachability
 from tachk.properties.fault_explanation import explain
@@ -92,8 +92,8 @@ def answer(
         with time_limit(limits.seconds):
             if search.observer is not None:
                 model = prepare(observed(model.network, search.observer))
-    except OutOfTimeError:
-        return none_begun(search.tasks, TIME_LIMIT)
+    except OutOfTimeError as error:
+        return none_begun(search.tasks, error.reason)
     left = limits.after(time.monotonic() - started)
     try:
         outcome = explore(model.network, [task.target for task in search.tasks], left, progress)

@@ -23,6 +23,7 @@ from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.exact_numbers import DIGITS
+from tachk.memory_limit import memory_limit
 from tachk.model.grid import grid_of
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
@@ -87,7 +88,7 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
     memory = None if asked.max_memory is None else parse_size(asked.max_memory)
     first = {axis.name: axis.values[0] for axis in grid.axes}
     started = monotonic()
-    with time_limit(seconds):
+    with memory_limit(memory), time_limit(seconds):
         model = api.load(asked.model, **first)
     print_diagnostics((*model.refusals, *model.warnings))
     named = tuple(name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties})

@@ -17,6 +17,7 @@ from tachk.cli.reporting import ReportForm, Reporting, WantedAnswer
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
+from tachk.memory_limit import memory_limit
 from tachk.model.grid import Grid, grid_of
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
@@ -62,7 +63,7 @@ def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporti
         limits = replace(limits, memory_bytes=parse_size(varied.max_memory))
     picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
     started = time.monotonic()
-    with time_limit(limits.seconds):
+    with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
         model = api.load(varied.model, **constants)
     print_diagnostics((*model.refusals, *model.warnings))
     found = _found(model, varied, grid, limits.after(time.monotonic() - started), reporting)
