@@ -23,8 +23,9 @@ from tachk.engines.core_search import (
 from tachk.engines.exchanged import with_exchanges
 from tachk.engines.local_times import explore_locally
 from tachk.engines.options import Extrapolation, Limits, Options
-from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engines.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engines.program_image import encode
+from tachk.memory_limit import OutOfMemoryError
 from tachk.records import dataclass
 
 
@@ -101,7 +102,13 @@ def _search(
     """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
     begun = time.perf_counter(), user_seconds()
     explorer = _explorer(program, goals, options, limits)
-    found = explore_locally(program, goals, explorer, options, limits, progress)
+    try:
+        found = explore_locally(program, goals, explorer, options, limits, progress)
+    except (MemoryError, OutOfMemoryError) as error:
+        # In the midst of the first states: the search cannot go on from there.
+        reason = error.reason if isinstance(error, OutOfMemoryError) else MACHINE_OUT_OF_MEMORY
+        ran = _Ran(explorer, _core.Status.RUNNING, reason, statistics_of(explorer, begun[0]))
+        return _told(program, goals, options, ran)
     if found is not None:
         return replace(found, goals=_noted(goals, found.goals)), []
     return _told(program, goals, options, _ran(program, goals, explorer, options, limits, progress, begun))

@@ -190,7 +190,7 @@ class Counting:
     def __init__(self) -> None:
         self.explored = 0
 
-    def run(self, expansions: int, seconds: float | None = None) -> _core.Status:
+    def run(self, expansions: int, seconds: float | None = None, look: object = None) -> _core.Status:
         self.explored = min(self.explored + expansions, 1000)
         return _core.Status.FINISHED if self.explored == 1000 else _core.Status.RUNNING
 

@@ -79,7 +79,7 @@ def test_an_interrupted_search_leaves_a_doubtful_deadlock_open(answers: Answers)
 
 
 def test_a_machine_out_of_memory_gives_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(_: int, __: float | None) -> int:
+    def full(*_: object) -> int:
         raise MemoryError
 
     explorer = SimpleNamespace(
