@@ -14,7 +14,6 @@ from contextvars import ContextVar
 from pathlib import Path
 from time import monotonic
 
-from tachk import _core
 from tachk.time_limit import OutOfTimeError, looked_at_too
 
 _STATM = Path("/proc/self/statm")
@@ -44,7 +43,7 @@ class _Ceiling:
             return
         self._next = now + _SECONDS_BETWEEN_LOOKS
         if _is_above(self.size):
-            _core.give_back_memory()
+            _give_back()
             if _is_above(self.size):
                 raise OutOfMemoryError
 
@@ -62,7 +61,7 @@ def memory_limit(size: int | None) -> Iterator[None]:
         size: None for no limit but that of an enclosing `memory_limit`, which always counts.
     """
     if size is not None:
-        _core.give_back_memory()
+        _give_back()
     resident = resident_bytes()
     if size is None or resident is None:
         yield
@@ -84,6 +83,13 @@ def resident_bytes() -> int | None:
         return int(_STATM.read_bytes().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except (OSError, ValueError, IndexError, AttributeError):
         return None
+
+
+def _give_back() -> None:
+    """Lets go of what the allocator keeps."""
+    from tachk import _core  # not needed where there is no limit
+
+    _core.give_back_memory()
 
 
 def _is_above(size: int) -> bool:

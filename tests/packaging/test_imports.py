@@ -44,6 +44,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "engines/simulation/splitting.py",
         "engines/simulation/trials.py",
         "engines/zone.py",
+        "memory_limit.py",
         "runtime/core_monitor.py",
         "runtime/linear_monitor.py",
         "runtime/monitor_group.py",

@@ -79,6 +79,12 @@ void bind_enumerations(nb::module_& m) {
       .value("BOUND", tachk::FaultKind::bound);
 }
 
+void give_back_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 // Each option of tachk.engines.options that is a field here is handed over, by its name.
 void bind_options(nb::module_& m) {
   using tachk::Options;
@@ -110,6 +116,7 @@ void bind_options(nb::module_& m) {
       .def_rw("states", &tachk::Limits::states)
       .def_rw("memory_bytes", &tachk::Limits::memory_bytes)
       .def_rw("depth", &tachk::Limits::depth);
+  m.def("give_back_memory", &give_back_memory, "Gives the system back what the allocator keeps but nobody uses.");
 }
 
 std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& image, const tachk::Options& options,
@@ -131,18 +138,10 @@ std::optional<FailureTuple> failure_of(tachk::Explorer& explorer, std::size_t go
   return FailureTuple{failure->fault.kind, failure->fault.position, explorer.path_to_goal(goal)};
 }
 
-void give_back_memory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
-}
-
 }  // namespace
 
 NB_MODULE(_core, m) {
   m.doc() = "The C++ core: the exploration engine, the monitors and the reader of tables.";
-
-  m.def("give_back_memory", &give_back_memory, "Gives the system back what the allocator keeps but nobody uses.");
   bind_enumerations(m);
   bind_options(m);
   nb::class_<tachk::Explorer>(m, "Explorer")
