@@ -15,8 +15,10 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
+from math import inf
 from pathlib import Path
 from random import Random
+from time import monotonic
 
 from tests.fuzz.commands import random_command
 from tests.fuzz.readers import READERS
@@ -46,14 +48,17 @@ def cases(reader: str, count: int, seed: int, first: int = 0) -> Iterator[tuple[
             yield name, READERS[reader].case(random, READERS[reader].seeds())
 
 
-def campaign(counts: dict[str, int], seed: int, only: Sequence[str], folder: Path, limits: bool) -> dict[str, Tally]:
-    """Runs so many cases of each reader, and keeps the findings. The readers take turns."""
+def campaign(
+    counts: dict[str, int], seed: int, only: Sequence[str], folder: Path, limits: bool, seconds: float
+) -> dict[str, Tally]:
+    """Runs so many cases of each reader until the time is over, and keeps the findings. The readers take turns."""
+    end = monotonic() + seconds
     tallies = {reader: Tally() for reader in counts}
     prepare(case for reader in READERS.values() if reader.warms for case in reader.sound_cases(reader.seeds()[:1]))
     going = {reader: cases(reader, count, seed) for reader, count in counts.items()}
     while going:
         for reader, rest in list(going.items()):
-            batch = list(islice(rest, BATCH))
+            batch = list(islice(rest, BATCH)) if monotonic() < end else []
             if not batch:
                 del going[reader]
             chosen = [(name, case) for name, case in batch if not only or name in only]
@@ -82,13 +87,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--inputs", type=int, default=100, metavar="N", help="damaged files for each reader")
     parser.add_argument("--commands", type=int, default=500, metavar="M", help="random command lines")
     parser.add_argument("--reader", action="append", default=[], choices=[*READERS], help="this reader only")
+    parser.add_argument("--seconds", type=float, default=inf, metavar="T", help="begin nothing new after this time")
     parser.add_argument("--limits", action=BooleanOptionalAction, default=True, help="judge time and memory, too")
     parser.add_argument("--seed", type=int, default=1, metavar="S")
     parser.add_argument("--only", action="append", default=[], metavar="NAME", help="this case, such as models-1-37")
     parser.add_argument("--folder", type=Path, default=Path("build/fuzz"), help="where findings are kept")
     given = parser.parse_args(arguments)
     counts = dict.fromkeys(given.reader or READERS, given.inputs) | {COMMANDS: given.commands}
-    tallies = campaign(counts, given.seed, given.only, given.folder, given.limits)
+    tallies = campaign(counts, given.seed, given.only, given.folder, given.limits, given.seconds)
     print(f"{'reader':<24} {'inputs':>9} {'findings':>9} {'different':>9}")
     for reader, tally in tallies.items():
         print(f"{reader:<24} {tally.cases:>9,} {tally.found.total():>9,} {len(tally.found):>9,}")

@@ -93,6 +93,14 @@ def test_a_trace_for_the_proxy_is_checked_before_it_is_used(capsys: pytest.Captu
         assert (status, f"$.runs[0].{place}" in said) == (2, True)
 
 
+def test_integers_of_reports_are_integers(capsys: pytest.CaptureFixture[str]) -> None:
+    document: Any = json.loads(json.dumps(STALE))
+    document["runs"][0]["constants"]["PUB_UP"] = 1e15
+    Path("t.json").write_text(json.dumps(document))
+    status, said = run(capsys, "proxy", "--listen", "1", "--show", "--from-trace", "t.json")
+    assert (status, "is not of type 'integer'" in said) == (2, True)
+
+
 @pytest.mark.parametrize("text", ['{"a": ' * 100_000, '{"runs": 1e999}', '{"runs": Infinity}', f'{{"runs": {LONG}}}'])
 def test_json_that_no_report_is(capsys: pytest.CaptureFixture[str], text: str) -> None:
     Path("t.json").write_text(text)

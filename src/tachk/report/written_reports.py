@@ -74,9 +74,12 @@ def check_report(document: Mapping[str, Any], report: str, path: Path, how: str)
 
 @cache
 def _validator(report: str) -> Any:
+    """Integers are integers here, whereas by JSON Schema 1e300 is one, too."""
     from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
 
-    return Draft202012Validator(json.loads(schema_text(report)))
+    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
+    return extend(Draft202012Validator, type_checker=types)(json.loads(schema_text(report)))
 
 
 def _integer(text: str) -> int:
