@@ -167,6 +167,21 @@ def test_names_of_columns_with_many_brackets_are_split_once() -> None:
     assert read_header(("time[ms]", *cells), None, None, "t").names == ("time", *cells.values())
 
 
+@pytest.mark.parametrize(
+    ("query", "code"),
+    [
+        ("E<> Lamp.y - deadlock <= 3", "E0706"),
+        ("E<> x - Lamp.y <= deadlock", "E0706"),
+        ("A[] Lamp.y >= 2 + deadlock", "E0706"),
+        ("Lamp.on --> Lamp.y <= deadlock", "E0706"),
+        ("sup: n + deadlock", "E0503"),
+    ],
+)
+def test_deadlock_is_no_number(capsys: pytest.CaptureFixture[str], query: str, code: str) -> None:
+    status, said = run(capsys, "verify", "lamp.ta", query)
+    assert (status in (2, 3), code in said) == (True, True)
+
+
 def test_rules_are_read(capsys: pytest.CaptureFixture[str]) -> None:
     Path("rules").write_text(RULES)
     listening = ("--listen", "9001", "--listen", "9002")

@@ -150,6 +150,8 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
         case Binary(operator) if operator in COMPARISONS:
             atoms = clock_atoms(expression, positive, known)
             if isinstance(atoms, tuple):
+                if any(asks_deadlock(atom.bound) for conjunction in atoms for atom in conjunction):
+                    raise _no_number(expression.span)
                 return tuple(_Literals(atoms=conjunction) for conjunction in atoms)
             if not mentions_time(atoms):
                 return _disjuncts(atoms, True, known, whole)
@@ -162,10 +164,15 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
         case Quantifier(kind) if kind is not QuantifierKind.SUM:
             return _quantifier(expression, positive, known, whole)
     if not reads_clock(expression):
-        message = "`deadlock` is not a number to compare or to count with"
-        help_ = "join it with other conditions by `and`, `or`, `not` or `imply`"
-        raise UnsupportedError(Diagnostic("E0706", message, expression.span, help_))
+        raise _no_number(expression.span)
     raise clock_form_unsupported(expression.span)
+
+
+def _no_number(span: Span) -> UnsupportedError:
+    message = "`deadlock` is not a number to compare or to count with"
+    return UnsupportedError(
+        Diagnostic("E0706", message, span, "join it with other conditions by `and`, `or`, `not` or `imply`")
+    )
 
 
 def _quantifier(expression: Quantifier, positive: bool, known: Known, whole: Span) -> tuple[_Literals, ...]:

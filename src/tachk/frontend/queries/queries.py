@@ -17,7 +17,7 @@ from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Binary, Constant, Deadlock, Expression, Unary
 from tachk.model.network import Signal
 from tachk.model.query import Deadline, Expectation, Query
-from tachk.model.traversal import compares_clocks, walk
+from tachk.model.traversal import asks_deadlock, compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.operators import BinaryOperator
 from tachk.records import dataclass
@@ -142,7 +142,7 @@ def _measured(node: ast.Expression, scope: Scope, context: Context) -> Expressio
             return value
         context.error("E0503", node.span, "only a clock, a difference of two clocks or an integer can be measured")
         return None
-    if not is_integral(value.type) or compares_clocks(value):
+    if not is_integral(value.type) or compares_clocks(value) or asks_deadlock(value):
         context.error(
             "E0503",
             node.span,
