@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import reduce
 
 from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
+from tachk.syntax.chains import chain
 from tachk.syntax.formula import Always, And, Atom, Fall, Formula, Implies, Not, Once, Or, Rise
 
 
@@ -61,4 +61,4 @@ def needed_now(formula: Formula) -> ast.Expression | None:
 
 
 def _joined(operator: BinaryOperator, parts: list[ast.Expression]) -> ast.Expression:
-    return reduce(lambda left, right: ast.BinaryExpression(right.span, operator, left, right), parts)
+    return chain(operator, parts)

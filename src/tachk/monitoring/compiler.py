@@ -29,6 +29,7 @@ from tachk.runtime.monitor_program import (
 )
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
+from tachk.syntax.chains import LONGEST_FROM_LEFT
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.walk import nodes_of_kind
@@ -188,19 +189,8 @@ class _Compiler:
                 return self._truth(value)
             case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
                 return self._node(NodeKind.NOT, text, self.condition(operand))
-            case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in CONNECTIVES:
-                first, second = self.condition(left), self.condition(right)
-                match operator:
-                    case BinaryOperator.AND:
-                        return self._node(NodeKind.AND, text, first, second)
-                    case BinaryOperator.OR:
-                        return self._node(NodeKind.OR, text, first, second)
-                    case BinaryOperator.IMPLY:
-                        return self._implication(text, first, second)
-                    case BinaryOperator.XOR:
-                        return self._negation(self._equivalence(text, first, second))
-                    case _:
-                        raise InternalError(f"monitors do not know the connective {operator}")
+            case ast.BinaryExpression(operator=operator) if operator in CONNECTIVES:
+                return self._joined(expression, text)
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS and (
                 self._is_text(left) or self._is_text(right)
             ):
@@ -221,6 +211,38 @@ class _Compiler:
                     help_ = f"compare it, as in `{text} > 0`"
                     raise self._report("E0902", f"`{text}` is a number, not a condition", expression.span, help_)
                 return self._atom(MonitorAtom(Relation.TRUTH, code, (), text))
+
+    def _joined(self, whole: ast.BinaryExpression, text: str) -> int:
+        """The node of conditions joined by connectives, link by link of a chain; the links of a long one are shown
+        without what stands before them, for all their texts would be as long as its square."""
+        links: list[ast.BinaryExpression] = []
+        first: ast.Expression = whole
+        while isinstance(first, ast.BinaryExpression) and first.operator.level == whole.operator.level:
+            links.append(first)
+            first = first.left
+        joined = self.condition(first)
+        for link in reversed(links):
+            if link is whole:
+                shown = text
+            elif len(links) <= LONGEST_FROM_LEFT:
+                shown = print_expression(link)
+            else:
+                shown = f"... {link.operator} {print_expression(link.right)}"
+            joined = self._link(link.operator, shown, joined, self.condition(link.right))
+        return joined
+
+    def _link(self, operator: BinaryOperator, text: str, first: int, second: int) -> int:
+        match operator:
+            case BinaryOperator.AND:
+                return self._node(NodeKind.AND, text, first, second)
+            case BinaryOperator.OR:
+                return self._node(NodeKind.OR, text, first, second)
+            case BinaryOperator.IMPLY:
+                return self._implication(text, first, second)
+            case BinaryOperator.XOR:
+                return self._negation(self._equivalence(text, first, second))
+            case _:
+                raise InternalError(f"monitors do not know the connective {operator}")
 
     def _is_text(self, expression: ast.Expression) -> bool:
         if isinstance(expression, COLUMN_NAMES):

@@ -14,7 +14,7 @@ from tachk.runtime.core_monitor import (
     monitor_truth,
     truth_signals,
 )
-from tachk.runtime.linear_monitor import Measure, parts_of_tick, robustness, truth_on_lines, truth_signal_on_lines
+from tachk.runtime.linear_monitor import Measure, parts_of_tick, robustness, truth_on_lines, truth_signals_on_lines
 from tachk.runtime.monitor_program import UNBOUNDED, MonitorProgram, Relation
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
@@ -68,7 +68,7 @@ class _Signals:
     def __call__(self, nodes: Sequence[int]) -> Sequence[NodeSignal]:
         if self.parts is None:
             return truth_signals(self.program, self.trace, nodes)
-        return [truth_signal_on_lines(self.program, self.trace, node, self.parts) for node in nodes]
+        return truth_signals_on_lines(self.program, self.trace, nodes, self.parts)
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,15 +42,20 @@ def without_impossible(network: Network) -> Network:
 
 def opened(condition: Expression, known: Known) -> Expression:
     """A condition in which calls of functions that do nothing but return a condition are this condition, folded."""
+    return fold(_opened(condition), known)
+
+
+def _opened(condition: Expression) -> Expression:
     match condition:
         case Binary(operator, left, right) if operator in CONNECTIVES:
-            return fold(replace(condition, left=opened(left, known), right=opened(right, known)), known)
+            first, second = _opened(left), _opened(right)
+            return condition if first is left and second is right else replace(condition, left=first, right=second)
         case Unary(UnaryOperator.NOT, operand):
-            return negate(opened(operand, known))
+            return negate(_opened(operand))
         case Call(Function(parameters=(), result=BoolType(), body=Block((Return(value),)))) if value is not None:
-            return opened(value, known)
+            return _opened(value)
         case _:
-            return fold(condition, known)
+            return condition
 
 
 def _only(network: Network, possible: Collection[tuple[int, int]]) -> Network:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.monitor_program import MonitorProgram
+from tachk.runtime.monitor_program import MonitorProgram, part_of
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.trace import FloatTimes, Ticks, Trace, Values, changed_trace
 from tachk.time_limit import check_time
@@ -124,8 +124,9 @@ def monitor_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResul
 
 def truth_signals(program: MonitorProgram, trace: Trace, nodes: Sequence[int]) -> tuple[NodeSignal, ...]:
     """The truth of nodes over the whole trace."""
-    core = _core.OfflineTruth(program, verdict=False, signals=list(nodes))
-    _run(core, program, trace)
+    part, places = part_of(program, nodes)
+    core = _core.OfflineTruth(part, verdict=False, signals=places)
+    _run(core, part, trace)
     signals = []
     for number in range(len(nodes)):
         starts, low, high = core.signal(number)

@@ -7,7 +7,7 @@ As in `core_monitor`, values are those at the first instant of a finished trace.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,14 +114,19 @@ def truth_on_lines(program: MonitorProgram, trace: Trace, parts: int = MOST_PART
     return LinearTruthResult(truth_of(low, high), Truth(lasting), violation)
 
 
-def truth_signal_on_lines(program: MonitorProgram, trace: Trace, node: int, parts: int) -> NodeSignal:
-    """The truth of a node over the whole trace, in cells of parts of a tick. Raises ValueError for too many parts."""
+def truth_signals_on_lines(
+    program: MonitorProgram, trace: Trace, nodes: Sequence[int], parts: int
+) -> tuple[NodeSignal, ...]:
+    """The truth of nodes over the whole trace, in cells of parts of a tick. Raises ValueError for too many parts."""
     core = _ready(program, trace, Measure.SPACE, parts)
     if core.refinement() != parts:
         raise ValueError("the trace is too long for so many parts of a tick")
-    starts, low, high = core.truth_signal(node)
     cells = 2 * parts * trace.end + 1
-    return NodeSignal(starts, np.where(low == high, low, np.uint8(Truth.UNDETERMINED)), cells)
+    signals = []
+    for node in nodes:
+        starts, low, high = core.truth_signal(node)
+        signals.append(NodeSignal(starts, np.where(low == high, low, np.uint8(Truth.UNDETERMINED)), cells))
+    return tuple(signals)
 
 
 def robustness(program: MonitorProgram, trace: Trace, measure: Measure) -> RobustnessResult:

@@ -5,7 +5,8 @@ What the C++ core reads. Cells of time, which make open and closed bounds exact,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 
@@ -115,3 +116,42 @@ class MonitorProgram:
     atoms: tuple[MonitorAtom, ...]
     nodes: tuple[MonitorNode, ...]
     ticks_per_unit: int
+
+
+def part_of(program: MonitorProgram, nodes: Sequence[int]) -> tuple[MonitorProgram, list[int]]:
+    """The program of some nodes alone, and their numbers in it. A program may have thousands of others."""
+    inside: set[int] = set()
+    pending = list(nodes)
+    while pending:
+        node = pending.pop()
+        if node not in inside:
+            inside.add(node)
+            pending += program.nodes[node].operands
+    if len(inside) == len(program.nodes):
+        return program, list(nodes)
+    kept = [program.nodes[node] for node in sorted(inside)]
+    numbers = {node: number for number, node in enumerate(sorted(inside))}
+    read = {node.atom for node in kept if node.atom >= 0}
+    columns: dict[int, int] = {}
+    atoms = {atom: _of_columns(program.atoms[atom], columns) for atom in sorted(read)}
+    places = {-1: -1, **{atom: number for number, atom in enumerate(atoms)}}
+    parts = tuple(
+        replace(node, operands=tuple(numbers[operand] for operand in node.operands), atom=places[node.atom])
+        for node in kept
+    )
+    names = tuple(program.columns[column] for column in columns)
+    return replace(program, columns=names, atoms=tuple(atoms.values()), nodes=parts), [numbers[node] for node in nodes]
+
+
+def _of_columns(atom: MonitorAtom, numbers: dict[int, int]) -> MonitorAtom:
+    """The atom with other numbers of columns, which are given in the order in which they are read."""
+
+    def changed(code: tuple[ValueInstruction, ...]) -> tuple[ValueInstruction, ...]:
+        return tuple(
+            replace(each, operand=float(numbers.setdefault(int(each.operand), len(numbers))))
+            if each.operator is ValueOperator.COLUMN
+            else each
+            for each in code
+        )
+
+    return replace(atom, left=changed(atom.left), right=changed(atom.right))

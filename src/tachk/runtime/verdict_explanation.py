@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 from tachk.runtime.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.trace import changed_trace
+
+_AT_ONCE = 64
+"""Nodes whose values are kept in memory before they are needed."""
 
 _AHEAD = (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
 
@@ -80,11 +84,27 @@ class Explainer:
 
     def signal(self, node: int) -> NodeSignal:
         """What a node of the program is worth over the trace."""
-        if node not in self._known:
-            # The operands are mostly looked at next, and the trace need not be read again for them.
-            nodes = [node, *(n for n in set(self.program.nodes[node].operands) if n not in self._known)]
-            self._known.update(zip(nodes, self.compute(nodes), strict=True))
+        self._look_at((node,))
         return self._known[node]
+
+    def _look_at(self, nodes: Sequence[int]) -> None:
+        """Computes what nodes are worth. Their operands are mostly looked at next, and the trace need not be read again
+        for them."""
+        new = [node for node in nodes if node not in self._known]
+        operands = {o for node in new for o in self.program.nodes[node].operands if o not in self._known}
+        wanted = [*new, *operands.difference(new)]
+        if wanted:
+            self._known.update(zip(wanted, self.compute(wanted), strict=True))
+
+    def _having(self, nodes: Sequence[int], cell: int, value: Truth) -> Iterator[int]:
+        """Those of the nodes that have a value in a cell. The trace is read for ever more of them at once, as it would
+        take long for thousands one by one."""
+        start, size = 0, 1
+        while start < len(nodes):
+            group = nodes[start : start + size]
+            self._look_at(group)
+            yield from (node for node in group if self._known[node].at(cell) is value)
+            start, size = start + size, min(2 * size, _AT_ONCE)
 
     def finding(self, value: Truth) -> Finding | None:
         """Where the formula is violated first, or where it hangs; None if it is true. Looked for once.
@@ -155,8 +175,7 @@ class Explainer:
         while True:
             current = self.program.nodes[node]
             if current.kind is NodeKind.AND:
-                parts = (o for o in current.operands if self.signal(o).at(cell) is value)
-                part = next(parts, None)
+                part = next(self._having(current.operands, cell, value), None)
                 if part is None:
                     return node, cell, end
                 node = part
@@ -186,8 +205,8 @@ class Explainer:
                 return [self.reason(operands[0], cell, value.negated)], None
             case NodeKind.AND | NodeKind.OR:
                 decisive = Truth.FALSE if node.kind is NodeKind.AND else Truth.TRUE
-                same = [o for o in operands if self.signal(o).at(cell) is value]
-                chosen = same[:1] if value is decisive else same
+                same = self._having(operands, cell, value)
+                chosen = islice(same, 1) if value is decisive else same
                 return [self.reason(o, cell, value) for o in chosen], None
             case NodeKind.EVENTUALLY | NodeKind.ALWAYS | NodeKind.ONCE | NodeKind.HISTORICALLY:
                 return self._window_parts(node, cell, value)

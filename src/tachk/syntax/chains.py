@@ -19,14 +19,19 @@ LONGEST_FROM_LEFT = 32
 """Operands of a chain that is still built from the left."""
 
 
-def chain(operator: BinaryOperator, operands: Sequence[ast.Expression]) -> ast.Expression:
-    """The tree of ``operands[0] operator operands[1] operator ...``."""
+def chain(operator: BinaryOperator, operands: Sequence[ast.Expression], span: Span | None = None) -> ast.Expression:
+    """The tree of ``operands[0] operator operands[1] operator ...``.
+
+    Args:
+        span: the place of every link of it; None: where its operands stand.
+    """
     if operator.associative and len(operands) > LONGEST_FROM_LEFT:
         middle = _middle(len(operands))
-        return _join(operator, chain(operator, operands[:middle]), chain(operator, operands[middle:]))
+        left, right = chain(operator, operands[:middle], span), chain(operator, operands[middle:], span)
+        return _join(operator, left, right, span)
     tree = operands[0]
     for operand in operands[1:]:
-        tree = _join(operator, tree, operand)
+        tree = _join(operator, tree, operand, span)
     return tree
 
 
@@ -52,9 +57,11 @@ def _middle(count: int) -> int:
     return (count + 1) // 2
 
 
-def _join(operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> ast.BinaryExpression:
-    span = left.span
-    return ast.BinaryExpression(Span(span.source, span.start, right.span.end), operator, left, right)
+def _join(
+    operator: BinaryOperator, left: ast.Expression, right: ast.Expression, span: Span | None
+) -> ast.BinaryExpression:
+    place = span or Span(left.span.source, left.span.start, right.span.end)
+    return ast.BinaryExpression(place, operator, left, right)
 
 
 def _continues(expression: ast.Expression, operator: BinaryOperator) -> TypeGuard[ast.BinaryExpression]:

@@ -1,7 +1,8 @@
 """The tree of a temporal formula: STL over the signals of a model or the columns of a trace.
 
-One family of nodes serves every stage. Boolean connectives are always nodes of the formula, so an `Atom` holds an
-expression whose outermost operator is not a connective: a name, a comparison, a call, a quantifier. Durations are
+One family of nodes serves every stage. Boolean connectives are nodes of the formula, so an `Atom` holds an expression
+whose outermost operator is not a connective: a name, a comparison, a call, a quantifier. The exceptions are chains of
+conditions on one state that would be deep trees: of ``xor``, and long ones of ``imply``. Durations are
 numbers once the time unit and the constants are known (`tachk.logic.durations`). docs/logic.md states the meaning.
 """
 

@@ -16,7 +16,7 @@ from tachk.runtime.linear_monitor import (
     robustness,
     robustness_signal,
     truth_on_lines,
-    truth_signal_on_lines,
+    truth_signals_on_lines,
 )
 from tachk.runtime.monitor_program import MonitorAtom, ValueOperator
 from tachk.testing.exact_lines import InTime, OnLines, Worth, above, is_worth
@@ -46,7 +46,7 @@ def _truth_problems(case: MonitoringCase, given: MonitorInput) -> Iterator[str]:
     if found is not expected:
         yield f"truth on lines: {found.word}, not {expected.word}"
     parts = parts_of_tick([given.program], given.trace)
-    signal = truth_signal_on_lines(given.program, given.trace, len(given.program.nodes) - 1, parts)
+    (signal,) = truth_signals_on_lines(given.program, given.trace, [len(given.program.nodes) - 1], parts)
     points = [point for point in exact.points if point <= case.trace.end]
     between = [(left + right) / 2 for left, right in pairwise([*points, case.trace.end]) if left < right]
     for instant in sorted({*points, *between, case.trace.end}):

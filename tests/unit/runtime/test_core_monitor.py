@@ -142,7 +142,7 @@ def test_time_robustness_is_the_slack_of_the_response() -> None:
 def test_crossings_are_told_in_parts_of_a_tick() -> None:
     slope = Trace("slope", np.array([0, 3]), {"p": np.ones(2, np.uint8), "x": np.array([0.0, 1.0])}, 3)
     assert linear_monitor.parts_of_tick([response(4)], slope) == 1_000_000
-    signal = linear_monitor.truth_signal_on_lines(response(4), slope, 2, 1000)
+    (signal,) = linear_monitor.truth_signals_on_lines(response(4), slope, [2], 1000)
     assert signal.stretches() == [(0, 3000, Truth.FALSE), (3001, 6000, Truth.TRUE)]
 
 
@@ -153,7 +153,9 @@ def test_a_trace_can_be_too_long_for_lines() -> None:
     shorter = Trace("long", np.array([0, 2**45]), values, 2**45)
     parts = linear_monitor.parts_of_tick([response(4)], shorter)
     assert parts == 100
-    assert linear_monitor.truth_signal_on_lines(response(4), shorter, 2, parts).at(parts * 2**45 + 1) is Truth.TRUE
+    assert (
+        linear_monitor.truth_signals_on_lines(response(4), shorter, [2], parts)[0].at(parts * 2**45 + 1) is Truth.TRUE
+    )
 
 
 def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
@@ -163,7 +165,7 @@ def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
     for ends in ([1.0, -0.25], [0.7, -0.1], [3.0, -1e-3]):
         falling = Trace("falling", np.array([0, 1]), {"x": np.array(ends)}, 1)
         crossing = 2 * round(1_000_000 * ends[0] / (ends[0] - ends[1]))
-        signal = linear_monitor.truth_signal_on_lines(program, falling, 0, 1_000_000)
+        (signal,) = linear_monitor.truth_signals_on_lines(program, falling, [0], 1_000_000)
         assert signal.stretches()[0] == (0, crossing, Truth.TRUE)
 
 

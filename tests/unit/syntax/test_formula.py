@@ -170,11 +170,49 @@ def test_a_part_of_a_text() -> None:
 
 
 def test_hopeless_nesting_is_refused() -> None:
-    for text in ("(" * 300 + "p" + ")" * 300, "!" * 300 + "p", "F " * 300 + "p", " U ".join(["p"] * 300)):
+    for text in ("(" * 300 + "p" + ")" * 300, "F " * 300 + "p", "F !" * 150 + "p", " U ".join(["p"] * 300)):
         formula, diagnostics = parse_formula(Source("f", text))
         assert formula is None
         assert [d.code for d in diagnostics] == ["E0111"]
-    assert len(parsed(" && ".join(["p"] * 3000)).operands) == 3000  # type: ignore[union-attr]
+
+
+LINKS = 2000
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        (" && ".join(["p"] * LINKS), " && ".join(["p"] * LINKS)),
+        (" || ".join(["F[0, 1] p"] * LINKS), " || ".join(["F[0, 1] p"] * LINKS)),
+        (" && ".join(["F[0, 1] p"] * LINKS), " && ".join(["F[0, 1] p"] * LINKS)),
+        ("q -> " * LINKS + "F p", "q && " * (LINKS - 1) + "q -> F p"),
+        ("q && r -> " * LINKS + "p", "q && r && " * (LINKS - 1) + "q && r -> p"),
+        ("F " + "!" * LINKS + "p", "F !!p"),
+        ("F " + "!" * (LINKS + 1) + "p", "F !p"),
+        ("F (" + " xor ".join(["p"] * LINKS) + ")", "F (" + " xor ".join(["p"] * LINKS) + ")"),
+        ("F (" + " + ".join(["x"] * LINKS) + " > 1)", "F (" + " + ".join(["x"] * LINKS) + " > 1)"),
+        ("p imply " * 300 + "q", "p imply " * 300 + "q"),
+        ("p imply q || " * 150 + "r && s", "p imply q || " * 150 + "r && s"),
+        ("F (" + " - ".join(["x"] * 300) + " > 1)", "F (" + " - ".join(["x"] * 300) + " > 1)"),
+        ("F ((" + "p ? 1 : " * 300 + "2) > 1)", "F ((" + "p ? 1 : " * 300 + "2) > 1)"),
+    ],
+    ids=lambda text: text[:18],
+)
+def test_chains_are_no_nesting(text: str, printed: str) -> None:
+    again = print_formula(parsed(text))
+    assert again == printed
+    assert print_formula(parsed(again)) == again
+
+
+@pytest.mark.parametrize("text", ["p imply q imply r", "p -> q -> r", "!!!p", "p || q imply r", "(p imply q) || r"])
+def test_short_chains_stay_as_they_are(text: str) -> None:
+    assert not isinstance(parsed(text), f.Atom)
+    assert print_formula(parsed(print_formula(parsed(text)))) == print_formula(parsed(text))
+
+
+def test_long_chains_that_are_nested_are_refused() -> None:
+    for text in ("F p imply " * 300 + "q", " xor ".join(["F p"] * 3)):
+        assert parse_formula(Source("f", text))[0] is None
 
 
 @pytest.mark.parametrize(

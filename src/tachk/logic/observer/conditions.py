@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import reduce
 
 from tachk.diagnostics.span import Span
 from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
+from tachk.syntax.chains import chain
 from tachk.syntax.printing.expression_printer import print_expression
 
 Conjunction = frozenset[ast.Expression]
@@ -41,12 +41,7 @@ def negated(expression: ast.Expression) -> ast.Expression:
 def all_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
     """The conjunction as one expression."""
     found = conjunction(parts)
-    ordered = sorted(found, key=_order)
-    return (
-        reduce(lambda a, b: ast.BinaryExpression(span, BinaryOperator.AND, a, b), ordered)
-        if ordered
-        else truth(True, span)
-    )
+    return chain(BinaryOperator.AND, sorted(found, key=_order), span) if found else truth(True, span)
 
 
 def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
@@ -54,9 +49,7 @@ def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
     kept = [part for part in dict.fromkeys(parts) if part != truth(False, span)]
     if any(part == truth(True, span) for part in kept):
         return truth(True, span)
-    return (
-        reduce(lambda a, b: ast.BinaryExpression(span, BinaryOperator.OR, a, b), kept) if kept else truth(False, span)
-    )
+    return chain(BinaryOperator.OR, kept, span) if kept else truth(False, span)
 
 
 def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:

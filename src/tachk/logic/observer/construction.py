@@ -17,9 +17,10 @@ from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negat
 from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
 from tachk.logic.observer.past_windows import looking_ahead
-from tachk.logic.observer.states import SHOWN, State, answered_in, binds, is_endless
+from tachk.logic.observer.states import SHOWN, State, answered_in, binds, is_endless, timed_tasks
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
+from tachk.logic.observer.ways import most_branches
 from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
@@ -34,6 +35,8 @@ BAD = "Bad"
 
 MAXIMAL_LOCATIONS = 200
 MAXIMAL_CLOCKS = 6
+MAXIMAL_BRANCHES = 4096
+"""Ways to reach a goal at one instant."""
 _CLOCKS = ("x", "y", "z", "u", "v", "w")
 
 
@@ -75,6 +78,8 @@ def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> Bu
         NoObserver: for a formula that no automaton of this kind decides; names the part that is to blame.
     """
     goal = violation(looking_ahead(formula))
+    if most_branches(goal) > MAXIMAL_BRANCHES:
+        raise NoObserver(formula.span, f"it can be violated in more than {MAXIMAL_BRANCHES} ways")
     used = {*names_in(formula), *taken, name}
     writer = _Writer(formula.span, goal, name, used)
     return BuiltObserver(writer.template(), writer.endings())
@@ -362,23 +367,34 @@ class _Writer:
 
 def _explored(tableau: Tableau, span: Span) -> _Automaton:
     """All states that can be reached and that lead to `SHOWN` or are endless, in breadth-first order."""
+    too_large = NoObserver(span, f"its observer would need more than {MAXIMAL_LOCATIONS} locations")
     initial = [state for state, _ in tableau.initial]
     steps: dict[State, list[Step]] = {}
     waiting = deque([*initial, *([tableau.idle] if tableau.idle is not None else [])])
     seen = set(waiting)
+
+    def notice(state: State) -> None:
+        if state not in seen:
+            seen.add(state)
+            waiting.append(state)
+            if len(seen) > MAXIMAL_LOCATIONS:
+                raise too_large
+
     while waiting:
         state = waiting.popleft()
         if state == SHOWN:
             continue
-        steps[state] = list(dict.fromkeys(tableau.steps(state)))
-        further = [step.target for step in steps[state]]
-        further += [target for target in tableau.deadlines(state).values() if target is not None]
-        for target in further:
-            if target not in seen:
-                seen.add(target)
-                waiting.append(target)
-        if len(seen) > MAXIMAL_LOCATIONS:
-            raise NoObserver(span, f"its observer would need more than {MAXIMAL_LOCATIONS} locations")
+        # Of tasks with clocks each leads to another location.
+        if max(len(seen), timed_tasks(state)) > MAXIMAL_LOCATIONS:
+            raise too_large
+        found: dict[Step, None] = {}
+        for step in tableau.steps(state):
+            found[step] = None
+            notice(step.target)
+        for target in tableau.deadlines(state).values():
+            if target is not None:
+                notice(target)
+        steps[state] = list(found)
     useful = {SHOWN, *(state for state in steps if is_endless(state))}
     grown = True
     while grown:

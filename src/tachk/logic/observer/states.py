@@ -103,6 +103,11 @@ def positive(clock: int) -> ClockGuard:
 # ---- small questions about states ------------------------------------------------------------------------------------
 
 
+def timed_tasks(state: State) -> int:
+    """How many tasks have clocks."""
+    return sum(isinstance(item, Task) and bool(item.clocks) for item in state)
+
+
 def may_pass(task: Task) -> bool:
     """Whether the task may be exchanged for others at the instant at which it begins, whatever it requires."""
     return isinstance(task.goal, Sometime) or (isinstance(task.goal, Recurring) and task.phase == "on")

@@ -98,6 +98,7 @@ class Tableau:
         """Where the observer goes when what it was following comes to nothing; None: there it gives up."""
         if ever:
             self.idle = frozenset(item for item in ever[0] if isinstance(item, Task))
+        self.idle_has_one_goal = self.idle is not None and len(_first_goals(self, self.idle)) == 1
 
     def _begun(self, branch: Branch) -> tuple[State, Conjunction]:
         wanted = pasts_wanted(branch.tasks, self.saved)
@@ -295,7 +296,7 @@ class Tableau:
             state == self.idle
             and not clocks
             and len(self.branches) == 1
-            and len(_first_goals(self, state)) == 1
+            and self.idle_has_one_goal
             and all(
                 isinstance(item, Settling) or (isinstance(item, Task) and isinstance(item.goal, Throughout))
                 for item in target

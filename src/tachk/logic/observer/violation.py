@@ -6,6 +6,7 @@ Nickovic and Pnueli (2005).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -35,6 +36,7 @@ from tachk.logic.observer.goals import (
     either,
 )
 from tachk.syntax import ast, formula
+from tachk.syntax.chains import LONGEST_FROM_LEFT
 from tachk.syntax.formula import Formula
 from tachk.syntax.formulas.printer import print_number
 
@@ -88,6 +90,8 @@ def _goal(node: Formula, positive: bool) -> Goal:
     match node:
         case formula.Not(operand=operand):
             return _goal(operand, not positive)
+        case formula.And(operands=operands) if not positive and len(operands) > LONGEST_FROM_LEFT:
+            return either(tuple(_goal(part, False) for part in _together(operands)))
         case formula.And(operands=operands):
             return (both if positive else either)(tuple(_goal(part, positive) for part in operands))
         case formula.Or(operands=operands):
@@ -120,6 +124,24 @@ def _goal(node: Formula, positive: bool) -> Goal:
             return _since(interval, _condition(left), _condition(right), positive)
         case _:
             raise AssertionError(node)
+
+
+def _together(operands: Iterable[Formula]) -> list[Formula]:
+    """The operands of a conjunction, with ``G (p && q)`` in place of ``G p`` and ``G q``."""
+    inside: dict[formula.Interval, list[Formula]] = {}
+    others: list[Formula] = []
+    for part in operands:
+        if isinstance(part, formula.Always):
+            inside.setdefault(part.interval, []).append(part.operand)
+        else:
+            others.append(part)
+    whole = [
+        formula.Always(
+            parts[0].span, interval, parts[0] if len(parts) == 1 else formula.And(parts[0].span, tuple(parts))
+        )
+        for interval, parts in inside.items()
+    ]
+    return [*whole, *others]
 
 
 def window_of(interval: formula.Interval) -> Window:

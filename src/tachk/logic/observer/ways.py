@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
 
 from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, conjunction, is_false, truth
@@ -26,6 +27,7 @@ from tachk.logic.observer.goals import (
     Way,
     Window,
     both,
+    parts_of,
     saved_expressions,
 )
 from tachk.logic.observer.states import FRESH, Item, Task, lasts_for_ever
@@ -49,6 +51,23 @@ def branches_of(goal: Goal, saved: SavedNames, at_start: bool = False) -> list[B
     """The ways to reach a goal at an instant, or when the run begins."""
     branches = [branch for branch in _expanded(goal, saved, at_start) if not is_false(branch.now)]
     return [branch for branch in branches if not _is_excluded(branch)]
+
+
+def most_branches(goal: Goal) -> int:
+    """The largest number of ways that are looked at to reach a goal, or one that is awaited in it, at an instant."""
+    return max(
+        _branches(part) for part in (goal, *(each.goal for each in parts_of(goal) if isinstance(each, Sometime)))
+    )
+
+
+def _branches(goal: Goal) -> int:
+    match goal:
+        case Either(parts=parts):
+            return sum(map(_branches, parts))
+        case Both(parts=parts):
+            return prod(map(_branches, parts))
+        case _:
+            return 1
 
 
 def pasts_wanted(items: Iterable[Item], saved: SavedNames) -> frozenset[Past]:

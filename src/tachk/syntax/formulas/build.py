@@ -7,6 +7,7 @@ the tree of it and reports operators that stand where only the value of one inst
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -16,6 +17,7 @@ from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, span_of
+from tachk.syntax.chains import LONGEST_FROM_LEFT
 from tachk.syntax.formula import (
     Always,
     And,
@@ -38,7 +40,7 @@ from tachk.syntax.formula import (
     WeakUntil,
     all_time,
 )
-from tachk.syntax.parsing.depth import DEEPEST, too_deep
+from tachk.syntax.parsing.depth import measured
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.tokens import Token
 from tachk.syntax.walk import nodes_of_kind
@@ -165,22 +167,11 @@ def as_formula(expression: Any) -> Formula:
     Raises:
         Misplaced: something in it cannot be part of a formula, or it is nested too deeply.
     """
-    _refuse_depth(expression)
+    for found in measured(expression)[0]:
+        raise Misplaced(found)
     for part in nodes_of_kind(expression, RefusedPart):
         raise Misplaced(part.diagnostic)
     return _formula(expression)
-
-
-def _refuse_depth(expression: Any) -> None:
-    pending = [(expression, 1)]
-    while pending:
-        node, level = pending.pop()
-        if isinstance(node, ast.Node):
-            if level > DEEPEST:
-                raise Misplaced(too_deep(node.span))
-            pending += [(getattr(node, name), level + 1) for name in node.__dataclass_fields__ if name != "span"]
-        elif isinstance(node, tuple):
-            pending += [(item, level) for item in node]
 
 
 def _formula(node: Any) -> Formula:
@@ -205,56 +196,107 @@ def _formula(node: Any) -> Formula:
             return kind(span, given, _formula(operands[0]), _formula(operands[1]))
         case ast.BooleanLiteral(value=value):
             return Truth(span, value)
-        case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
-            return Not(span, _formula(operand))
+        case ast.UnaryExpression(operator=PrefixOperator.NOT):
+            return _negation(node)
         case ast.BinaryExpression(operator=BinaryOperator.AND):
-            return And(span, tuple(_parts(node, And)))
-        case ast.BinaryExpression(operator=BinaryOperator.OR):
-            return Or(span, tuple(_parts(node, Or)))
-        case ast.BinaryExpression(operator=BinaryOperator.IMPLY, left=left, right=right):
-            return Implies(span, _formula(left), _formula(right))
-        case ast.BinaryExpression(operator=BinaryOperator.XOR, left=left, right=right):
-            return _exclusive(span, left, right)
+            return And(span, tuple(_conjuncts(node)))
+        case ast.BinaryExpression(operator=BinaryOperator.OR | BinaryOperator.IMPLY):
+            return _from_left(node)
+        case ast.BinaryExpression(operator=BinaryOperator.XOR):
+            return _exclusive(node)
         case _:
             return Atom(span, _state_expression(node, _why(node)))
 
 
-def _parts(node: ast.BinaryExpression, kind: type[And] | type[Or]) -> list[Formula]:
-    """The operands of a chain of ``&&`` or ``||``; parentheses within it mean nothing."""
-    parts: list[Formula] = []
+def _conjuncts(node: Any) -> Iterator[Formula]:
+    """The operands of a chain of ``&&``; parentheses within it mean nothing."""
     pending: list[Any] = [node]
     while pending:
         inner = pending.pop()
-        if isinstance(inner, ast.BinaryExpression) and inner.operator == node.operator:
+        if isinstance(inner, ast.BinaryExpression) and inner.operator is BinaryOperator.AND:
             pending += [inner.right, inner.left]
         else:
-            parts.append(_formula(inner))
-    return parts
+            yield _formula(inner)
 
 
-def _exclusive(span: Span, left: Any, right: Any) -> Formula:
+def _from_left(node: Any) -> Formula:
+    """A chain of ``||`` and ``imply``, which bind equally; parentheses among operands of ``||`` mean nothing."""
+    links: list[ast.BinaryExpression] = []
+    first: Any = node
+    while isinstance(first, ast.BinaryExpression) and first.operator in (BinaryOperator.OR, BinaryOperator.IMPLY):
+        links.append(first)
+        first = first.left
+    implications = sum(link.operator is BinaryOperator.IMPLY for link in links)
+    if implications > LONGEST_FROM_LEFT and _is_state_expression(node):
+        return Atom(node.span, _state_expression(node, _why(node)))
+    formula = _formula(first)
+    for link in reversed(links):
+        if link.operator is BinaryOperator.OR:
+            formula = Or(link.span, (*_operands(formula, Or), *_operands(_formula(link.right), Or)))
+        else:
+            formula = _implication(link, formula)
+    return formula
+
+
+def _operands(formula: Formula, kind: type[And] | type[Or]) -> tuple[Formula, ...]:
+    return formula.operands if isinstance(formula, kind) else (formula,)
+
+
+def _negation(node: ast.UnaryExpression) -> Formula:
+    """Of many signs in a row one or two are left, which mean the same on every trace."""
+    signs: list[Span] = []
+    inner: Any = node
+    while isinstance(inner, ast.UnaryExpression) and inner.operator is PrefixOperator.NOT:
+        signs.append(inner.span)
+        inner = inner.operand
+    if len(signs) > LONGEST_FROM_LEFT:
+        signs = signs[: 2 - len(signs) % 2]
+    formula = _formula(inner)
+    for span in reversed(signs):
+        formula = Not(span, formula)
+    return formula
+
+
+def _implication(node: ast.BinaryExpression, left: Formula) -> Formula:
+    """``a -> b -> c``: of many links as ``a && b -> c``, which means the same on every trace."""
+    conditions = [(node.span, left)]
+    last: Any = node.right
+    while isinstance(last, ast.BinaryExpression) and last.operator is BinaryOperator.IMPLY:
+        conditions.append((last.span, _formula(last.left)))
+        last = last.right
+    formula = _formula(last)
+    if len(conditions) > LONGEST_FROM_LEFT:
+        parts = [part for _, each in conditions for part in _operands(each, And)]
+        span = Span(left.span.source, left.span.start, parts[-1].span.end)
+        return Implies(node.span, And(span, tuple(parts)), formula)
+    for span, each in reversed(conditions):
+        formula = Implies(span, each, formula)
+    return formula
+
+
+def _exclusive(node: ast.BinaryExpression) -> Formula:
     """``a xor b`` as ``a && !b || !a && b``; chains of it would double at each step."""
-    for operand in (left, right):
+    for operand in (node.left, node.right):
         inner = next(
             (n for n in nodes_of_kind(operand, ast.BinaryExpression) if n.operator == BinaryOperator.XOR), None
         )
         if inner is not None:
-            raise Misplaced(
-                Diagnostic(
-                    "E0132",
-                    "a formula joins only two conditions by xor",
-                    inner.span,
-                    "name the inner one with a signal",
-                )
-            )
-    one, other = _formula(left), _formula(right)
+            if _is_state_expression(node):
+                return Atom(node.span, _state_expression(node, _why(node)))
+            message = "xor joins only two conditions where one of them is temporal"
+            raise Misplaced(Diagnostic("E0132", message, inner.span, "name the inner one with a signal"))
+    one, other = _formula(node.left), _formula(node.right)
     return Or(
-        span,
+        node.span,
         (
-            And(span, (one, Not(one.span, other))),
-            And(span, (Not(one.span, one), other)),
+            And(node.span, (one, Not(one.span, other))),
+            And(node.span, (Not(one.span, one), other)),
         ),
     )
+
+
+def _is_state_expression(node: Any) -> bool:
+    return next(nodes_of_kind(node, TemporalExpression), None) is None
 
 
 def _why(node: ast.Expression) -> str:

@@ -13,6 +13,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
+from tachk.operators import CONNECTIVES
 from tachk.syntax import ast
 from tachk.syntax.formula import (
     Always,
@@ -131,6 +132,8 @@ def _level(formula: Formula) -> int:
             return _CONJUNCTION
         case Until() | Since() | WeakUntil():
             return _UNTIL
+        case Atom(expression=ast.BinaryExpression(operator=operator)) if operator in CONNECTIVES:
+            return _IMPLICATION
         case Atom(expression=expression):
             return _PREFIXED if isinstance(expression, _SIMPLE) else _UNTIL
         case _:

@@ -13,6 +13,7 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.tokens import Token
 
@@ -30,37 +31,48 @@ def nesting_errors(tokens: list[Token], value: Any) -> tuple[Diagnostic, ...]:
     """One diagnostic for the first part of a tree that is nested too deeply, if there is one."""
     if not _suspicious(tokens):
         return ()
-    most = max(min(LONGEST, _stack_size() // STACK_OF_A_LEVEL), DEEPEST)
+    found, deepest = measured(value, max(min(LONGEST, _stack_size() // STACK_OF_A_LEVEL), DEEPEST))
+    if deepest > DEEPEST and not found:
+        sys.setrecursionlimit(max(sys.getrecursionlimit(), _FRAMES_OF_A_LEVEL * deepest))
+    return found
+
+
+def measured(value: Any, most: int = sys.maxsize) -> tuple[tuple[Diagnostic, ...], int]:
+    """The first part of a tree that is nested too deeply or whose chains have more links, and how many levels the tree
+    has down to there."""
     deepest = 0
     pending: list[tuple[Any, int, int, Any]] = [(value, 0, 0, None)]
     while pending:
         node, nested, level, whole = pending.pop()
         if isinstance(node, ast.Node):
             level += 1
-            if type(node) is not type(whole) or not _continues(whole, node):
-                nested += 1
+            nested += not _continues(whole, node)
             if nested > DEEPEST:
-                return (too_deep(node.span),)
+                return (too_deep(node.span),), deepest
             if level > most:
-                return (_too_long(node.span, most),)
+                return (_too_long(node.span, most),), deepest
             deepest = max(deepest, level)
             names = (name for name in node.__dataclass_fields__ if name != "span")
             pending += [(getattr(node, name), nested, level, node) for name in names]
         elif isinstance(node, tuple | list):
-            pending += [(item, nested, level, None) for item in node]
-    if deepest > DEEPEST:
-        sys.setrecursionlimit(max(sys.getrecursionlimit(), _FRAMES_OF_A_LEVEL * deepest))
-    return ()
+            pending += [(item, nested, level, whole) for item in node]
+    return (), deepest
 
 
-def _continues(node: ast.Node, part: ast.Node) -> bool:
-    """Whether a part of the same kind as its node is the next link of a chain, not a level of nesting."""
+def _continues(node: Any, part: ast.Node) -> bool:
+    """Whether a part is the next link of the chain that its node belongs to, not a level of nesting."""
     match node, part:
+        case ast.BinaryExpression(operator=BinaryOperator.IMPLY), ast.BinaryExpression(operator=BinaryOperator.IMPLY):
+            return True
         case ast.BinaryExpression(left=left, operator=operator), ast.BinaryExpression():
             return part is left and part.operator.level == operator.level
-        case ast.ConditionalExpression(otherwise=otherwise) | ast.IfStatement(otherwise=otherwise), _:
+        case ast.ConditionalExpression(otherwise=otherwise), ast.ConditionalExpression():
             return part is otherwise
-        case ast.UnaryExpression() | ast.AssignmentExpression(), _:
+        case ast.IfStatement(otherwise=otherwise), ast.IfStatement():
+            return part is otherwise
+        case ast.UnaryExpression(), ast.UnaryExpression():
+            return True
+        case ast.AssignmentExpression(), ast.AssignmentExpression():
             return True
         case _:
             return False
