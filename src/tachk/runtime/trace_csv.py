@@ -29,6 +29,9 @@ PIECE = 1 << 20
 """Bytes that are read at a time."""
 
 
+_LINE_BREAKS = (b"\n", b"\r")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
     """Some rows of a recording.
@@ -55,10 +58,16 @@ class _Told(NamedTuple):
 
 
 class _Read(NamedTuple):
-    """A reader that has read all rows, and why a compressed file ended before its end."""
+    """A reader that has read all rows.
+
+    Attributes:
+        torn: why a compressed file ended before its end.
+        open_ended: the last line has no line break.
+    """
 
     reader: _core.CsvReader
     torn: str | None
+    open_ended: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +106,7 @@ class CsvRecording:
     def read(self, columns: Collection[str] | None = None) -> Trace:
         """The whole trace: from the first row in which every column has a value to the last one."""
         places, told = self._places(columns)
-        reader, torn = self._whole(places, told)
+        reader, torn, open_ended = self._whole(places, told)
         flags = self._flags(reader, places, told)
         times, cells, labels = reader.take()
         if len(times) == 0:
@@ -113,7 +122,8 @@ class CsvRecording:
         }
         held.update(flags)
         trace = Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale), dated=self.dates)
-        return texts.on(replace(trace, notes=self._notes(reader), warnings=self._warnings(reader, torn)))
+        notes = self._notes(reader, places, open_ended)
+        return texts.on(replace(trace, notes=notes, warnings=self._warnings(reader, torn)))
 
     def _places(self, columns: Collection[str] | None) -> tuple[dict[str, int], _Told]:
         """The cells that are read, and of which it is told where they have values."""
@@ -154,6 +164,7 @@ class CsvRecording:
     def _rows(self, reader: _core.CsvReader) -> _Read:
         with closing(self.opened()) as stream:
             done = 0
+            open_ended = False
             while piece := stream.read1(PIECE):
                 check_time()
                 if not reader.feed(piece):
@@ -161,9 +172,10 @@ class CsvRecording:
                 if done == 0 and self.size is not None and self.size > len(piece):
                     reader.reserve(int(1.05 * self.size * reader.rows() / len(piece)) + 1)
                 done += len(piece)
+                open_ended = not piece.endswith(_LINE_BREAKS)
             why = torn(stream)
         reader.finish(whole=why is None)
-        return _Read(reader, why)
+        return _Read(reader, why, open_ended and why is None)
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """The rows as they come, never more in memory than one piece of the stream.
@@ -173,10 +185,12 @@ class CsvRecording:
         """
         places, told = self._places(columns)
         reader = self._reader(places, told, decimals, decimals)
+        open_ended = False
         with closing(self.opened()) as stream:
             while piece := stream.read1(PIECE):
                 check_time()
                 going_on = reader.feed(piece)
+                open_ended = not piece.endswith(_LINE_BREAKS)
                 if reader.rows():
                     yield self._taken(reader, places, told)
                 if not going_on:
@@ -184,7 +198,7 @@ class CsvRecording:
             why = torn(stream)
         reader.finish(whole=why is None)
         if reader.rows() or self._warnings(reader, why):
-            yield self._taken(reader, places, told, why)
+            yield self._taken(reader, places, told, why, open_ended and why is None)
         self._refuse(reader, f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}")
 
     def _reader(
@@ -214,19 +228,33 @@ class CsvRecording:
             rounding=self.decimals is not None,
         )
 
-    def _taken(self, reader: _core.CsvReader, places: dict[str, int], told: _Told, torn: str | None = None) -> Rows:
+    def _taken(
+        self,
+        reader: _core.CsvReader,
+        places: dict[str, int],
+        told: _Told,
+        torn: str | None = None,
+        open_ended: bool = False,
+    ) -> Rows:
         flags = self._flags(reader, places, told)
         times, columns, labels = reader.take()
         held: dict[str, Any] = {**dict(zip(places, columns, strict=True)), **flags}
         for name, words in zip(places, labels, strict=True):
             if name in self.texts and name not in told.unread:
                 held[name] = np.array(_decoded(words), dtype=object)[held[name].astype(np.int64)]
-        return Rows(times, held, reader.decimals(), self._notes(reader), self._warnings(reader, torn))
+        notes = self._notes(reader, places, open_ended)
+        return Rows(times, held, reader.decimals(), notes, self._warnings(reader, torn))
 
-    def _notes(self, reader: _core.CsvReader) -> tuple[str, ...]:
-        if not reader.rounded():
-            return ()
-        return (rounding_note(max(reader.decimals(), USUAL_DECIMALS) if self.decimals is None else self.decimals),)
+    def _notes(self, reader: _core.CsvReader, places: dict[str, int], open_ended: bool) -> tuple[str, ...]:
+        notes = []
+        if reader.rounded():
+            decimals = max(reader.decimals(), USUAL_DECIMALS) if self.decimals is None else self.decimals
+            notes.append(rounding_note(decimals))
+        last = len(self.header.names) - 1
+        if open_ended and reader.fault() is None and last in (self.header.time, *places.values()):
+            name = self.header.names[last]
+            notes.append(f"the last line has no line break: if the file is cut off, its {name} may be half written")
+        return tuple(notes)
 
     def _warnings(self, reader: _core.CsvReader, torn: str | None) -> tuple[str, ...]:
         if torn is not None:

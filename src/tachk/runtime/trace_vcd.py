@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from io import RawIOBase
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from vcd.common import VarType
@@ -26,15 +24,13 @@ from vcd.reader import (
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
-from tachk.runtime.compressed import open_bytes, torn
+from tachk.runtime.compressed import open_bytes
 from tachk.runtime.logs.labels import Labels
 from tachk.runtime.trace import Trace, Values, cut_off_warning
 from tachk.runtime.trace_arrays import trace_of, whole_times
 from tachk.runtime.trace_header import known_unit, no_such_column
+from tachk.runtime.vcd_stream import VcdStream
 from tachk.time_limit import check_time
-
-if TYPE_CHECKING:
-    from _typeshed import WriteableBuffer
 
 _TICKS_PER_UNIT = {"s": ("s", 1), "ms": ("ms", 1), "us": ("us", 1), "ns": ("ns", 1), "ps": ("ns", 10**3)}
 _FEMTOSECONDS = ("ns", 10**6)
@@ -43,41 +39,7 @@ _MODEL = "model."
 _LAST_TICK = 2**62
 
 
-_BEYOND_ASCII = bytes(byte if byte < 128 else ord("?") for byte in range(256))
-
-
-class _Plain(RawIOBase):
-    """A file in which each byte beyond ASCII reads as a question mark. The standard knows ASCII only, yet localised
-    dates and names of people stand in comments, in whatever encoding."""
-
-    def __init__(self, name: str) -> None:
-        self._stream = open_bytes(Path(name))
-        self._ended = False
-
-    def readable(self) -> bool:
-        return True
-
-    def readinto(self, buffer: WriteableBuffer, /) -> int:
-        count = self._stream.readinto(buffer)
-        if count == 0 and not self._ended:  # pyvcd would read the name for ever with which a file ends
-            self._ended = True
-            memoryview(buffer)[:1] = b"\n"
-            return 1
-        seen = memoryview(buffer)[:count]
-        seen[:] = bytes(seen).translate(_BEYOND_ASCII)
-        return count
-
-    @property
-    def torn(self) -> str | None:
-        """Why a compressed file that has been read ended before its end."""
-        return torn(self._stream)
-
-    def close(self) -> None:
-        self._stream.close()
-        super().close()
-
-
-def _tokens(stream: _Plain) -> Iterator[Token]:
+def _tokens(stream: VcdStream) -> Iterator[Token]:
     """The tokens of a file. Raises VCDParseError for what pyvcd cannot read, whatever it raises about it."""
     place = Location(1, 1)
     tokens = tokenize(stream)
@@ -143,9 +105,8 @@ class VcdRecording:
                 raise no_such_column(name, self.columns, self.name)
             wanted.append(replace(found, name=name))
         try:
-            with _Plain(self.name) as stream:
-                instants, rows = self._changes(wanted, _tokens(stream))
-                why = stream.torn
+            with VcdStream(self.name, {variable.code for variable in self.variables}) as stream:
+                instants, rows = self._changes(wanted, stream)
         except VCDParseError as error:
             raise _error(self.name, str(error).split(": ", 1)[-1], error.loc) from None
         texts = Labels()
@@ -158,13 +119,10 @@ class VcdRecording:
                 held[variable.name] = _values(variable, [float(value) for value in values])
         times = np.array(instants, dtype=np.int64) * self.magnitude
         trace = trace_of(self.name, whole_times(times, self.ticks_per_unit, self.name), self.unit, held)
-        if why is not None:
-            trace = replace(trace, warnings=(cut_off_warning(self.name, f"what follows is left out ({why})"),))
-        return texts.on(trace)
+        notes, warnings = _told(self.name, stream)
+        return texts.on(replace(trace, notes=(*trace.notes, *notes), warnings=(*trace.warnings, *warnings)))
 
-    def _changes(
-        self, wanted: list[VcdVariable], tokens: Iterator[Token]
-    ) -> tuple[list[int], list[tuple[_Value, ...]]]:
+    def _changes(self, wanted: list[VcdVariable], stream: VcdStream) -> tuple[list[int], list[tuple[_Value, ...]]]:
         """The instants at which something wanted changed, and all wanted values from then on."""
         places: dict[str, list[int]] = {}
         for place, variable in enumerate(wanted):
@@ -189,10 +147,13 @@ class VcdRecording:
             times.append(now or 0)
             rows.append(tuple(value for value in values if value is not None))
 
-        for token in tokens:
+        for token in _tokens(stream):
             check_time()
             if token.kind is TokenKind.CHANGE_TIME:
                 time = token.time_change
+                if now is not None and time < now and stream.open_line == token.span.start.line:
+                    stream.half_written = True
+                    break
                 if now is not None and time < now:
                     raise _error(self.name, f"the time {time} lies before {now}", token.span.start)
                 if time * self.magnitude > _LAST_TICK:
@@ -232,6 +193,17 @@ class VcdRecording:
         return value
 
 
+def _told(name: str, stream: VcdStream) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The notes and warnings about the end of a file that has been read, as of a `Trace`."""
+    if stream.torn is not None:
+        return (), (cut_off_warning(name, f"what follows is left out ({stream.torn})"),)
+    if stream.half_written:
+        return (), (cut_off_warning(name, f"the end of line {stream.open_line}, which is half written, is left out"),)
+    if stream.open_time:
+        return ("the last line has no line break: if the file is cut off, its time may be half written",), ()
+    return (), ()
+
+
 def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
     """Reads the declarations of a file.
 
@@ -244,7 +216,7 @@ def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
     """
     name = str(path)
     try:
-        with _Plain(name) as stream:
+        with VcdStream(name) as stream:
             variables, (shown, ticks), magnitude = _declarations(_tokens(stream), name)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
