@@ -190,7 +190,8 @@ def _text(item: ast.Declaration) -> str:
 def _locations(template: ast.Template) -> dict[str, str]:
     found = {}
     for location in template.locations:
-        flags = (("init", location.initial), ("urgent", location.urgent), ("committed", location.committed))
+        urgent = location.urgent and not location.committed  # a committed location is urgent anyway
+        flags = (("init", location.initial), ("urgent", urgent), ("committed", location.committed))
         parts = [word for word, present in flags if present]
         if location.invariant is not None:
             parts.append(f"invariant {print_expression(location.invariant)}")

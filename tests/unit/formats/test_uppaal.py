@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from random import Random
 from xml.etree import ElementTree
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import tachk
 from tachk.diagnostics.span import Source
 from tachk.engines.options import Limits
 from tachk.formats.layout_json import layout_from_json, layout_to_json
@@ -331,3 +333,13 @@ def test_two_nodes_never_get_one_identifier() -> None:
     first, second = [node.get("id") for node in xml.iter("location")]
     assert first == "id7"
     assert second != "id7"
+
+
+def test_a_committed_location_is_not_urgent_as_well(tmp_path: Path) -> None:
+    model = tachk.loads("process P() { state A; commit A; urgent A; init A; }\nsystem P;")
+    text = tachk.export(model, "xml")  # UPPAAL refuses both at once, and committed locations are urgent anyway
+    assert "<committed/>" in text
+    assert "<urgent/>" not in text
+    xml = tmp_path / "m.xml"
+    xml.write_text(text, "utf-8")
+    assert tachk.diff(model, xml) == ""

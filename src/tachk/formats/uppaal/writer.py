@@ -243,7 +243,7 @@ def _node(
         shown,
         picture.name,
         labels,
-        node.urgent,
+        node.urgent and not node.committed,
         node.committed,
     )
 
