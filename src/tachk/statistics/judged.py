@@ -12,7 +12,7 @@ import numpy as np
 
 from tachk.engines.simulation.simulator import Drawing, Ending, Recorded, Simulated
 from tachk.engines.simulation.trials import Answered, Trials
-from tachk.model.expressions import Expression
+from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.run_formulas import RunFormula, RunOperator
@@ -81,7 +81,7 @@ def _conditions(formula: RunFormula) -> Iterable[Expression]:
     for operand in formula.operands:
         if isinstance(operand, RunFormula):
             yield from _conditions(operand)
-        else:
+        elif not isinstance(operand, Constant):
             yield operand
 
 
@@ -143,6 +143,8 @@ class _RunCompiler:
 
     def node(self, part: RunFormula | Expression) -> int:
         """The number of the node of a formula or a condition."""
+        if isinstance(part, Constant):  # known also where a run has ended
+            return self._added(MonitorNode(NodeKind.TRUE if part.value else NodeKind.FALSE))
         if not isinstance(part, RunFormula):
             return self._added(MonitorNode(NodeKind.ATOM, atom=self.conditions.index(part)))
         if part.operator is RunOperator.CHANGE:

@@ -69,6 +69,8 @@ def test_formulas_mean_what_the_logic_says(fixed: tachk.Model, formula: str, exp
         ("Pr[<=1](F p)", (0, 0)),
         ("Pr[<=3](<>[0,9] P.d && n < 3)", (0, 3)),
         ("Pr[<=4](<>[0,9] P.d)", (0, 3)),
+        ("Pr[<=1](G[2,3] (p && false -> F[1,2] p))", (1, 0)),
+        ("Pr[<=1](F[2,3] !true)", (0, 0)),
         ("Pr[<=4](<>[0,3] P.x > 2)", (1, 0)),
     ],
 )

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import reduce
 from itertools import pairwise
 from typing import Any
 
@@ -15,7 +14,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.queries.formula_durations import resolve_durations
 from tachk.frontend.scope import Scope
 from tachk.logic.horizon import horizon
-from tachk.model.connectives import as_number, both, either, negation
+from tachk.model.connectives import as_number
 from tachk.model.expressions import BOOL, Constant, Expression
 from tachk.model.run_formulas import RunFormula, RunOperator, RunWindow
 from tachk.model.traversal import reads_clock, reads_hybrid
@@ -140,7 +139,7 @@ def _as_formula(part: RunFormula | Expression) -> RunFormula:
 
 
 def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expression:
-    """The formula with its names resolved; a condition on one state is an expression."""
+    """The formula with its names resolved; a condition without connectives is an expression."""
     match formula:
         case syntax.Truth(value=value):
             return Constant(int(value), BOOL)
@@ -149,15 +148,10 @@ def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expres
         case syntax.Change(expression=expression):
             return RunFormula(RunOperator.CHANGE, (_state(reading.value(expression.span), expression.span),))
         case syntax.Implies(left=left, right=right):
-            return _either((_negated(_converted(left, reading)), _converted(right, reading)))
-        case syntax.Not(operand=operand):
-            return _negated(_converted(operand, reading))
-        case syntax.And(operands=operands):
-            parts = tuple(_converted(operand, reading) for operand in operands)
-            conditions = tuple(_conditions(parts))
-            return reduce(both, conditions) if len(conditions) == len(parts) else RunFormula(RunOperator.AND, parts)
-        case syntax.Or(operands=operands):
-            return _either(tuple(_converted(operand, reading) for operand in operands))
+            inverse = RunFormula(RunOperator.NOT, (_converted(left, reading),))
+            return RunFormula(RunOperator.OR, (inverse, _converted(right, reading)))
+        case syntax.Not() | syntax.And() | syntax.Or():
+            return RunFormula(_operator(formula), _operands(formula, reading))
         case syntax.WeakUntil():
             raise InternalError("W has been written out")
         case syntax.Rise() | syntax.Fall():
@@ -179,21 +173,6 @@ def _operator(formula: syntax.Formula) -> RunOperator:
 
 def _operands(formula: syntax.Formula, reading: Reading) -> tuple[RunFormula | Expression, ...]:
     return tuple(_converted(operand, reading) for operand in syntax.operands(formula))
-
-
-def _conditions(parts: tuple[RunFormula | Expression, ...]) -> Iterator[Expression]:
-    for part in parts:
-        if not isinstance(part, RunFormula):
-            yield part
-
-
-def _either(parts: tuple[RunFormula | Expression, ...]) -> RunFormula | Expression:
-    conditions = tuple(_conditions(parts))
-    return reduce(either, conditions) if len(conditions) == len(parts) else RunFormula(RunOperator.OR, parts)
-
-
-def _negated(part: RunFormula | Expression) -> RunFormula | Expression:
-    return RunFormula(RunOperator.NOT, (part,)) if isinstance(part, RunFormula) else negation(part)
 
 
 def _window(interval: syntax.Interval) -> RunWindow:
