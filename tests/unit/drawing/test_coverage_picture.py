@@ -31,7 +31,7 @@ def test_the_edges_that_a_recording_takes_are_counted_in_the_picture(tmp_path: P
         assert f">{edge['times']}×<" in svg
 
 
-@pytest.mark.parametrize(("text", "said"), [("{}", "tells no coverage"), ("[", "tells no coverage")])
+@pytest.mark.parametrize(("text", "said"), [("{}", "tells no coverage"), ("[", "Expecting value")])
 def test_another_file_tells_no_coverage(tmp_path: Path, text: str, said: str):
     path = tmp_path / "other.json"
     path.write_text(text)
@@ -41,7 +41,8 @@ def test_another_file_tells_no_coverage(tmp_path: Path, text: str, said: str):
 
 def test_the_coverage_of_another_model(tmp_path: Path):
     path = tmp_path / "other.json"
-    edge = {"process": "P", "template": "P", "source": "A", "target": "B", "doc": "", "times": 1}
-    path.write_text(json.dumps({"coverage": [edge]}))
+    asked = [str(DIMMER / "dimmer.ta"), str(DIMMER / "pressed.csv"), "--coverage", "--format", "json", "-o", str(path)]
+    assert CliRunner().invoke(app, ["conform", *asked]).exit_code == 0
+    path.write_text(path.read_text().replace('"template": "Lamp"', '"template": "P"'))
     drawn = CliRunner().invoke(app, ["draw", str(DIMMER / "dimmer.ta"), "--coverage", str(path)])
     assert (drawn.exit_code, "no template of" in drawn.stderr) == (2, True)
