@@ -262,6 +262,25 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ),
         ("broadcast chan c; process P() { state s; init s; trans s -> s { sync c?; }; }", [("W0401", "c?")]),
         ("chan c[2]; process P() { state s; init s; trans s -> s { sync c[1]!; }; }", [("W0402", "c[1]!")]),
+        *(
+            (
+                (
+                    f"{declared} chan c; "
+                    f"process P() {{ int n; state s; init s; trans s -> s {{ guard {guard}; {sync}; }}; }}"
+                ),
+                found,
+            )
+            for declared, guard, sync, found in [
+                ("const bool ON = false;", "ON && n > 1", "sync c!", []),
+                ("const bool ON = false;", "n > 1 && ON", "sync c!", []),
+                ("const bool ON = false;", "ON", "sync c?", []),
+                ("const int LAW = 0;", "n == 0 && (LAW == 1 || LAW == 2)", "sync c!", []),
+                ("const bool ON = true;", "ON", "sync c!", [("W0402", "c!")]),
+                ("const bool ON = false;", "false && n > 1", "sync c!", [("W0402", "c!")]),
+                ("const int MOST = 3;", "n < MOST && 1 > 2", "sync c!", [("W0402", "c!")]),
+                ("const int MOST = 3;", "false && n < MOST", "sync c?", [("W0401", "c?")]),
+            ]
+        ),
         ("process P() { state a, b; branchpoint p; init a; trans a -> p { }, p -> b { }; }", []),
     ],
 )

@@ -152,14 +152,15 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "W0401": Explanation(
         "nothing sends",
-        "An edge receives on a channel that no process of the system sends on, so it can never be taken.",
+        "An edge receives on a channel that no process of the system sends on, so it can never be taken. Edges that a "
+        "constant of the model switches off are not meant.",
         "chan go;\n" + _edge("sync go?;"),
         "chan go;\nprocess P() { state s; init s; trans s -> s { sync go?; }, s -> s { sync go!; }; }",
     ),
     "W0402": Explanation(
         "nothing receives",
         "An edge sends on a channel that no process of the system receives on. Unless the channel is broadcast, the "
-        "edge can never be taken.",
+        "edge can never be taken. Edges that a constant of the model switches off are not meant.",
         "chan go;\n" + _edge("sync go!;"),
         "broadcast chan go;\n" + _edge("sync go!;"),
     ),

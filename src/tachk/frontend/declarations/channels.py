@@ -19,6 +19,7 @@ from tachk.words import Direction
 class ChannelUse:
     """Attributes:
     senders, receivers: the place of the first edge of either kind.
+    enabled_sender, enabled_receiver: the place of the first one that no constant switches off.
     plain_sender: the place of the first ``c!`` without a value.
     value: the hidden variable that carries the values.
     value_receiver: the place of the first ``c?x``.
@@ -26,6 +27,8 @@ class ChannelUse:
 
     senders: Span | None = None
     receivers: Span | None = None
+    enabled_sender: Span | None = None
+    enabled_receiver: Span | None = None
     plain_sender: Span | None = None
     value: Variable | None = None
     value_receiver: Span | None = None
@@ -45,18 +48,26 @@ class ChannelTable:
     def hidden_variables(self) -> tuple[Variable, ...]:
         return tuple(use.value for use in self.uses.values() if use.value is not None)
 
-    def note(self, channel: Expression, direction: Direction, span: Span, with_value: bool) -> None:
-        """Records one synchronisation."""
+    def note(
+        self, channel: Expression, direction: Direction, span: Span, with_value: bool, is_off: bool = False
+    ) -> None:
+        """Records one synchronisation.
+
+        Args:
+            is_off: whether a constant switches the edge off.
+        """
         variable = channel_variable(channel)
         if variable is None:
             return
         use = self.uses.setdefault(variable, ChannelUse())
         if direction is Direction.SEND:
             use.senders = use.senders or span
+            use.enabled_sender = use.enabled_sender or (None if is_off else span)
             if not with_value:
                 use.plain_sender = use.plain_sender or span
         else:
             use.receivers = use.receivers or span
+            use.enabled_receiver = use.enabled_receiver or (None if is_off else span)
             if with_value:
                 use.value_receiver = use.value_receiver or span
 
@@ -109,24 +120,25 @@ class ChannelTable:
                 )
 
     def check_partners(self, context: Context, recorded: frozenset[str] = frozenset()) -> None:
-        """Warns about channels that are only sent or only received, but for those on which a recording takes part."""
+        """Warns about channels that are only sent or only received, but for those on which a recording takes part. Edges
+        that a constant switches off are no reason for a warning."""
         for variable, use in self.uses.items():
             if variable.name in recorded:
                 continue
             element = element_type(variable.type)
-            if use.senders is None and use.receivers is not None:
+            if use.senders is None and use.enabled_receiver is not None:
                 context.findings.add(
                     "W0401",
-                    use.receivers,
+                    use.enabled_receiver,
                     f"nothing sends on channel `{variable.name}`: this edge is never taken",
                     f"add an edge with `sync {variable.name}!`, or remove the channel",
                 )
-            if use.receivers is None and use.senders is not None:
+            if use.receivers is None and use.enabled_sender is not None:
                 if isinstance(element, ChannelType) and element.broadcast:
                     continue
                 context.findings.add(
                     "W0402",
-                    use.senders,
+                    use.enabled_sender,
                     f"nothing receives on channel `{variable.name}`: this edge is never taken",
                     f"add an edge with `sync {variable.name}?`, or declare the channel `broadcast`",
                 )

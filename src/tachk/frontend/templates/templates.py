@@ -17,6 +17,7 @@ from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.templates.chances import chance, rate
 from tachk.frontend.templates.rates import invariant_parts
+from tachk.frontend.templates.switched_off import switched_off
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Branching, Edge, Location, Process, Synchronisation
 from tachk.model.traversal import compares_clocks
@@ -183,7 +184,8 @@ class Body:
             guard = self._guard(node.guard, inner)
         synchronisation, first = None, None
         if node.synchronisation is not None:
-            synchronisation, first = self._synchronisation(node.synchronisation, inner)
+            is_off = switched_off(node.guard, guard, inner, self.context)
+            synchronisation, first = self._synchronisation(node.synchronisation, inner, is_off)
             self._urgent_guard(synchronisation, guard)
         updates = self._updates(node, inner)
         if first is not None:
@@ -233,7 +235,7 @@ class Body:
         return tuple(values)
 
     def _synchronisation(
-        self, node: ast.SynchronisationLabel, scope: Scope
+        self, node: ast.SynchronisationLabel, scope: Scope, is_off: bool = False
     ) -> tuple[Synchronisation | None, Expression | None]:
         channel = self._channel(node.channel, scope)
         if node.direction is None:
@@ -259,7 +261,7 @@ class Body:
         if not self.context.require_pure(channel, "a channel index"):
             return None, None
         direction = node.direction
-        self.channels.note(channel, direction, node.span, node.value is not None)
+        self.channels.note(channel, direction, node.span, node.value is not None, is_off)
         first = None
         if node.value is not None:
             first = self._pass_value(node, node.value, channel, direction, scope)

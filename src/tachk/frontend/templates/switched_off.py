@@ -1,0 +1,61 @@
+"""Edges that a constant switches off on purpose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tachk.frontend.context import Context
+from tachk.frontend.expressions.typed_expressions import condition
+from tachk.frontend.expressions.typing import is_integral
+from tachk.frontend.findings import Findings
+from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.model.expressions import Binary, Constant, Expression
+from tachk.operators import BinaryOperator
+from tachk.syntax import ast
+from tachk.syntax.rewrite import names_in
+
+
+def switched_off(guard: ast.Expression | None, value: Expression | None, scope: Scope, context: Context) -> bool:
+    """Whether a part of a guard is false because of a global constant: with another value of it, which ``-D`` may
+    give, the edge may be taken. A guard that is false whatever the constants are is no switch.
+
+    Args:
+        value: the guard with its constants folded.
+    """
+    if guard is None or value is None or not _has_false_part(value):
+        return False
+    silent = replace(context, findings=Findings())
+    pending = [guard]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, ast.BinaryExpression) and part.operator is BinaryOperator.AND:
+            pending += [part.left, part.right]
+        elif any(_is_global_constant(name, scope) for name in names_in(part)):
+            folded = condition(part, scope, silent)
+            if isinstance(folded, Constant) and folded.value == 0:
+                return True
+    return False
+
+
+def _has_false_part(value: Expression) -> bool:
+    pending = [value]
+    while pending:
+        match pending.pop():
+            case Constant(0):
+                return True
+            case Binary(BinaryOperator.AND, left, right):
+                pending += [left, right]
+    return False
+
+
+def _is_global_constant(name: str, scope: Scope) -> bool:
+    outermost = scope
+    while outermost.parent is not None:
+        outermost = outermost.parent
+    symbol = scope.lookup(name)
+    return (
+        isinstance(symbol, ValueSymbol)
+        and symbol is outermost.symbols.get(name)
+        and symbol.description == "constant"
+        and is_integral(symbol.expression.type)
+    )
