@@ -242,7 +242,26 @@ def test_what_reaches_a_client_outside_its_run_function_waits_in_its_socket(tmp_
     assert found == fine | {"overdue": "fails", "beats_outside": "fails"}
 
 
-EARLY = """
+ANNOUNCED = """
+int sends = 0;           // messages sent, in their order
+int early = 0;           // the last HEARTBEAT announced so many that had not been sent
+bool in_order = true;
+
+process Heartbeats() {{ init location Asking {{ to Asking {{ sync early_round[SUB]?; }} }} }}
+
+process Recorder() {{
+    init location Listening {{
+        to Listening {{
+            sync send[SUB_DOWN][DATA]?;
+            assign in_order = in_order && number == sends, sends = sends + 1, early = early > 0 ? early - 1 : 0;
+        }}
+        to Listening {{ sync send[SUB_DOWN][HEARTBEAT]?; assign early = detail - sends; }}
+    }}
+}}
+"""
+
+EARLY = (
+    """
 const int CLIENTS = 1;
 const int MESSAGES = 2;
 const int AGENT_WINDOW = 4;
@@ -256,9 +275,6 @@ import "{models}/../lib/messages.ta";
 import "{models}/proxy_subscriber.ta";
 
 int brought = 0;
-int sends = 0;           // messages sent, in their order
-int early = 0;           // the last HEARTBEAT announced so many that had not been sent
-bool in_order = true;
 
 process Topic() {{
     clock gap;
@@ -271,18 +287,9 @@ process Topic() {{
     }}
 }}
 
-process Heartbeats() {{ init location Asking {{ to Asking {{ sync early_round[SUB]?; }} }} }}
-
-process Recorder() {{
-    init location Listening {{
-        to Listening {{
-            sync send[SUB_DOWN][DATA]?;
-            assign in_order = in_order && number == sends, sends = sends + 1, early = early > 0 ? early - 1 : 0;
-        }}
-        to Listening {{ sync send[SUB_DOWN][HEARTBEAT]?; assign early = detail - sends; }}
-    }}
-}}
-
+"""
+    + ANNOUNCED
+    + """
 reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST);
 topic = Topic();
 heartbeats = Heartbeats();
@@ -294,6 +301,7 @@ property more : E<> early > PIECES + 1;
 property ordered : A[] in_order && early >= 0;
 property sent_before_rest : A[] reader.Idle imply early == 0;
 """
+)
 
 
 def test_a_heartbeat_may_announce_all_pieces_of_a_sample_before_they_are_sent() -> None:
@@ -305,3 +313,51 @@ def test_a_heartbeat_may_announce_all_pieces_of_a_sample_before_they_are_sent() 
     assert set(found.values()) == {"holds"}, found
     without = tachk.loads(text, PIECES=2).verify(property="all_pieces", trace=False)
     assert without["all_pieces"].answer.value == "fails"
+
+
+EARLY_STATUS = (
+    """
+const int CLIENTS = 1;
+const int MESSAGES = 2;
+const int AGENT_WINDOW = 4;
+const bool ANSWER_DATA = true;
+const bool GO_BACK = true;
+const int SUBSCRIPTION = 0;
+const int PLACES = 1;
+const int LOSSES = 0;
+import "{models}/protocol.ta";
+import "{models}/../lib/messages.ta";
+import "{models}/proxy_publisher.ta";
+
+process Client() {{
+    init location Creating {{
+        to Done {{ sync deliver[SUB_UP][DATA]!; assign put(0, CREATE - 2); }}
+    }}
+    location Done {{ }}
+}}
+"""
+    + ANNOUNCED
+    + """
+writer = ProxyPublisher(SUB, deliver[SUB_UP], send[SUB_DOWN]);
+client = Client();
+heartbeats = Heartbeats();
+recorder = Recorder();
+system client, heartbeats, writer, recorder;
+property announced : E<> early == 1;
+property both : E<> sends == 2;
+property second : E<> sends == 1 && early == 1;
+property more : E<> early > 1;
+property ordered : A[] in_order && early >= 0;
+property sent_before_rest : A[] writer.Waiting imply early == 0;
+"""
+)
+
+
+def test_a_heartbeat_may_announce_a_status_before_it_is_sent() -> None:
+    """Processor::process_create_submessage puts each STATUS into the history and hands it over before the next one."""
+    text = EARLY_STATUS.format(models=MODELS.as_posix())
+    found = {v.query.name: v.answer.value for v in tachk.loads(text, EARLY_ANNOUNCEMENT=True).verify(trace=False)}
+    assert found.pop("more") == "fails"
+    assert set(found.values()) == {"holds"}, found
+    without = tachk.loads(text).verify(property="announced", trace=False)
+    assert without["announced"].answer.value == "fails"

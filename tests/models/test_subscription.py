@@ -26,6 +26,14 @@ def test_the_longest_sleep_follows_from_the_dead_time() -> None:
     assert answer("complete", SLEEP=3) == "holds"
     assert answer("complete", SLEEP=4) == "fails"
     assert answer("complete", SLEEP=4, SUBSCRIPTION=PUSH_PING) == "holds"
+    assert answer("complete", SLEEP=4, SUBSCRIPTION=PUSH_PING, PING_IN_SESSION=False) == "fails"
+
+
+@pytest.mark.parametrize("sleep", [3, 4])
+@pytest.mark.parametrize("in_session", [True, False])
+def test_it_expects_what_a_ping_outside_the_session_does_not_help(sleep: int, in_session: bool) -> None:
+    model = tachk.load(SUBSCRIPTION, SLEEP=sleep, SUBSCRIPTION=PUSH_PING, PING_IN_SESSION=in_session)
+    assert model.verify(trace=False).met is True
 
 
 @pytest.mark.parametrize(("losses", "linger", "expected"), [(0, 2, "fails"), (0, 3, "holds"), (2, 3, "fails")])
