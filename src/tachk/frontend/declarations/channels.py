@@ -120,8 +120,10 @@ class ChannelTable:
                 )
 
     def check_partners(self, context: Context, recorded: frozenset[str] = frozenset()) -> None:
-        """Warns about channels that are only sent or only received, but for those on which a recording takes part. Edges
-        that a constant switches off are no reason for a warning."""
+        """Warns about channels that are only sent or only received, but for those on which a recording takes part.
+
+        Edges that a constant switches off are no reason for a warning.
+        """
         for variable, use in self.uses.items():
             if variable.name in recorded:
                 continue
