@@ -40,11 +40,11 @@ def switched_off(guard: ast.Expression | None, value: Expression | None, scope: 
 def _has_false_part(value: Expression) -> bool:
     pending = [value]
     while pending:
-        match pending.pop():
-            case Constant(0):
-                return True
-            case Binary(BinaryOperator.AND, left, right):
-                pending += [left, right]
+        part = pending.pop()
+        if isinstance(part, Constant) and part.value == 0:
+            return True
+        if isinstance(part, Binary) and part.operator is BinaryOperator.AND:
+            pending += [part.left, part.right]
     return False
 
 
