@@ -14,8 +14,8 @@ from fractions import Fraction
 from typing import Any
 
 from bench.conformance import logs_of_clients
-from tachk.conformance.application_logs import with_log as with_application
-from tachk.conformance.events import Event, Recording
+from tachk.recordings.conformance.application_logs import with_log as with_application
+from tachk.recordings.conformance.events import Event, Recording
 
 CALLED, LEFT, BACK, TOLD_ALL, TOLD_SOME = range(5)
 BLOCKED_SLICE = 250

@@ -1,6 +1,6 @@
 """Formulas without deadline on random networks, against regions: `python bench/awaited_agreement.py PAIRS SEED`.
 
-Compares the verdicts about `tachk.testing.endless.awaited_oracle.FORMS` with an oracle that knows neither observers nor
+Compares the verdicts about `tests.support.endless.awaited_oracle.FORMS` with an oracle that knows neither observers nor
 zones, until that many pairs of a network and a formula are compared. Prints how many of each there were, and every
 difference with the seed that reproduces it. Exit status 1 after a difference.
 """
@@ -12,7 +12,7 @@ import time
 from collections import Counter
 from itertools import count
 
-from tachk.testing.endless.awaited_agreement import compare_awaited
+from tests.support.endless.awaited_agreement import compare_awaited
 
 
 def main(arguments: list[str]) -> int:

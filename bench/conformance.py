@@ -19,11 +19,11 @@ from pathlib import Path
 from typing import Any
 
 import tachk
-from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import Conformance, conform
-from tachk.conformance.events import Closing, Event, Recording
-from tachk.conformance.packet_events import read_capture
-from tachk.engines.options import Limits
+from tachk.engine.options import Limits
+from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.events import Closing, Event, Recording
+from tachk.xrce.conformance.packet_events import read_capture
 
 LADDER = ((5, 5), (5, 20), (5, 50))
 """Pairs of tolerance and lateness in milliseconds."""

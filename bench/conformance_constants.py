@@ -14,10 +14,10 @@ from pathlib import Path
 
 import tachk
 from bench.conformance import LADDER, as_told, settings
-from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import Conformance, conform
-from tachk.conformance.packet_events import read_capture
-from tachk.engines.options import Limits
+from tachk.engine.options import Limits
+from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.xrce.conformance.packet_events import read_capture
 
 WRONG: dict[str, tuple[dict[str, int], tuple[str, ...]]] = {
     "steady heartbeat": ({"HEARTBEAT_LAW": 0}, ("i1", "i2")),

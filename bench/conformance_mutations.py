@@ -21,10 +21,10 @@ from random import Random
 import tachk
 from bench.application_logs import with_log
 from bench.conformance import as_told, held, settings
-from tachk.conformance.edits import Edit, edited
-from tachk.conformance.events import Event, Recording
-from tachk.conformance.packet_events import read_capture
-from tachk.engines.options import Limits
+from tachk.engine.options import Limits
+from tachk.recordings.conformance.edits import Edit, edited
+from tachk.recordings.conformance.events import Event, Recording
+from tachk.xrce.conformance.packet_events import read_capture
 
 LADDER = ((2, 2), (5, 5), (5, 20), (5, 50))
 MILLISECOND = Fraction(1, 10**6)

@@ -22,11 +22,11 @@ from typing import TypeVar
 import tachk
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.console_script import RARELY
-from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import Conformance, conform
-from tachk.conformance.events import Recording
-from tachk.conformance.packet_events import read_capture
-from tachk.loading.recorded_models import recorded_model
+from tachk.formats.loading.recorded_models import recorded_model
+from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.events import Recording
+from tachk.xrce.conformance.packet_events import read_capture
 
 T = TypeVar("T")
 

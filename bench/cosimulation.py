@@ -18,13 +18,13 @@ from xml.etree import ElementTree
 from random_agreement import SHAPES
 
 import tachk
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing
-from tachk.fmi.description import Version
-from tachk.fmi.unit import closed_unit
-from tachk.testing import random_case
-from tachk.testing.simulated.cosimulated import Driving, disagreements, extract
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing
+from tachk.simulation.fmi.description import Version
+from tachk.simulation.fmi.unit import closed_unit
+from tests.support import random_case
+from tests.support.simulated.cosimulated import Driving, disagreements, extract
 
 MODELS = (
     ("models/classics/train_gate.ta", {"N": 6}, 100_000.0),

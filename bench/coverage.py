@@ -17,11 +17,11 @@ from pathlib import Path
 
 import tachk
 from bench.conformance import as_told, held, ladder_of
-from tachk.conformance.conform import Conformance
-from tachk.conformance.coverage import Covered, coverage
-from tachk.conformance.packet_events import read_capture
-from tachk.engines.options import Limits
-from tachk.loading.recorded_models import recorded_model
+from tachk.engine.options import Limits
+from tachk.formats.loading.recorded_models import recorded_model
+from tachk.recordings.conformance.conform import Conformance
+from tachk.recordings.conformance.coverage import Covered, coverage
+from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).resolve().parents[1]
 LADDER = ((5, 5), (10, 20), (5, 150))

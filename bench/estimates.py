@@ -13,13 +13,13 @@ from time import monotonic
 import numpy as np
 
 import tachk
-from tachk.diagnostics.span import Source as Text
+from tachk.base.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
-from tachk.statistics.estimate import Estimated, Mean, Settings, Split, estimate
-from tachk.statistics.rare import Splitting
-from tachk.statistics.sampling import Source
-from tachk.statistics.stopping import Floats, Places, StoppingRule
+from tachk.simulation.statistics.estimate import Estimated, Mean, Settings, Split, estimate
+from tachk.simulation.statistics.rare import Splitting
+from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.stopping import Floats, Places, StoppingRule
 
 CONFIDENCES = (0.9, 0.95, 0.99, 0.999)
 HALF_WIDTHS = (0.2, 0.1, 0.05, 0.02)

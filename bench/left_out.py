@@ -13,8 +13,8 @@ import time
 from random import Random
 
 from tachk import Limits
-from tachk.properties import weaker
-from tachk.testing.lossy.halves import compare, random_halves
+from tachk.verify import weaker
+from tests.support.lossy.halves import compare, random_halves
 
 _LIMITS = Limits(states=10_000)
 

@@ -15,7 +15,7 @@ from collections import Counter
 from pathlib import Path
 
 import tachk
-from tachk.engines.options import Limits, Options, SearchOrder
+from tachk.engine.options import Limits, Options, SearchOrder
 
 ROOT = Path(__file__).resolve().parents[1]
 SEVEN = ("ECFS", "ECRA", "NIWS", "RMIO", "RMIO2", "TMRK", "FARS")

@@ -1,11 +1,11 @@
 """Random formulas and traces through all monitors: `python bench/monitor_agreement.py COUNT SEED [FEATURE=VALUE ...]`.
 
-The offline monitors have to agree with the oracle (`tachk.testing.exact_monitor`) on truth and robustness at every
+The offline monitors have to agree with the oracle (`tests.support.exact_monitor`) on truth and robustness at every
 instant, however the trace is cut into portions; the online monitor on the verdict after every portion, on the moment of
 the decision and on the first violation, with bounds of the robustness that hold the final value and never widen.
 
 Prints how the verdicts are distributed, and every disagreement: its seed and the smallest case that shows it. Features
-are the fields of `tachk.testing.formulas.FormulaShape`, for instance ``depth=2 past=False``. Without any, the shapes in
+are the fields of `tests.support.formulas.FormulaShape`, for instance ``depth=2 past=False``. Without any, the shapes in
 `SHAPES` take turns. Exit status 1 after a disagreement.
 """
 
@@ -19,12 +19,12 @@ from functools import partial
 from random import Random
 
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case
-from tachk.testing.monitor_input import always, truth_of
-from tachk.testing.offline_agreement import offline_problems
-from tachk.testing.online_agreement import online_problems
-from tachk.testing.smaller_cases import describe, reduced
+from tests.support.exact_monitor import verdict
+from tests.support.formulas import FormulaShape, MonitoringCase, random_monitoring_case
+from tests.support.monitor_input import always, truth_of
+from tests.support.offline_agreement import offline_problems
+from tests.support.online_agreement import online_problems
+from tests.support.smaller_cases import describe, reduced
 
 SHAPES = (
     FormulaShape(),

@@ -15,11 +15,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 
-from tachk.monitoring.formulas import NamedFormula, read_formulas
-from tachk.monitoring.offline import Judging, judge, prepare
-from tachk.monitoring.online import Monitor
-from tachk.runtime.core_monitor import monitor_truth
-from tachk.runtime.trace_csv import open_csv
+from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
+from tachk.recordings.monitors.offline import Judging, judge, prepare
+from tachk.recordings.monitors.online import Monitor
+from tachk.recordings.traces.core_monitor import monitor_truth
+from tachk.recordings.traces.trace_csv import open_csv
 
 FORMULAS = """\
 ECFS: G F[0, 180] q

@@ -34,12 +34,12 @@ import numpy as np
 from processes import finished
 
 import tachk
-from tachk.monitoring.compiler import compile as compile_formula
-from tachk.monitoring.formulas import in_trace_units, read_formulas
-from tachk.runtime.core_monitor import monitor_robustness, monitor_truth
-from tachk.runtime.monitor_program import MonitorProgram
-from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.runtime.trace import Trace
+from tachk.recordings.monitors.compiler import compile as compile_formula
+from tachk.recordings.monitors.formulas import in_trace_units, read_formulas
+from tachk.recordings.traces.core_monitor import monitor_robustness, monitor_truth
+from tachk.recordings.traces.monitor_program import MonitorProgram
+from tachk.recordings.traces.online_monitor import OnlineMonitor
+from tachk.recordings.traces.trace import Trace
 
 COLUMNS = ("x", "y", "z")
 REFERENCE_LOOP = 0.55

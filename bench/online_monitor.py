@@ -13,10 +13,10 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.monitoring.compiler import compile as compile_formula
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.testing.tricky import read_formula
+from tachk.recordings.monitors.compiler import compile as compile_formula
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.online_monitor import OnlineMonitor
+from tests.support.tricky import read_formula
 
 SHAPES = {
     "BR": "G (x > 0.3 -> F[0,{window}] y > 0.6)",

@@ -18,10 +18,10 @@ from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
-from tachk.report.packets.json import event_to_json
-from tachk.report.packets.text import event_to_text
 from tachk.xrce.events import Event, decode, decode_serial
 from tachk.xrce.reading import CaptureReading
+from tachk.xrce.report.json import event_to_json
+from tachk.xrce.report.text import event_to_text
 from tachk.xrce.serial_framing import crc16
 from tachk.xrce.signals.following import Follower
 

@@ -17,14 +17,14 @@ import sys
 import time
 from pathlib import Path
 
-from tachk.monitoring.offline import monitor
-from tachk.monitoring.online import Monitor
-from tachk.runtime.packets.arriving import Pipe
-from tachk.runtime.packets.live import LivePackets
+from tachk.recordings.monitors.offline import monitor
+from tachk.recordings.monitors.online import Monitor
 from tachk.xrce.datagrams import datagrams
 from tachk.xrce.messages import MessageReader
 from tachk.xrce.packets import read_packets
 from tachk.xrce.submessages import submessages
+from tachk.xrce.traces.arriving import Pipe
+from tachk.xrce.traces.live import LivePackets
 from tachk.xrce.transmissions import session_ports
 
 QUERIES = Path(__file__).resolve().parents[1] / "queries/micro_xrce_dds.ta"

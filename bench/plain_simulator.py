@@ -15,6 +15,8 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
+from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.words import Direction
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -47,8 +49,6 @@ from tachk.model.expressions import (
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ArrayType, ChannelType, ClockType, Type, bounds
-from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.words import Direction
 
 SYMBOLS = {
     "&&": "({0} and {1})",

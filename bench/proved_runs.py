@@ -10,8 +10,8 @@ import sys
 import time
 from collections import Counter
 
-from tachk.runtime.node_signal import Truth
-from tachk.testing.simulated.proved import proved_on_runs
+from tachk.recordings.traces.node_signal import Truth
+from tests.support.simulated.proved import proved_on_runs
 
 
 def main(arguments: list[str]) -> int:

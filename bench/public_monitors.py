@@ -26,7 +26,7 @@ from monitors import COLUMNS, JOBS, Peers, feed_online, feed_single, heading, li
 from monitors import single_samples as ticked
 
 import tachk
-from tachk.runtime.trace import Trace
+from tachk.recordings.traces.trace import Trace
 
 CHUNKS = (100, 1000)
 SINGLE = 200_000

@@ -4,14 +4,14 @@ Prints how often each engine reached which conclusion, and every disagreement wi
 On each network obligations are compared, too: whether a run avoids a goal for ever, and whether one does in which time
 diverges.
 
-Features are the fields of `tachk.testing.Shape`, for instance ``priorities=True clocks=2``. Without any, the shapes in
+Features are the fields of `tests.support.Shape`, for instance ``priorities=True clocks=2``. Without any, the shapes in
 `SHAPES` take turns. ``smt=N`` asks the second engine too, for runs of up to N steps. Ctrl-C ends it with what is
 known so far. Exit status 1 after a disagreement.
 
     python bench/random_agreement.py COUNT SEED verdicts
 
 compares whole verdicts with and without each reduction, on small networks, many with interchangeable processes
-(`tachk.testing.reductions.verdict_agreement`). One reduction alone and one combination are tried on each; they take
+(`tests.support.reductions.verdict_agreement`). One reduction alone and one combination are tried on each; they take
 turns.
 """
 
@@ -25,14 +25,14 @@ from dataclasses import replace
 from random import Random
 
 from tachk.model.expressions import BOOL, Constant
-from tachk.properties import reachability, weaker
-from tachk.properties.verdict import Answer
-from tachk.testing import Shape, random_case
-from tachk.testing.agreement import VARIANTS, Effort, compare
-from tachk.testing.endless.diverging_agreement import compare_diverging
-from tachk.testing.liveness_agreement import compare_obligation
-from tachk.testing.obligations import random_obligations
-from tachk.testing.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
+from tachk.verify import reachability, weaker
+from tachk.verify.verdict import Answer
+from tests.support import Shape, random_case
+from tests.support.agreement import VARIANTS, Effort, compare
+from tests.support.endless.diverging_agreement import compare_diverging
+from tests.support.liveness_agreement import compare_obligation
+from tests.support.obligations import random_obligations
+from tests.support.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
 
 SHAPES = (
     Shape(),

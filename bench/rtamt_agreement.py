@@ -16,13 +16,13 @@ from random import Random
 
 import rtamt
 
-from tachk.diagnostics.span import NOWHERE
+from tachk.base.span import NOWHERE
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.printing.expression_printer import print_expression
-from tachk.testing.exact_monitor import satisfaction
-from tachk.testing.exact_trace import ExactTrace
-from tachk.testing.formulas import FLAGS, NUMBERS, FormulaShape, random_formula, random_trace
+from tests.support.exact_monitor import satisfaction
+from tests.support.exact_trace import ExactTrace
+from tests.support.formulas import FLAGS, NUMBERS, FormulaShape, random_formula, random_trace
 
 SHAPE = FormulaShape(
     open_bounds=False, unbounded=False, edges=False, arithmetic=False, equal_times=False, gap=4, rows=10

@@ -16,15 +16,15 @@ from plain_simulator import PlainSimulator
 from random_agreement import SHAPES
 
 import tachk
-from tachk.certify.replay import ReplayError, replay
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.network import Network
-from tachk.semantics.discrete import prepare
 from tachk.simulation.runs import Runs
-from tachk.testing import random_case
-from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
+from tests.support import random_case
+from tests.support.simulated.timed import WITH_STATES, state_columns, timed_trace
 
 MODELS = (
     ("models/classics/train_gate.ta", {"N": 6}, 10_000),

@@ -15,11 +15,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tachk.campaign.cluster import compute_on_cluster
-from tachk.campaign.job import COLUMNS
-from tachk.campaign.local import compute_locally
-from tachk.campaign.run import Computing, Progress, run_campaign
 from tachk.model.grid import Values, grid_of
+from tachk.verify.campaign.cluster import compute_on_cluster
+from tachk.verify.campaign.job import COLUMNS
+from tachk.verify.campaign.local import compute_locally
+from tachk.verify.campaign.run import Computing, Progress, run_campaign
 
 PROCESSES = 2
 

@@ -23,7 +23,13 @@ from random import Random
 import numpy as np
 
 import tachk
-from tachk.certify.certificate import (
+from tachk.base.resources import data_root
+from tachk.base.words import QueryKind
+from tachk.engine.options import Limits
+from tachk.meaning import dbm
+from tachk.meaning.dbm import Zone
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.certificate import (
     Block,
     CertificateReader,
     CertificateWriter,
@@ -33,25 +39,19 @@ from tachk.certify.certificate import (
     read_certificates,
     starts,
 )
-from tachk.certify.exchanges import Group, exchange
-from tachk.engines.options import Limits
+from tachk.meaning.judge.exchanges import Group, exchange
+from tachk.meaning.symbolic import elapse, fire, initial_situation, intersections, situation, where
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.certificates import Checker, Proof, check_proof, find_proof, is_provable
-from tachk.properties.verdict import Answer
-from tachk.properties.verify import verify
-from tachk.resources import data_root
-from tachk.semantics import dbm
-from tachk.semantics.dbm import Zone
-from tachk.semantics.discrete import prepare
-from tachk.semantics.symbolic import elapse, fire, initial_situation, intersections, situation, where
-from tachk.semantics.timed_trace import DiscreteState
-from tachk.testing.networks import Shape, random_case
-from tachk.testing.symmetric.cases import random_symmetric_case
-from tachk.testing.symmetric.controllers import random_controller_case
-from tachk.testing.symmetric.registers import random_register_case
-from tachk.testing.symmetric.rings import random_ring_case
-from tachk.words import QueryKind
+from tachk.model.random_networks import Shape, random_case
+from tachk.model.run import DiscreteState
+from tachk.verify.certificates import Checker, Proof, check_proof, find_proof, is_provable
+from tachk.verify.verdict import Answer
+from tachk.verify.verify import verify
+from tests.support.symmetric.cases import random_symmetric_case
+from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.registers import random_register_case
+from tests.support.symmetric.rings import random_ring_case
 
 SHAPES = (
     Shape(),

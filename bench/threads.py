@@ -20,7 +20,7 @@ from statistics import median
 
 import tachk
 from tachk import Options
-from tachk.engines.options import LocalTimes
+from tachk.engine.options import LocalTimes
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 

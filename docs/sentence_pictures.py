@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.logic.patterns import CATALOGUE, Pattern, patterns
 from tachk.logic.sentences import meaning
 from tachk.syntax.formulas.printer import print_formula

@@ -1,6 +1,7 @@
 """Model checking of networks of timed automata.
 
-``tachk.load("train.ta", N=3).verify()`` reads a model, instantiates it and checks its properties; see `tachk.api`.
+``tachk.load("train.ta", N=3).verify()`` reads a model, instantiates it and checks its properties; see
+`tachk.api.model`.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tachk.api import (
+    from tachk.api.model import (
         Answer,
         Engine,
         Extrapolation,
@@ -31,12 +32,12 @@ if TYPE_CHECKING:
         loads,
         random_network,
     )
-    from tachk.bridge.clock import Clock, SteppedClock, WallClock
-    from tachk.monitoring.mining import mine
-    from tachk.monitoring.offline import MonitorReport, monitor
-    from tachk.monitoring.online import Monitor
-    from tachk.runtime.node_signal import Truth
-    from tachk.stepping.library import replay, simulate
+    from tachk.recordings.monitors.mining import mine
+    from tachk.recordings.monitors.offline import MonitorReport, monitor
+    from tachk.recordings.monitors.online import Monitor
+    from tachk.recordings.traces.node_signal import Truth
+    from tachk.simulation.stepping.library import replay, simulate
+    from tachk.xrce.bridge.clock import Clock, SteppedClock, WallClock
     from tachk.xrce.measuring.measure import measure
 
 __version__ = "0.1.0"
@@ -78,22 +79,22 @@ __all__ = [
 
 
 _HOMES = {
-    **dict.fromkeys(("Clock", "SteppedClock", "WallClock"), "tachk.bridge.clock"),
-    "Monitor": "tachk.monitoring.online",
-    "MonitorReport": "tachk.monitoring.offline",
-    "Truth": "tachk.runtime.node_signal",
+    **dict.fromkeys(("Clock", "SteppedClock", "WallClock"), "tachk.xrce.bridge.clock"),
+    "Monitor": "tachk.recordings.monitors.online",
+    "MonitorReport": "tachk.recordings.monitors.offline",
+    "Truth": "tachk.recordings.traces.node_signal",
     "measure": "tachk.xrce.measuring.measure",
-    "mine": "tachk.monitoring.mining",
-    "monitor": "tachk.monitoring.offline",
-    "replay": "tachk.stepping.library",
-    "simulate": "tachk.stepping.library",
+    "mine": "tachk.recordings.monitors.mining",
+    "monitor": "tachk.recordings.monitors.offline",
+    "replay": "tachk.simulation.stepping.library",
+    "simulate": "tachk.simulation.stepping.library",
 }
 
 
 def __getattr__(name: str) -> object:
     """Loads what is asked for when it is first needed, so that ``tachk --version`` need not wait for it."""
     if name in __all__:
-        return getattr(import_module(_HOMES.get(name, "tachk.api")), name)
+        return getattr(import_module(_HOMES.get(name, "tachk.api.model")), name)
     raise AttributeError(f"module 'tachk' has no attribute {name!r}")
 
 

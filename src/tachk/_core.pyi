@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.runtime.node_signal import Truth
+from tachk.recordings.traces.node_signal import Truth
 
 class SearchOrder(Enum):
     AUTO = ...
@@ -66,8 +66,8 @@ class CsvFaultKind(Enum):
     LINE_TOO_LONG = ...
 
 class Options:
-    """Its fields are options of `tachk.engines.options`, by the same names; see `core_options` in
-    `tachk.engines.core_search`."""
+    """Its fields are options of `tachk.engine.options`, by the same names; see `core_options` in
+    `tachk.engine.core_search`."""
 
 class Limits:
     states: int

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tachk import api
+from tachk.api import model as api
 from tachk.cli.main import app
 
 VARIANTS = """\

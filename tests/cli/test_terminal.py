@@ -133,7 +133,7 @@ def test_nobody_reading_is_no_error(model: Path, arguments: list[str]) -> None:
 
 INTERRUPT_SECOND_SEARCH = """
 import sys
-from tachk.properties import reachability
+from tachk.verify import reachability
 from tachk.cli.main import run
 
 lowered, searches = reachability.lowered, []

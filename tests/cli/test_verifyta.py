@@ -21,7 +21,7 @@ import pytest
 import tachk.cli.actions.verifyta
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
-from tachk.engines.options import Extrapolation, Options, Pace, SearchOrder
+from tachk.engine.options import Extrapolation, Options, Pace, SearchOrder
 
 MODEL = """\
 <?xml version="1.0" encoding="utf-8"?>
@@ -373,7 +373,7 @@ def test_the_version_needs_no_model_checker() -> None:
     """A wrapper asks for it before every run."""
     code = (
         "import sys\nfrom tachk.cli.commands.verifyta import run\nsys.argv = ['tachk-verifyta', '-v']\n"
-        "try:\n    run()\nexcept SystemExit:\n    pass\nassert 'tachk.api' not in sys.modules"
+        "try:\n    run()\nexcept SystemExit:\n    pass\nassert 'tachk.api.model' not in sys.modules"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
 

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.codes.all_codes import CODES
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source, Span
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.codes.all_codes import CODES
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source, Span
+from tachk.formats.loading.load import load_model
 from tachk.syntax.query_files import parse_queries
 from tachk.syntax.sentences.parser import parse_sentence
 

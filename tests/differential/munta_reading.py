@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from tachk.semantics.dbm import (
+from tachk.meaning.dbm import (
     INFINITY,
     Constraint,
     Zone,

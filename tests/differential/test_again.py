@@ -6,8 +6,8 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.span import NOWHERE, Source
-from tachk.engines.options import Extrapolation, Limits, Options
+from tachk.base.span import NOWHERE, Source
+from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.findings import Findings
@@ -18,15 +18,15 @@ from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.verdict import Answer
-from tachk.properties.verify import verify
 from tachk.syntax import ast
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.rewrite import rewrite, substitute
-from tachk.testing import Shape, random_case
-from tachk.testing.endless.recurrence_oracle import Answering, answers_for_ever
-from tachk.testing.formulas import FLAGS
-from tachk.testing.observer_agreement import random_atom
+from tachk.verify.verdict import Answer
+from tachk.verify.verify import verify
+from tests.support import Shape, random_case
+from tests.support.endless.recurrence_oracle import Answering, answers_for_ever
+from tests.support.formulas import FLAGS
+from tests.support.observer_agreement import random_atom
 
 SHAPE = Shape(processes=2, locations=3, clocks=2, constant=2, deadlocks=False, committed=False)
 SHAPES = {"plain": SHAPE, "urgent": Shape(processes=3, locations=2, clocks=1, constant=2, committed=False)}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.testing.endless.awaited_agreement import compare_awaited
-from tachk.testing.endless.awaited_oracle import FORMS
+from tests.support.endless.awaited_agreement import compare_awaited
+from tests.support.endless.awaited_oracle import FORMS
 
 
 @pytest.mark.parametrize("block", range(len(FORMS)))

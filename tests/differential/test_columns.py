@@ -11,25 +11,25 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.base.span import Source
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.diagnostics.span import Source
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import is_statistical
 from tachk.frontend.queries.statistical import read_statistical
-from tachk.loading.load import load_model
+from tachk.meaning.run_view import Names
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import Trajectories
-from tachk.properties.questions import Questions
-from tachk.report.run.trace_view import Names
-from tachk.runtime.trace import Trace
+from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import Column, all_columns
 from tachk.simulation.runs import Runs, steps_of
-from tachk.statistics.estimate import Drawn
-from tachk.stepping.replaying import replay_claims
-from tachk.stepping.run_file import read_run_file, steps_text
-from tachk.stepping.signals import signals_of
+from tachk.simulation.statistics.estimate import Drawn
+from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.run_file import read_run_file, steps_text
+from tachk.simulation.stepping.signals import signals_of
+from tachk.verify.questions import Questions
 
 DECLARATIONS = """
 const int K = 3, L = -2, U[3] = {4, -5, 6};

@@ -11,29 +11,29 @@ from random import Random
 import networkx as nx
 import pytest
 
-from tachk.compiler.fold import known_values
-from tachk.compiler.lower import lower
-from tachk.diagnostics.diagnostic import InputError
-from tachk.engines.avoiding_runs import Budget, LimitError, avoiding_run, build
-from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
-from tachk.engines.oracles.digitised import delayed, region_steps
-from tachk.engines.zone import explore_everything
-from tachk.engines.zone_graph import zone_graph
+from tachk.analysis.fold import known_values
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.operators import BinaryOperator
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engine.zone import explore_everything
+from tachk.engine.zone_graph import zone_graph
+from tachk.meaning.discrete import prepare
+from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
 from tachk.model.builder import NetworkBuilder
 from tachk.model.expressions import BOOL, Binary, Constant
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.operators import BinaryOperator
-from tachk.properties.deep.deep_check import deep_check
-from tachk.properties.deep.reached import unreached_locations
-from tachk.properties.deep.steps import steps_of
-from tachk.properties.deep.zeno import lasting_edges, suspicious
-from tachk.properties.deep.zeno_run import ZenoRun, find_zeno_run
-from tachk.reduction.beats import with_a_start
-from tachk.semantics.discrete import prepare
-from tachk.semantics.step import StepError, delay, initial_state, satisfies, successors
-from tachk.semantics.timed_trace import TimedState, Transition
-from tachk.testing import Shape, random_case
+from tachk.model.run import TimedState, Transition
+from tachk.transform.doubled_edges import with_a_start
+from tachk.verify.semantic_lint.deep_check import deep_check
+from tachk.verify.semantic_lint.reached import unreached_locations
+from tachk.verify.semantic_lint.steps import steps_of
+from tachk.verify.semantic_lint.zeno import lasting_edges, suspicious
+from tachk.verify.semantic_lint.zeno_run import ZenoRun, find_zeno_run
+from tests.support import Shape, random_case
+from tests.support.oracles.avoiding_runs import Budget, LimitError, avoiding_run, build
+from tests.support.oracles.digitised import delayed, region_steps
 
 SHAPES = {
     "plain": Shape(),

@@ -9,17 +9,17 @@ from random import Random
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from tachk.compiler.lower import lower
-from tachk.diagnostics.diagnostic import InputError
-from tachk.engines import zone
-from tachk.engines.local_times import obstacle
-from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
-from tachk.engines.program_image import encode
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.local_times import obstacle
+from tachk.engine.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.program_image import encode
+from tachk.meaning.discrete import prepare
+from tachk.meaning.initial_state import check_initial_state
 from tachk.model.expressions import BOOL, Constant
-from tachk.semantics.discrete import prepare
-from tachk.semantics.initial_state import check_initial_state
-from tachk.testing import Case, Shape, cases, random_case
-from tachk.testing.agreement import VARIANTS, Effort, compare
+from tests.support import Case, Shape, cases, random_case
+from tests.support.agreement import VARIANTS, Effort, compare
 
 EFFORT = Effort(reference=200, sampled=300)
 

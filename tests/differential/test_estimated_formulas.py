@@ -10,18 +10,18 @@ import pytest
 
 import tachk
 from tachk.cli.actions.simulation.formulas import truths_on
-from tachk.engines.simulation.simulator import Drawing, Ending, Recorded
-from tachk.engines.simulation.simulator import horizon as ticks_until
+from tachk.engine.simulation.simulator import Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import horizon as ticks_until
 from tachk.logic.horizon import horizon
-from tachk.monitoring.formulas import NamedFormula
-from tachk.runtime.node_signal import Truth
+from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.columns import chosen_columns
 from tachk.simulation.runs import Runs
-from tachk.statistics.estimate import Estimated
+from tachk.simulation.statistics.estimate import Estimated
 from tachk.syntax.formula import Always, Eventually, Formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.walk import nodes_of_kind
-from tachk.testing.formulas import FLAGS, FormulaShape, random_formula
+from tests.support.formulas import FLAGS, FormulaShape, random_formula
 
 FLAGGED = """
 {unit}

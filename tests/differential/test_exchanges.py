@@ -8,19 +8,19 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.certify.automorphism import Automorphisms
-from tachk.certify.exchanges import Group, MalformedGroupError, exchange
-from tachk.compiler.lower import lower
-from tachk.engines.options import NEVER, Limits, Options
-from tachk.properties.certificates import Proof, find_proof, is_provable
-from tachk.reduction.symmetry.tables import with_symmetry
-from tachk.semantics.discrete import prepare
-from tachk.testing.symmetric.cases import random_symmetric_case
-from tachk.testing.symmetric.controllers import random_controller_case
-from tachk.testing.symmetric.exchanged_states import is_kept, mutated, random_state
-from tachk.testing.symmetric.registers import random_register_case
-from tachk.testing.symmetric.rings import random_ring_case
-from tests.unit.certify.proofs import PLAIN, judged, proved, written
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import NEVER, Limits, Options
+from tachk.engine.symmetry.tables import with_symmetry
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.automorphism import Automorphisms
+from tachk.meaning.judge.exchanges import Group, MalformedGroupError, exchange
+from tachk.verify.certificates import Proof, find_proof, is_provable
+from tests.support.symmetric.cases import random_symmetric_case
+from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.exchanged_states import is_kept, mutated, random_state
+from tests.support.symmetric.registers import random_register_case
+from tests.support.symmetric.rings import random_ring_case
+from tests.unit.meaning.judge.proofs import PLAIN, judged, proved, written
 
 CASES = {
     "groups": random_symmetric_case,

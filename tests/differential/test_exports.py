@@ -7,21 +7,21 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits, Options
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Source
+from tachk.base.words import QueryKind
+from tachk.engine.options import Limits, Options
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.exported import Writing
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_document import network_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
-from tachk.loading.load import load_model
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.operators import BinaryOperator
-from tachk.properties.verify import verify
-from tachk.testing.networks import random_case
-from tachk.words import QueryKind
+from tachk.model.random_networks import random_case
+from tachk.verify.verify import verify
 
 
 def reached(network: Network) -> list[str]:

@@ -7,10 +7,10 @@ from random import Random
 
 import pytest
 
-from tachk.engines.options import Extrapolation, Options, SearchOrder
+from tachk.engine.options import Extrapolation, Options, SearchOrder
 from tachk.model.expressions import BOOL, Constant
-from tachk.testing import Shape, random_case
-from tachk.testing.extremes_agreement import compare_extremes, expressions_of
+from tests.support import Shape, random_case
+from tests.support.extremes_agreement import compare_extremes, expressions_of
 
 OPTIONS = (Options(), Options(order=SearchOrder.DFS, extrapolation=Extrapolation.MAX, passing=8))
 

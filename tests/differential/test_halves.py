@@ -8,10 +8,10 @@ import pytest
 
 import tachk
 from tachk import Limits
-from tachk.engines import reference
-from tachk.engines.outcome import Status
-from tachk.properties import weaker
-from tachk.testing.lossy.halves import compare, random_halves
+from tachk.engine.outcome import Status
+from tachk.verify import weaker
+from tests.support.lossy.halves import compare, random_halves
+from tests.support.oracles import reference
 
 LIMITS = Limits(states=2000)
 

@@ -8,14 +8,14 @@ from random import Random
 
 import pytest
 
-from tachk.runtime.linear_monitor import Measure, robustness
+from tachk.recordings.traces.linear_monitor import Measure, robustness
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.exact_trace import ExactTrace, Scalar
-from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case
-from tachk.testing.lines_agreement import line_problems, time_problems
-from tachk.testing.monitor_input import always, monitor_input
-from tachk.testing.smaller_cases import describe
+from tests.support.exact_monitor import verdict
+from tests.support.exact_trace import ExactTrace, Scalar
+from tests.support.formulas import FormulaShape, MonitoringCase, random_monitoring_case
+from tests.support.lines_agreement import line_problems, time_problems
+from tests.support.monitor_input import always, monitor_input
+from tests.support.smaller_cases import describe
 
 SHAPES = {
     "shallow": FormulaShape(depth=1, linear=True),

@@ -6,15 +6,15 @@ from random import Random
 
 import pytest
 
-from tachk.compiler.lower import lower
-from tachk.engines.liveness import find_avoiding_run
-from tachk.engines.options import NEVER, BoundScope, Extrapolation, Limits, Options
-from tachk.engines.oracles.liveness_regions import check_by_regions
-from tachk.engines.outcome import LivenessOutcome, LivenessStatus, Obligation
+from tachk.base.operators import UnaryOperator
+from tachk.engine.compiler.lower import lower
+from tachk.engine.liveness import find_avoiding_run
+from tachk.engine.options import NEVER, BoundScope, Extrapolation, Limits, Options
+from tachk.engine.outcome import LivenessOutcome, LivenessStatus, Obligation
 from tachk.model.expressions import BOOL, Unary
-from tachk.operators import UnaryOperator
-from tachk.testing import Case, Shape, random_case
-from tachk.testing.obligations import random_obligations
+from tests.support import Case, Shape, random_case
+from tests.support.obligations import random_obligations
+from tests.support.oracles.liveness_regions import check_by_regions
 
 VARIANTS = (
     Options(),

@@ -12,7 +12,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from tachk.runtime.core_monitor import (
+from tachk.recordings.traces.core_monitor import (
     RobustnessMonitor,
     TruthMonitor,
     monitor_robustness,
@@ -20,13 +20,13 @@ from tachk.runtime.core_monitor import (
     robustness_signals,
     truth_signals,
 )
-from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.runtime.verdict_explanation import horizon, memory
+from tachk.recordings.traces.online_monitor import OnlineMonitor
+from tachk.recordings.traces.verdict_explanation import horizon, memory
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.exact_monitor import value_at
-from tachk.testing.exact_trace import ExactTrace
-from tachk.testing.formulas import FormulaShape, MonitoringCase, random_formula, random_trace
-from tachk.testing.monitor_input import MonitorInput, always, monitor_input, portions, truth_of
+from tests.support.exact_monitor import value_at
+from tests.support.exact_trace import ExactTrace
+from tests.support.formulas import FormulaShape, MonitoringCase, random_formula, random_trace
+from tests.support.monitor_input import MonitorInput, always, monitor_input, portions, truth_of
 
 ROWS = 9000
 BOUNDED = FormulaShape(depth=3, bound=6, unbounded=False, rows=ROWS, gap=2)

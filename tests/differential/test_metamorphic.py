@@ -8,10 +8,11 @@ from random import Random
 
 import pytest
 
-from tachk.compiler.lower import lower
-from tachk.engines import zone
-from tachk.engines.options import Limits
-from tachk.engines.outcome import Status
+from tachk.base.operators import BinaryOperator
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits
+from tachk.engine.outcome import Status
 from tachk.model.expressions import (
     Assign,
     Binary,
@@ -25,8 +26,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Process
 from tachk.model.types import ClockType
-from tachk.operators import BinaryOperator
-from tachk.testing import Case, Shape, random_case
+from tests.support import Case, Shape, random_case
 
 FACTOR = 3
 

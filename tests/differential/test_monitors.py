@@ -13,16 +13,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.runtime.core_monitor import monitor_truth
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.verdict_explanation import horizon
+from tachk.recordings.traces.core_monitor import monitor_truth
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.verdict_explanation import horizon
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.exact_monitor import satisfaction
-from tachk.testing.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
-from tachk.testing.monitor_input import always, monitor_input, truth_of
-from tachk.testing.offline_agreement import offline_problems
-from tachk.testing.online_agreement import online_problems
-from tachk.testing.smaller_cases import describe
+from tests.support.exact_monitor import satisfaction
+from tests.support.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
+from tests.support.monitor_input import always, monitor_input, truth_of
+from tests.support.offline_agreement import offline_problems
+from tests.support.online_agreement import online_problems
+from tests.support.smaller_cases import describe
 
 SHAPES = {
     "everything": FormulaShape(),

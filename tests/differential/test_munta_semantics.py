@@ -12,21 +12,21 @@ from random import Random
 
 import pytest
 
-from tachk import api
-from tachk.compiler.lower import lower
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.engines import zone
-from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import Status
-from tachk.formats.munta.proof import munta_proof
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.words import QueryKind
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import Status
 from tachk.formats.munta.writer import to_munta
 from tachk.model.expressions import Assign, Constant, Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.types import ClockType
-from tachk.testing import Shape, random_case
-from tachk.words import QueryKind
+from tachk.verify.munta_proof import munta_proof
 from tests.differential.munta_reading import Reading
+from tests.support import Shape, random_case
 
 CLASSICS = Path(__file__).parents[2] / "models" / "classics"
 SAYABLE = Shape(clocks=2, locations=3, processes=3, urgent_channels=False, clocks_on_broadcast=False, deadlocks=False)

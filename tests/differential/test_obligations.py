@@ -9,10 +9,10 @@ from random import Random
 
 import pytest
 
-from tachk.testing import Shape, random_case
-from tachk.testing.agreement import VARIANTS, Effort
-from tachk.testing.liveness_agreement import compare_obligation
-from tachk.testing.obligations import random_obligations
+from tests.support import Shape, random_case
+from tests.support.agreement import VARIANTS, Effort
+from tests.support.liveness_agreement import compare_obligation
+from tests.support.obligations import random_obligations
 
 EFFORT = Effort(reference=150, sampled=150)
 LASTING = [options for options in VARIANTS if not options.shortest]

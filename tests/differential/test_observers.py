@@ -10,22 +10,21 @@ from random import Random
 
 import pytest
 
-from tachk.engines.oracles.digitised import _capped, _next_region, _spread
 from tachk.frontend.loaded import LoadedModel
 from tachk.logic.observer.construction import NoObserver, build_observer
+from tachk.meaning.clock_constants import clock_constants
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.step import StepError, delay, initial_state, successors
 from tachk.model.query import Query
-from tachk.properties.observed import observed
-from tachk.properties.verdict import Answer
-from tachk.properties.verify import verify
-from tachk.semantics.clock_constants import clock_constants
-from tachk.semantics.discrete import PreparedNetwork, prepare
-from tachk.semantics.step import StepError, delay, initial_state, successors
-from tachk.semantics.timed_trace import DiscreteState, TimedState, Transition
+from tachk.model.run import DiscreteState, TimedState, Transition
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing import Case, Shape, random_case
-from tachk.testing.agreement import VARIANTS, Effort, compare
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.observer_agreement import (
+from tachk.transform.observed import observed
+from tachk.verify.verdict import Answer
+from tachk.verify.verify import verify
+from tests.support import Case, Shape, random_case
+from tests.support.agreement import VARIANTS, Effort, compare
+from tests.support.exact_monitor import verdict
+from tests.support.observer_agreement import (
     bounded_observer_case,
     endless_observer_case,
     nested_observer_case,
@@ -36,6 +35,7 @@ from tachk.testing.observer_agreement import (
     replaying,
     violated,
 )
+from tests.support.oracles.digitised import _capped, _next_region, _spread
 
 SMALL = Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False)
 MAXIMAL_STATES = 400

@@ -8,18 +8,18 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.compiler.lower import lower
-from tachk.engines.options import LocalTimes, Options, SearchOrder
-from tachk.engines.outcome import Status
-from tachk.engines.zone import explore
-from tachk.testing.agreement import Effort, compare
-from tachk.testing.endless.awaited_agreement import SHAPES as ENDLESS
-from tachk.testing.endless.awaited_agreement import elaborated
-from tachk.testing.endless.awaited_oracle import FORMS
-from tachk.testing.formulas import FLAGS
-from tachk.testing.networks import Case, Shape, random_case
-from tachk.testing.observer_agreement import random_atom
-from tachk.testing.reductions.verdict_agreement import ALONE, BY_DEFAULT, TOGETHER, Questions, compare_verdicts
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import LocalTimes, Options, SearchOrder
+from tachk.engine.outcome import Status
+from tachk.engine.zone import explore
+from tachk.model.random_networks import Case, Shape, random_case
+from tests.support.agreement import Effort, compare
+from tests.support.endless.awaited_agreement import SHAPES as ENDLESS
+from tests.support.endless.awaited_agreement import elaborated
+from tests.support.endless.awaited_oracle import FORMS
+from tests.support.formulas import FLAGS
+from tests.support.observer_agreement import random_atom
+from tests.support.reductions.verdict_agreement import ALONE, BY_DEFAULT, TOGETHER, Questions, compare_verdicts
 
 EFFORT = Effort(reference=300, sampled=0, unrolled=8)
 VARIANTS = (

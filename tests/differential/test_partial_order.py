@@ -8,12 +8,12 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.compiler.lower import lower
-from tachk.engines import reference
-from tachk.engines.options import Limits, LocalTimes, Options, SearchOrder
-from tachk.engines.outcome import Outcome, Status
-from tachk.engines.zone import explore
-from tachk.testing.networks import Case, Shape, random_case
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.outcome import Outcome, Status
+from tachk.engine.zone import explore
+from tachk.model.random_networks import Case, Shape, random_case
+from tests.support.oracles import reference
 
 ON = Options(partial_order=True, local_times=LocalTimes.NEVER)
 SHAPES = (

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from tachk.cli.main import app
-from tachk.engines.simulation.simulator import Ending
-from tachk.runtime.node_signal import Truth
-from tachk.testing.simulated.proved import FORMS, proved_on_runs
-from tachk.testing.simulated.replayed import judged_twice
+from tachk.engine.simulation.simulator import Ending
+from tachk.recordings.traces.node_signal import Truth
+from tests.support.simulated.proved import FORMS, proved_on_runs
+from tests.support.simulated.replayed import judged_twice
 
 
 def test_a_proved_formula_is_false_on_no_simulated_run() -> None:

@@ -6,12 +6,12 @@ from dataclasses import replace
 from random import Random
 
 import tachk
-from tachk.compiler.lower import lower
-from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
-from tachk.engines.outcome import Outcome
-from tachk.engines.zone import explore
-from tachk.resources import data_root
-from tachk.testing.networks import Case, Shape, random_case
+from tachk.base.resources import data_root
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.outcome import Outcome
+from tachk.engine.zone import explore
+from tachk.model.random_networks import Case, Shape, random_case
 
 WHOLE = Options(rows_after=2**32 - 1, local_times=LocalTimes.NEVER)
 SHAPES = (

@@ -6,9 +6,9 @@ from random import Random
 
 import pytest
 
-from tachk.engines.outcome import Status
-from tachk.testing import Shape, random_case
-from tachk.testing.agreement import Effort, compare
+from tachk.engine.outcome import Status
+from tests.support import Shape, random_case
+from tests.support.agreement import Effort, compare
 
 EFFORT = Effort(reference=200, sampled=300, unrolled=8)
 

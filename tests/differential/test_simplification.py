@@ -11,10 +11,10 @@ import pytest
 from tachk.logic.simplify import simplify
 from tachk.syntax.formula import Formula
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.exact_monitor import satisfaction
-from tachk.testing.exact_trace import Ending, ExactTrace
-from tachk.testing.formulas import FormulaShape, random_monitoring_case, random_trace
-from tachk.testing.tricky import read_formula
+from tests.support.exact_monitor import satisfaction
+from tests.support.exact_trace import Ending, ExactTrace
+from tests.support.formulas import FormulaShape, random_monitoring_case, random_trace
+from tests.support.tricky import read_formula
 
 SHAPES = (FormulaShape(), FormulaShape(depth=2, constants=0.4), FormulaShape(depth=3, constants=0.3, bound=1))
 LEAVES = ("p", "p", "q", "x < 1", "x == 1", "true", "false", "rise(p)", "fall(q)", "change(x)", "change(2)", "1 < 3")

@@ -8,14 +8,14 @@ import pytest
 
 import tachk
 from tachk import Limits, Options
-from tachk.engines import reference
-from tachk.engines.options import LocalTimes
-from tachk.engines.outcome import Status
-from tachk.properties import reachability
-from tachk.testing.symmetric.cases import random_symmetric_case
-from tachk.testing.symmetric.controllers import random_controller_case
-from tachk.testing.symmetric.registers import random_register_case
-from tachk.testing.symmetric.rings import random_ring_case
+from tachk.engine.options import LocalTimes
+from tachk.engine.outcome import Status
+from tachk.verify import reachability
+from tests.support.oracles import reference
+from tests.support.symmetric.cases import random_symmetric_case
+from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.registers import random_register_case
+from tests.support.symmetric.rings import random_ring_case
 
 LIMITS = Limits(states=1500)
 

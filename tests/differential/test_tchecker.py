@@ -7,18 +7,18 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits, Options
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Source
+from tachk.base.words import QueryKind
+from tachk.engine.options import Limits, Options
+from tachk.formats.loading.load import load_model
 from tachk.formats.tchecker.writer import to_tchecker
-from tachk.loading.load import load_model
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.operators import BinaryOperator
-from tachk.properties.verify import verify
-from tachk.testing.networks import Shape, random_case
-from tachk.words import QueryKind
+from tachk.model.random_networks import Shape, random_case
+from tachk.verify.verify import verify
 
 SHAPE = Shape(urgent_channels=False, clocks_on_broadcast=False, locations=3)
 

@@ -8,14 +8,14 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.compiler.lower import lower
-from tachk.engines import reference
-from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
-from tachk.engines.outcome import Outcome, Status
-from tachk.engines.zone import explore, explore_everything
-from tachk.resources import data_root
-from tachk.testing.networks import Case, Shape, random_case
-from tachk.testing.symmetric.cases import random_symmetric_case
+from tachk.base.resources import data_root
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.outcome import Outcome, Status
+from tachk.engine.zone import explore, explore_everything
+from tachk.model.random_networks import Case, Shape, random_case
+from tests.support.oracles import reference
+from tests.support.symmetric.cases import random_symmetric_case
 
 ONE = Options(threads=1, threads_after=0, local_times=LocalTimes.NEVER)
 SHAPES = (

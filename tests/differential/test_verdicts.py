@@ -6,9 +6,9 @@ from collections import Counter
 
 import pytest
 
-from tachk.properties import reachability, weaker
-from tachk.properties.verdict import Answer
-from tachk.testing.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
+from tachk.verify import reachability, weaker
+from tachk.verify.verdict import Answer
+from tests.support.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
 
 
 @pytest.mark.parametrize("block", range(3))

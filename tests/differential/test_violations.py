@@ -7,13 +7,13 @@ from random import Random
 import pytest
 from hypothesis import given, settings
 
-from tachk.diagnostics.span import NOWHERE
+from tachk.base.span import NOWHERE
 from tachk.syntax import formula as syntax
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
-from tachk.testing.monitor_input import always
-from tachk.testing.smaller_cases import describe
-from tachk.testing.violation_agreement import online_violation_problems, violation_problems
+from tests.support.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
+from tests.support.monitor_input import always
+from tests.support.smaller_cases import describe
+from tests.support.violation_agreement import online_violation_problems, violation_problems
 
 SHAPES = (FormulaShape(depth=2), FormulaShape(depth=2, unbounded=False, rows=14, gap=2), FormulaShape(depth=1, grid=3))
 

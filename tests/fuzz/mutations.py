@@ -15,7 +15,7 @@ from random import Random
 
 import numpy as np
 
-from tachk.certify.certificate import encoded
+from tachk.meaning.judge.certificate import encoded
 from tests.fuzz import reports
 
 Damage = Callable[[Random, bytes], bytes]

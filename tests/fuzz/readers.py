@@ -11,8 +11,8 @@ from functools import cache
 from pathlib import Path
 from random import Random
 
+from tachk.base.resources import data_root
 from tachk.cli.arguments import parse_size
-from tachk.resources import data_root
 from tests.fuzz import mutations, recordings
 from tests.fuzz.mutations import Damage
 from tests.fuzz.samples import (
@@ -40,7 +40,7 @@ from tests.fuzz.samples import (
     VCD,
 )
 from tests.fuzz.worker import Case, results
-from tests.unit.proxy.test_counterexample import STALE
+from tests.unit.xrce.proxy.test_counterexample import STALE
 
 SECONDS, MEMORY = "1", "200M"
 TIME = f"--max-seconds {SECONDS}"

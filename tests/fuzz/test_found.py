@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from tachk.certify.certificate import MAGIC, encoded
+from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.cli.main import app
-from tachk.runtime.packets.arriving import GrowingFile
-from tachk.runtime.trace_header import read_header
-from tachk.time_limit import OutOfTimeError, time_limit
+from tachk.meaning.judge.certificate import MAGIC, encoded
+from tachk.recordings.traces.trace_header import read_header
+from tachk.xrce.traces.arriving import GrowingFile
 from tests.fuzz.samples import DIMMER, LAMP, RULES, SMALL
-from tests.unit.proxy.test_counterexample import STALE
+from tests.unit.xrce.proxy.test_counterexample import STALE
 
 LONG = "9" * 5000
 """Python makes no number of so many digits."""

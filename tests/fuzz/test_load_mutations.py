@@ -8,12 +8,12 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.codes.all_codes import CODES
-from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.diagnostics.render import render
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
-from tachk.resources import data_root
+from tachk.base.diagnostics.codes.all_codes import CODES
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.render import render
+from tachk.base.resources import data_root
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 
 MUTANTS = 250
 

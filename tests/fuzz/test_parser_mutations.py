@@ -7,11 +7,11 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.diagnostics.render import render
-from tachk.diagnostics.render_json import diagnostic_to_json
-from tachk.diagnostics.span import Source
-from tachk.resources import data_root
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.render import render
+from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.resources import data_root
+from tachk.base.span import Source
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.parsing.parser import has_errors, parse_document

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import tachk
-from tachk.diagnostics.diagnostic import TachkError
+from tachk.base.diagnostics.diagnostic import TachkError
 from tests.fuzz import recordings
 from tests.fuzz.mutations import octets
 from tests.fuzz.samples import CSV, LINES, RUNS, SHEET, STRINGS, VCD

@@ -82,10 +82,10 @@ def prepare(warming: Iterable[Case] = ()) -> None:
         main.load_command(name)
     for name in (
         *_HEAVY,
-        "tachk.api",
+        "tachk.api.model",
         "tachk.cli.actions.monitor",
         "tachk.cli.actions.monitor_online",
-        "tachk.monitoring",
+        "tachk.recordings.monitors",
     ):
         try:
             import_module(name)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.resources import data_root
+from tachk.base.resources import data_root
 
 CLASSICS = data_root() / "models" / "classics"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import tachk
-from tachk.resources import data_root
+from tachk.base.resources import data_root
 
 MODELS = data_root() / "models" / "micro_xrce_dds"
 

@@ -8,13 +8,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.resources import data_root
+from tachk.base.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.exported import Writing
+from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
-from tachk.loading.load import load_model
-from tachk.resources import data_root
 
 MODELS = data_root() / "models"
 WRITTEN = [*sorted((MODELS / "classics").glob("*.ta")), MODELS / "micro_xrce_dds" / "client_3_0.ta"]

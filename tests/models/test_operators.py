@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
-from tachk.properties.verdict import Verdict
-from tachk.semantics.timed_trace import Ending
+from tachk.api import model as api
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
+from tachk.model.run import Ending
+from tachk.verify.verdict import Verdict
 
 BRANCHES = """
 process Traveller() {

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.resources import data_root
+from tachk.base.resources import data_root
 
 MODELS = data_root() / "models" / "micro_xrce_dds"
 LOOP = {"HEARTBEAT_LAW": 1, "CLIENT_HEARTBEAT": 2, "MESSAGES": 1, "PLACES": 3}

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.resources import data_root
+from tachk.base.resources import data_root
 
 ROOT = Path(__file__).parents[2]
 MODELS = data_root() / "models"

@@ -3,7 +3,7 @@
 import pytest
 
 import tachk
-from tachk.resources import data_root
+from tachk.base.resources import data_root
 
 SYSTEMS = data_root() / "models" / "micro_xrce_dds"
 

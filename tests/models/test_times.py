@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.base.resources import data_root
 from tachk.cli.main import app
-from tachk.resources import data_root
 
 MODELS = data_root() / "models" / "micro_xrce_dds"
 PUBLICATION = MODELS / "publication.ta"

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.runtime.node_signal import Truth
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.exact_trace import ExactTrace
-from tachk.testing.tricky import read_formula
+from tachk.recordings.traces.node_signal import Truth
+from tests.support.exact_monitor import verdict
+from tests.support.exact_trace import ExactTrace
+from tests.support.tricky import read_formula
 
 RECORDING = Path(__file__).parents[2] / "examples/sleeping_subscriber.csv"
 

@@ -8,14 +8,14 @@ from fractions import Fraction
 import pytest
 
 import tachk
-from tachk.runtime.node_signal import Truth
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.formulas import MonitoringCase
-from tachk.testing.lines_agreement import line_problems, time_problems
-from tachk.testing.monitor_input import in_ticks, monitor_input, truth_of
-from tachk.testing.offline_agreement import offline_problems
-from tachk.testing.online_agreement import online_problems
-from tachk.testing.tricky import TRICKY_CASES, TrickyCase, read_formula
+from tachk.recordings.traces.node_signal import Truth
+from tests.support.exact_monitor import verdict
+from tests.support.formulas import MonitoringCase
+from tests.support.lines_agreement import line_problems, time_problems
+from tests.support.monitor_input import in_ticks, monitor_input, truth_of
+from tests.support.offline_agreement import offline_problems
+from tests.support.online_agreement import online_problems
+from tests.support.tricky import TRICKY_CASES, TrickyCase, read_formula
 
 each_case = pytest.mark.parametrize("case", TRICKY_CASES, ids=lambda case: case.name)
 

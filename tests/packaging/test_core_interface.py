@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from tachk import _core
-from tachk.compiler.bytecode import Opcode
-from tachk.compiler.program import Comparison, DeadlockLiteral
-from tachk.engines.core_search import core_options
-from tachk.engines.options import BoundScope, Extrapolation, Options, SearchOrder
+from tachk.engine.compiler.bytecode import Opcode
+from tachk.engine.compiler.program import Comparison, DeadlockLiteral
+from tachk.engine.core_search import core_options
+from tachk.engine.options import BoundScope, Extrapolation, Options, SearchOrder
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.floating import FloatingOperation
-from tachk.runtime.monitor_program import NodeKind, Relation, ValueOperator
+from tachk.recordings.traces.monitor_program import NodeKind, Relation, ValueOperator
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -16,17 +16,17 @@ if not (ROOT / "CONTRIBUTING.md").is_file():
     pytest.skip("needs a checkout", allow_module_level=True)
 
 USED_OTHERWISE = {
-    "tachk.engines.oracles.digitised": "the oracles that the engine is tested against",
-    "tachk.engines.reference": "the oracle that the engine is tested against",
-    "tachk.engines.oracles.liveness_reference": "the oracle that the engine is tested against",
-    "tachk.engines.oracles.liveness_regions": "the oracle that the engine is tested against",
+    "tests.support.oracles.digitised": "the oracles that the engine is tested against",
+    "tests.support.oracles.reference": "the oracle that the engine is tested against",
+    "tests.support.oracles.liveness_reference": "the oracle that the engine is tested against",
+    "tests.support.oracles.liveness_regions": "the oracle that the engine is tested against",
     "tachk.model.builder": "docs/python.md: networks from Python",
     "tachk.formats.network_json.network.network_from_json": "docs/uppaal.md: networks from JSON",
     "tachk.formats.network_json.network.same_network": "docs/uppaal.md",
     "tachk.logic.patterns.patterns": "docs/sentence_pictures.py",
-    "tachk.runtime.core_monitor.TruthMonitor": "traces in portions, compared with the oracle",
-    "tachk.runtime.core_monitor.RobustnessMonitor": "traces in portions, compared with the oracle",
-    "tachk.runtime.linear_monitor.robustness_signal": "the values at every instant, compared with the oracle",
+    "tachk.recordings.traces.core_monitor.TruthMonitor": "traces in portions, compared with the oracle",
+    "tachk.recordings.traces.core_monitor.RobustnessMonitor": "traces in portions, compared with the oracle",
+    "tachk.recordings.traces.linear_monitor.robustness_signal": "the values at every instant, compared with the oracle",
     "tachk.cli.commands.verifyta.run": "pyproject.toml: a console script",
 }
 """Modules, or names in them."""
@@ -81,7 +81,7 @@ def _used(module: str, tree: ast.Module, modules: set[str]) -> Iterator[str]:
 @cache
 def unused() -> set[str]:
     trees = {_module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py")}
-    product = {name: tree for name, tree in trees.items() if not name.startswith("tachk.testing")}
+    product = {name: tree for name, tree in trees.items() if not name.startswith("tests.support")}
     used = {name for module, tree in product.items() for name in _used(module, tree, set(trees))}
     defined = {f"{module}.{name}" for module, tree in product.items() for name in _defined(tree)}
     return {name for name in defined - used if name.rpartition(".")[2] not in _MEANT_FOR_PYTHON}

@@ -31,27 +31,27 @@ def imported_modules(path: Path) -> set[str]:
 def test_few_modules_open_the_door_to_the_core() -> None:
     users = {str(p.relative_to(SOURCES)) for p in SOURCES.rglob("*.py") if "tachk._core" in imported_modules(p)}
     assert users == {
-        "bridge/part.py",
-        "engines/attempts.py",
-        "engines/closed_set.py",
-        "engines/core_search.py",
-        "engines/cover.py",
-        "engines/exact/exact_run.py",
-        "engines/liveness.py",
-        "engines/local_times.py",
-        "engines/measuring.py",
-        "engines/simulation/simulator.py",
-        "engines/simulation/splitting.py",
-        "engines/simulation/trials.py",
-        "engines/zone.py",
+        "xrce/bridge/part.py",
+        "engine/attempts.py",
+        "engine/closed_set.py",
+        "engine/core_search.py",
+        "engine/cover.py",
+        "engine/exact/exact_run.py",
+        "engine/liveness.py",
+        "engine/local_times.py",
+        "engine/measuring.py",
+        "engine/simulation/simulator.py",
+        "engine/simulation/splitting.py",
+        "engine/simulation/trials.py",
+        "engine/zone.py",
         "memory_limit.py",
-        "runtime/core_monitor.py",
-        "runtime/linear_monitor.py",
-        "runtime/monitor_group.py",
-        "runtime/online_monitor.py",
-        "runtime/trace.py",
-        "runtime/trace_arrays.py",
-        "runtime/trace_csv.py",
+        "recordings/traces/core_monitor.py",
+        "recordings/traces/linear_monitor.py",
+        "recordings/traces/monitor_group.py",
+        "recordings/traces/online_monitor.py",
+        "recordings/traces/trace.py",
+        "recordings/traces/trace_arrays.py",
+        "recordings/traces/trace_csv.py",
     }
 
 
@@ -91,11 +91,11 @@ UNUSED = {
     "z3",
     *(f"tachk.{name}" for name in ("formats", "logic", "monitoring", "runtime", "testing")),
     *(f"tachk.report.{name}" for name in ("html_report", "json_report", "junit_report", "signal_plot")),
-    *(f"tachk.properties.{name}" for name in ("deadlines", "deep", "extremes", "liveness", "observed_liveness")),
-    *(f"tachk.engines.{name}" for name in ("liveness", "reference", "smt", "simulation")),
+    *(f"tachk.verify.{name}" for name in ("deadlines", "deep", "extremes", "liveness", "observed_liveness")),
+    *(f"tachk.engine.{name}" for name in ("liveness", "reference", "smt", "simulation")),
     "tachk.cli.actions.disagreement",
     "tachk.frontend.queries.observer_processes",
-    "tachk.monitoring.compiler",
+    "tachk.recordings.monitors.compiler",
     "tachk.syntax.sentences.parser",
     "tachk.formats.tchecker.reader",
     "tachk.formats.uppaal.reader",
@@ -129,7 +129,7 @@ def test_check_loads_no_engine(tmp_path: Path) -> None:
     model = tmp_path / "m.ta"
     model.write_text(MODEL, encoding="utf-8")
     loaded = modules_after("check", str(model))
-    assert not loaded & {"rich", "tachk._core", "tachk.engines.zone", "tachk.compiler.lower"}
+    assert not loaded & {"rich", "tachk._core", "tachk.engine.zone", "tachk.engine.compiler.lower"}
 
 
 @pytest.mark.usefixtures("with_tables")
@@ -137,7 +137,7 @@ def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
     model = tmp_path / "m.ta"
     model.write_text(MODEL, encoding="utf-8")
     loaded = modules_after("verify", str(model))
-    assert "tachk.engines.zone" in loaded
+    assert "tachk.engine.zone" in loaded
     assert not loaded & UNUSED
 
 
@@ -150,8 +150,8 @@ def test_reports_load_statistics_only_where_a_model_has_them(tmp_path: Path, for
     assert not loaded & {
         "numpy",
         "statistics",
-        "tachk.engines.simulation",
-        "tachk.statistics",
+        "tachk.engine.simulation",
+        "tachk.simulation.statistics",
         "tachk.report.statistics",
     }
 

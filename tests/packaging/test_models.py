@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tachk.base.resources import data_root
 from tachk.cli.actions.fmt import run_fmt
 from tachk.cli.exit_status import ExitStatus
-from tachk.resources import data_root
 
 MODELS = sorted((data_root() / "models").rglob("*.ta"))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk import resources
+from tachk.base import resources
 
 CHECKOUT = Path(__file__).parents[2]
 DATA_FOLDERS = ("grammar", "templates", "models", "queries", "docs/schema")

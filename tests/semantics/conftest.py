@@ -6,15 +6,15 @@ from collections.abc import Callable
 
 import pytest
 
-from tachk.certify.replay import replay
-from tachk.compiler.lower import lower
-from tachk.engines import reference, zone
-from tachk.engines.exact.concretise import concretise
-from tachk.engines.options import Limits
-from tachk.engines.oracles import digitised
-from tachk.engines.outcome import Status
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.exact.concretise import concretise
+from tachk.engine.options import Limits
+from tachk.engine.outcome import Status
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import replay
 from tachk.model.builder import NetworkBuilder, Term
-from tachk.semantics.discrete import prepare
+from tests.support.oracles import digitised, reference
 
 Reaches = Callable[[NetworkBuilder, Term], bool]
 

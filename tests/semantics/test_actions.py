@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.compiler.lower import lower
-from tachk.engines import reference, zone
-from tachk.engines.outcome import Status
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.outcome import Status
+from tachk.meaning.discrete import prepare
+from tachk.meaning.step import initial_state, successors
 from tachk.model.builder import NetworkBuilder, bound_variable, deadlock
 from tachk.model.fault import RuntimeErrorKind
+from tachk.model.run import Participant, Transition
 from tachk.model.types import ArrayType, IntType
-from tachk.semantics.discrete import prepare
-from tachk.semantics.step import initial_state, successors
-from tachk.semantics.timed_trace import Participant, Transition
+from tests.support.oracles import reference
 
 
 def enabled(network: NetworkBuilder) -> list[tuple[tuple[int, int], ...]]:

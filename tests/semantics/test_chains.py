@@ -6,12 +6,12 @@ from functools import reduce
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.span import Source
+from tachk.api import model as api
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.exported import Writing
-from tachk.loading.load import load_model
-from tachk.operators import BinaryOperator
+from tachk.formats.loading.load import load_model
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.printing.printer import print_document
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Engine, Options
-from tachk.loading.load import load_model
-from tachk.properties.verify import verify
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.base.span import Source
+from tachk.engine.options import Engine, Options
+from tachk.formats.loading.load import load_model
+from tachk.verify.verify import verify
 
 MODEL = """
     int[0, 99] i, j, seen; int a[3];

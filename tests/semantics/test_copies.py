@@ -5,15 +5,16 @@ from __future__ import annotations
 import pytest
 
 import tachk
-from tachk.compiler.lower import lower
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.engines import reference, zone
-from tachk.engines.local_times import obstacle
-from tachk.engines.program_image import encode
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.local_times import obstacle
+from tachk.engine.program_image import encode
+from tachk.meaning.discrete import initial_discrete, prepare
+from tachk.meaning.repetition import sight
 from tachk.model.builder import NetworkBuilder, conditional, deadlock
 from tachk.model.fault import RuntimeErrorKind
-from tachk.semantics.discrete import initial_discrete, prepare
-from tachk.semantics.repetition import sight
+from tests.support.oracles import reference
 
 
 def test_a_copy_has_the_value_of_its_source_and_runs_on(reaches) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
-from tachk.loading.load import load_model
 
 MODEL = """
     typedef struct {{ int n; double d; bool b; }} s_t;

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import tachk
-from tachk import api
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.logic.observer.construction import NoObserver, build_observer
-from tachk.monitoring import compiler
-from tachk.runtime.monitor_program import MonitorProgram, part_of
-from tachk.runtime.node_signal import NodeSignal, Truth
-from tachk.runtime.verdict_explanation import Explainer
+from tachk.recordings.monitors import compiler
+from tachk.recordings.traces.monitor_program import MonitorProgram, part_of
+from tachk.recordings.traces.node_signal import NodeSignal, Truth
+from tachk.recordings.traces.verdict_explanation import Explainer
 from tachk.syntax.formula import Formula
 from tachk.syntax.formulas.parser import parse_formula
 

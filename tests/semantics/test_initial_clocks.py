@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.model.builder import NetworkBuilder
-from tachk.statistics.estimate import Estimated
+from tachk.simulation.statistics.estimate import Estimated
 
 BEGUN = """
 const int N = 2;

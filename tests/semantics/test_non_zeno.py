@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Extrapolation, Options
-from tachk.loading.load import load_model
-from tachk.properties.verdict import Answer, Verdict
-from tachk.semantics.timed_trace import Ending
+from tachk.api import model as api
+from tachk.base.span import Source
+from tachk.engine.options import Extrapolation, Options
+from tachk.formats.loading.load import load_model
+from tachk.model.run import Ending
+from tachk.verify.verdict import Answer, Verdict
 
 OPTIONS = (
     Options(),
@@ -156,7 +156,7 @@ def test_with_a_deadline_only_its_runs_count() -> None:
 
 def test_long_beats_decide_where_short_ones_take_too_many_states(monkeypatch: pytest.MonkeyPatch) -> None:
     model = process(WAITING.format(loop="{ guard x < 1; assign x = 0; }"))
-    monkeypatch.setattr("tachk.properties.liveness._SHORT_BEATS", 0)
+    monkeypatch.setattr("tachk.verify.liveness._SHORT_BEATS", 0)
     assert not holds(model, "A<> P.b")
     assert holds(process(WAITING.format(loop=";")), "A<> P.b")
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Engine, Extrapolation, LocalTimes, Options, SearchOrder
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.engine.options import Engine, Extrapolation, LocalTimes, Options, SearchOrder
+from tachk.formats.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
-from tachk.properties.fault_explanation import diagnostic_of
-from tachk.properties.verdict import Verdict
-from tachk.properties.verify import verify
+from tachk.verify.fault_explanation import diagnostic_of
+from tachk.verify.verdict import Verdict
+from tachk.verify.verify import verify
 
 
 def verdict(text: str, query: str) -> Verdict:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Extrapolation, Options
-from tachk.loading.load import load_model
-from tachk.properties.verdict import Answer
+from tachk.api import model as api
+from tachk.base.span import Source
+from tachk.engine.options import Extrapolation, Options
+from tachk.formats.loading.load import load_model
+from tachk.verify.verdict import Answer
 
 OPTIONS = (
     Options(),

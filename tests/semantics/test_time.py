@@ -6,15 +6,15 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.certify.replay import replay
-from tachk.compiler.lower import lower
-from tachk.engines import reference, zone
-from tachk.engines.exact.concretise import concretise
-from tachk.engines.oracles import digitised
-from tachk.engines.outcome import Status
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.exact.concretise import concretise
+from tachk.engine.outcome import Status
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import replay
+from tachk.meaning.step import StepError, deadlocked, delay, initial_state
 from tachk.model.builder import NetworkBuilder, deadlock
-from tachk.semantics.discrete import prepare
-from tachk.semantics.step import StepError, deadlocked, delay, initial_state
+from tests.support.oracles import digitised, reference
 
 
 def test_runs_start_in_the_initial_locations_with_initial_values_and_clocks_at_zero() -> None:

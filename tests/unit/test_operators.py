@@ -11,10 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from tachk import operators
-from tachk.diagnostics.span import Source
-from tachk.model.fault import RuntimeErrorKind
-from tachk.operators import (
+from tachk.base import operators
+from tachk.base.operators import (
     _ROWS,
     COMPARISONS,
     CONNECTIVES,
@@ -27,6 +25,8 @@ from tachk.operators import (
     UnaryOperator,
     wrapped,
 )
+from tachk.base.span import Source
+from tachk.model.fault import RuntimeErrorKind
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-import tachk.records
-from tachk.records import dataclass
+import tachk.base.records
+from tachk.base.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +110,8 @@ def test_the_signature_is_known_before_and_after_the_first_call() -> None:
 
 def test_a_method_is_compiled_once_and_when_it_is_called(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
-    compiled = tachk.records._compiled  # type: ignore[attr-defined]
-    monkeypatch.setattr(tachk.records, "_compiled", lambda *a: made.append(a[0].__name__) or compiled(*a))
+    compiled = tachk.base.records._compiled  # type: ignore[attr-defined]
+    monkeypatch.setattr(tachk.base.records, "_compiled", lambda *a: made.append(a[0].__name__) or compiled(*a))
 
     @dataclass(frozen=True, slots=True)
     class Late:

@@ -1,4 +1,4 @@
-// tachk._core.CoverSearch and ClosedSet; used through tachk.engines.cover and tachk.engines.closed_set.
+// tachk._core.CoverSearch and ClosedSet; used through tachk.engine.cover and tachk.engine.closed_set.
 #include "certificates.hpp"
 
 #include <nanobind/ndarray.h>

@@ -1,5 +1,5 @@
 // tachk._core.MonitorGroup: rows as Python has them, dictionaries of numbers or of arrays; used through
-// tachk.monitoring.online. And the times of a whole trace as ticks.
+// tachk.recordings.monitors.online. And the times of a whole trace as ticks.
 #include "group.hpp"
 
 #include <nanobind/ndarray.h>

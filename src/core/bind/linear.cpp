@@ -1,4 +1,4 @@
-// tachk._core.LinearMonitor; used through tachk.runtime.linear_monitor.
+// tachk._core.LinearMonitor; used through tachk.recordings.traces.linear_monitor.
 #include "linear.hpp"
 
 #include <nanobind/stl/optional.h>

@@ -37,7 +37,7 @@ using FaultTuple =
 
 using FailureTuple = std::tuple<tachk::FaultKind, int, tachk::Path>;
 
-// The members have the names of those in tachk.engines.options and tachk.model.fault; the numbers are nobody's
+// The members have the names of those in tachk.engine.options and tachk.model.fault; the numbers are nobody's
 // business.
 void bind_enumerations(nb::module_& m) {
   nb::enum_<tachk::SearchOrder>(m, "SearchOrder")
@@ -85,7 +85,7 @@ void give_back_memory() {
 #endif
 }
 
-// Each option of tachk.engines.options that is a field here is handed over, by its name.
+// Each option of tachk.engine.options that is a field here is handed over, by its name.
 void bind_options(nb::module_& m) {
   using tachk::Options;
   nb::class_<Options>(m, "Options")

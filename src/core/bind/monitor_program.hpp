@@ -1,4 +1,4 @@
-// Reads tachk.runtime.monitor_program.MonitorProgram, and columns as NumPy holds them.
+// Reads tachk.recordings.traces.monitor_program.MonitorProgram, and columns as NumPy holds them.
 #pragma once
 
 #include <nanobind/nanobind.h>

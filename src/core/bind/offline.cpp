@@ -1,4 +1,4 @@
-// tachk._core.OfflineTruth and OfflineRobustness; used through tachk.runtime.core_monitor.
+// tachk._core.OfflineTruth and OfflineRobustness; used through tachk.recordings.traces.core_monitor.
 #include "offline.hpp"
 
 #include <nanobind/stl/optional.h>

@@ -1,4 +1,4 @@
-// tachk._core.OnlineMonitor; used through tachk.runtime.online_monitor.
+// tachk._core.OnlineMonitor; used through tachk.recordings.traces.online_monitor.
 #include "online.hpp"
 
 #include <nanobind/ndarray.h>

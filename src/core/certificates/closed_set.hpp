@@ -5,7 +5,7 @@
 // the second one is not reached, for nothing has ranks then. If there is no second goal, the initial state has a rank.
 // Each state stands for all that exchanges of what is interchangeable in the program make of it: the union of these
 // sets is what is closed. The set is a proof only if each exchange maps the program and the goals onto themselves.
-// tachk.certify.closed_set is the same check in Python, which does without the compiler as well.
+// tachk.meaning.judge.closed_set is the same check in Python, which does without the compiler as well.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct Objection {
 };
 
 // Discrete states one behind the other, with the numbers of their zones among all that have been told, and new zones:
-// of each the matrix of bounds. Otherwise as tachk.certify.certificate.Columns.
+// of each the matrix of bounds. Otherwise as tachk.meaning.judge.certificate.Columns.
 struct Block {
   std::span<const std::int32_t> discretes;
   std::span<const std::int64_t> zones, ranks, shapes, bounds;

@@ -43,7 +43,7 @@ struct Chances {
   SlotSet flow_reads;                                          // what these rates depend on
 };
 
-// Reads the flat form that tachk.engines.simulation.simulator writes. Throws std::invalid_argument if the numbers do
+// Reads the flat form that tachk.engine.simulation.simulator writes. Throws std::invalid_argument if the numbers do
 // not fit the program.
 Chances decode_chances(std::span<const std::int64_t> image, const Program& program);
 

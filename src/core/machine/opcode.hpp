@@ -1,4 +1,4 @@
-// The numbers of src/tachk/compiler/bytecode.py (instructions) and src/tachk/model/fault.py (faults); a test compares
+// The numbers of src/tachk/engine/compiler/bytecode.py (instructions) and src/tachk/model/fault.py (faults); a test compares
 // them. What an instruction does is documented there.
 #pragma once
 

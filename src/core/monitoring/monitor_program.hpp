@@ -1,4 +1,4 @@
-// A formula made ready for monitoring: the C++ form of tachk.runtime.monitor_program.
+// A formula made ready for monitoring: the C++ form of tachk.recordings.traces.monitor_program.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A read-only mirror of tachk.compiler.program: what the names mean is documented there.
+// A read-only mirror of tachk.engine.compiler.program: what the names mean is documented there.
 #pragma once
 
 #include <cstdint>
@@ -240,7 +240,7 @@ Program without_idle_clocks(Program program);
 // The program with all times in the largest unit of which each is a multiple.
 Program in_largest_unit(Program program);
 
-// Reads the flat form that tachk.engines.program_image writes: the fields of the dataclasses in order, each sequence
+// Reads the flat form that tachk.engine.program_image writes: the fields of the dataclasses in order, each sequence
 // preceded by its length. Throws std::invalid_argument if the numbers do not make a program.
 Program decode_program(std::span<const std::int64_t> image);
 

@@ -1,5 +1,5 @@
 // How to search and when to give up. No option may change a verdict. The fields are those of the same names in
-// tachk.engines.options, where it is documented what each is for and which values it takes: nothing is checked here.
+// tachk.engine.options, where it is documented what each is for and which values it takes: nothing is checked here.
 #pragma once
 
 #include <cstdint>

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.diagnostics.suggestion import closest
-from tachk.exact_numbers import DIGITS
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.suggestion import closest
+from tachk.base.exact_numbers import DIGITS
 from tachk.model.grid import grid_of, set_by
 
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")

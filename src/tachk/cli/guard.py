@@ -6,10 +6,10 @@ import sys
 import traceback
 from collections.abc import Callable, Iterable
 
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+from tachk.base.time_limit import OutOfTimeError
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import wants_colour
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
-from tachk.time_limit import OutOfTimeError
 
 _DIAGNOSTICS_SHOWN = 20
 _NO_MEMORY = "the machine was out of memory before there was a result"
@@ -71,7 +71,7 @@ def complain(message: str, help: str | None = None) -> None:
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     """Prints diagnostics with their source lines, errors first where there are too many for all of them."""
-    from tachk.diagnostics.render import render
+    from tachk.base.diagnostics.render import render
 
     found = list(diagnostics)
     if len(found) > _DIAGNOSTICS_SHOWN:

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 
 import click
 
+from tachk.base.time_limit import time_limit
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
 from tachk.cli.reporting import ReportForm
-from tachk.time_limit import time_limit
 
 type_of_file = click.Path(path_type=Path)
 """A file to read or write. Whether it exists is for the command to say, which knows what was meant."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import socket
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.exact_numbers import is_whole
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import is_whole
 from tachk.xrce.messages import Endpoint
 
 

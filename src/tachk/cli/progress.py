@@ -7,8 +7,8 @@ import time
 from collections.abc import Sequence
 
 from tachk.cli.terminal import width_of
-from tachk.engines.outcome import Statistics
-from tachk.report.quantity import bytes_, grouped
+from tachk.engine.outcome import Statistics
+from tachk.model.quantity import bytes_, grouped
 
 _INTERVAL = 0.2
 _LONGEST_NAME = 30

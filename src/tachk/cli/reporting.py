@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 from pathlib import Path
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 
 class ReportForm(StrEnum):

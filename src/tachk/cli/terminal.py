@@ -9,7 +9,7 @@ import signal
 import sys
 from typing import IO, TYPE_CHECKING, NoReturn, TextIO, cast
 
-from tachk.exact_numbers import is_whole
+from tachk.base.exact_numbers import is_whole
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import click
 
 from tachk.cli.options import Choice, Count, Decorated
-from tachk.runtime.conventions import Interpolation
-from tachk.runtime.trace_files import FORMATS
+from tachk.recordings.traces.conventions import Interpolation
+from tachk.recordings.traces.trace_files import FORMATS
 
 
 def formula(function: Decorated) -> Decorated:

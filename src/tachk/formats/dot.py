@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tachk.base.time_limit import check_time
 from tachk.formats.network_text import expression_text, type_text
 from tachk.model.network import Edge, Location, Network, Process
-from tachk.time_limit import check_time
 
 
 def to_dot(network: Network) -> str:

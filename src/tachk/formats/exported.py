@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 if TYPE_CHECKING:
     from tachk.formats.plain.plain_model import Step

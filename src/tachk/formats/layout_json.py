@@ -12,8 +12,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source, Span
 from tachk.syntax.picture_layout import (
     EdgeKey,
     EdgeLayout,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.diagnostics.span import NOWHERE, Source, Span
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.span import NOWHERE, Source, Span
 from tachk.formats.network_text import expression_node, type_node
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.made_network import made_model
@@ -12,7 +13,6 @@ from tachk.model.expressions import Expression, LocationTest, Variable
 from tachk.model.network import DEFAULT_PRIORITY, Edge, Location, Network, Process
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType, Type, element_type
-from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
 AT = NOWHERE

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import NOWHERE
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.span import NOWHERE
 from tachk.model.expressions import (
     Aggregate,
     Assign,
@@ -26,7 +27,6 @@ from tachk.model.floating import FloatingOperation
 from tachk.model.floating_calls import constant_number
 from tachk.model.network import Network
 from tachk.model.types import BoolType, IntType, ScalarType, Type
-from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression, print_type
 

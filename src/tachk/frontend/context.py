@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import field
 
-from tachk.diagnostics.span import Span
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.frontend.findings import Findings
 from tachk.frontend.open_constants import OpenConstants
 from tachk.model.cell_layout import CellLayout, cell_bounds
@@ -26,7 +27,6 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.traversal import called_functions, roots, statement_expressions, walk
 from tachk.model.types import Type, cell_count, clock_count, leaves
-from tachk.records import dataclass
 
 _NO_CELLS = CellLayout({}, (), (), (), (), (), (), (), ())
 _INSIDE = (VariableKind.FRAME, VariableKind.BOUND)

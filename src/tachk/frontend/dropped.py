@@ -11,14 +11,14 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.dropped_fields import names_left_out_field, type_of_place
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.expressions.text_constants import text_value
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 
-from tachk.diagnostics.diagnostic import Label
-from tachk.diagnostics.span import Span
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import Label
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
@@ -22,7 +23,6 @@ from tachk.model.metas import keep_lasting
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
-from tachk.records import dataclass
 from tachk.syntax import ast
 
 

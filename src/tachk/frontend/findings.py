@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label, Severity, by_place
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label, Severity, by_place
+from tachk.base.span import Span
 
 
 class Findings:

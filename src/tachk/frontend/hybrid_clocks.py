@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
+from tachk.base.words import Direction
 from tachk.frontend.passed_arguments import passed_arguments
-from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
-from tachk.words import Direction
 
 _ARITHMETIC = (BinaryOperator.MULTIPLY, BinaryOperator.DIVIDE)
 _TRUTHS = (*COMPARISONS, BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR)

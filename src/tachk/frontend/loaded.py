@@ -6,8 +6,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
+from tachk.base.records import dataclass
+from tachk.base.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property
 from tachk.frontend.findings import Findings
@@ -21,7 +22,6 @@ from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
-from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Layout
 from tachk.syntax.query_files import parse_each_query

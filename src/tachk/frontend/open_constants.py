@@ -11,9 +11,9 @@ from collections.abc import Iterable
 from dataclasses import field
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.span import Span
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.model.expressions import Variable
-from tachk.records import dataclass
 
 if TYPE_CHECKING:
     from tachk.logic.bound_directions import Easier

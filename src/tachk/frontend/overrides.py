@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from tachk.diagnostics.diagnostic import Severity, UsageError
-from tachk.diagnostics.span import Source
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import Severity, UsageError
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.span import Source
 from tachk.frontend.findings import Findings
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from tachk.diagnostics.span import Span
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expressions
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 
-from tachk.diagnostics.diagnostic import Label
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import Label
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import is_integral
@@ -16,7 +17,6 @@ from tachk.model.network import Process
 from tachk.model.recording import RecordedModel, RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, ChannelType, element_type
 from tachk.syntax import ast
-from tachk.time_units import NANOSECONDS, length_of
 
 
 def elaborate_recording(

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import NOWHERE, Span
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
 from tachk.frontend.findings import Findings
 from tachk.model.expressions import Constant, Expression, Function, Reference
 from tachk.model.types import Type
-from tachk.records import dataclass
 from tachk.syntax import ast
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from tachk.operators import BinaryOperator, PrefixOperator
+from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import (
     Always,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax.formula import And, Formula, Implies, Not, Or, Truth
 
 

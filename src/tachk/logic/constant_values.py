@@ -6,8 +6,8 @@ import operator
 from collections.abc import Callable
 from fractions import Fraction
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.operators import BinaryOperator, PrefixOperator
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
 Evaluate = Callable[[ast.Expression], Fraction | int]

@@ -6,13 +6,13 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Label
+from tachk.base.time_units import length_of
 from tachk.logic.constant_values import Evaluate, value_of
 from tachk.syntax.formula import Duration, Formula, Interval
 from tachk.syntax.formulas.build import unknown_unit
 from tachk.syntax.formulas.printer import print_number
 from tachk.syntax.rewrite import rewrite
-from tachk.time_units import length_of
 
 
 def resolve(

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax.formula import (
     Always,
     And,

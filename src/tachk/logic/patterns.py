@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.logic.sentences import meaning
 from tachk.syntax.formula import Formula
 from tachk.syntax.sentences.parser import parse_sentence

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import assert_never
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.logic.connectives import both, conjuncts, either, implies, negation
 from tachk.syntax.formula import (
     Always,

@@ -27,7 +27,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax.formula import (
     Always,
     And,

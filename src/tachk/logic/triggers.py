@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.operators import BinaryOperator, PrefixOperator
+from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.chains import chain
 from tachk.syntax.formula import Always, And, Atom, Fall, Formula, Implies, Not, Once, Or, Rise

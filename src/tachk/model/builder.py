@@ -19,6 +19,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from tachk.base.operators import BinaryOperator, Group, UnaryOperator
+from tachk.base.words import Direction
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
     BOOL,
@@ -50,8 +52,6 @@ from tachk.model.types import (
     ScalarLike,
     Type,
 )
-from tachk.operators import BinaryOperator, Group, UnaryOperator
-from tachk.words import Direction
 
 
 class Term:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from tachk.base.records import dataclass
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
-from tachk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

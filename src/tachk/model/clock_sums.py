@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
 from tachk.model.expressions import Assign, Binary, Conditional, Expression, Field, Index, Reference
 from tachk.model.network import Network
 from tachk.model.traversal import walk, with_bodies
 from tachk.model.types import ClockType
-from tachk.operators import BinaryOperator
-from tachk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest, Unary
 from tachk.model.network import Network
-from tachk.operators import BinaryOperator, UnaryOperator
 
 
 def negation(condition: Expression) -> Expression:
-    """The condition under a ``not``, as it stands; `tachk.compiler.fold.negate` simplifies."""
+    """The condition under a ``not``, as it stands; `tachk.analysis.fold.negate` simplifies."""
     return Unary(UnaryOperator.NOT, condition, BOOL, condition.span)
 
 

@@ -12,7 +12,10 @@ from dataclasses import field
 from fractions import Fraction
 from typing import assert_never
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, wrapped
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.time_limit import check_time
 from tachk.model.cell_layout import CellLayout, cell_bounds, default_cells
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
@@ -59,9 +62,6 @@ from tachk.model.types import (
     cell_count,
     leaves,
 )
-from tachk.operators import COMPARISONS, BinaryOperator, OperandError, wrapped
-from tachk.records import dataclass
-from tachk.time_limit import check_time
 
 STEP_LIMIT = 2**24
 """Expressions and statements evaluated in one piece of code before the fault LOOP."""
@@ -105,7 +105,10 @@ def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
     after = {}
     for clock, (source, more) in second.items():
         before, advance = first.get(source, (source, 0))
-        after[clock] = before, advance + more if advance else more  # what is added may be unknown (`tachk.certify`)
+        after[clock] = (
+            before,
+            advance + more if advance else more,
+        )  # what is added may be unknown (`tachk.meaning.judge`)
     return after
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
 from tachk.model.expressions import Expression
-from tachk.records import dataclass
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

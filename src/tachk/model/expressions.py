@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from dataclasses import field
 from enum import StrEnum
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
 from tachk.model.floating import FloatingOperation, hybrid_offsets
 from tachk.model.types import BoolType, IntType, Type, cell_count
-from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.records import dataclass
 
 
 class VariableKind(StrEnum):

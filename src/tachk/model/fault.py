@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum, auto
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 
 
 class RuntimeErrorKind(Enum):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import NOWHERE, Span
 from tachk.model.expressions import (
     Aggregate,
     Block,
@@ -16,7 +17,6 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.floating import DOUBLE, FloatingOperation, halves, number_of
-from tachk.operators import BinaryOperator
 
 _NAMES = {
     FloatingOperation.NEGATE: "-",

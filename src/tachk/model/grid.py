@@ -9,9 +9,9 @@ from itertools import product
 from math import prod
 from operator import index
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.exact_numbers import DIGITS
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import DIGITS
+from tachk.base.records import dataclass
 
 _NUMBER = re.compile(rf"-?{DIGITS}")
 _RANGE = re.compile(rf"(-?{DIGITS})\s*\.\.\s*(-?{DIGITS})(?:\s*:\s*({DIGITS}))?")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from tachk.base.time_limit import check_time
+from tachk.base.words import Direction
 from tachk.model.expressions import (
     Assert,
     Assign,
@@ -32,8 +34,6 @@ from tachk.model.expressions import (
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import children, roots
 from tachk.model.types import RecordType, Type
-from tachk.time_limit import check_time
-from tachk.words import Direction
 
 Part = tuple[Variable, tuple[int | str, ...]]
 """A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""

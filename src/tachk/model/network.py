@@ -6,11 +6,11 @@ Its semantics is stated in docs/semantics.md.
 
 from __future__ import annotations
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
+from tachk.base.words import Direction
 from tachk.model.expressions import Expression, Variable
-from tachk.records import dataclass
-from tachk.words import Direction
 
 DEFAULT_PRIORITY = 0
 

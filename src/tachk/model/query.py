@@ -5,12 +5,12 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import assert_never
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
+from tachk.base.words import QueryKind
 from tachk.model.connectives import negation
 from tachk.model.expressions import Expression
 from tachk.model.network import Process
-from tachk.records import dataclass
-from tachk.words import QueryKind
 
 
 class Expectation(StrEnum):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
+from tachk.base.words import Direction
 from tachk.model.expressions import Constant, Expression, Variable
-from tachk.records import dataclass
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

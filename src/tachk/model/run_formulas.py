@@ -5,8 +5,8 @@ from __future__ import annotations
 from enum import StrEnum
 from fractions import Fraction
 
+from tachk.base.records import dataclass
 from tachk.model.expressions import Expression
-from tachk.records import dataclass
 
 
 class RunOperator(StrEnum):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import prod
 
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.model.network import Network
 from tachk.model.types import bounds
 

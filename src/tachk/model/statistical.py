@@ -5,11 +5,11 @@ from __future__ import annotations
 from enum import StrEnum
 from fractions import Fraction
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.run_formulas import RunFormula
-from tachk.records import dataclass
 
 
 class Scale(StrEnum):

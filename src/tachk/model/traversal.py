@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import attrgetter
 from typing import Any
 
+from tachk.base.operators import COMPARISONS
+from tachk.base.time_limit import check_time
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -39,8 +41,6 @@ from tachk.model.floating import hybrid_offsets
 from tachk.model.network import Process
 from tachk.model.remembered import by_part
 from tachk.model.types import ArrayType, ClockType, RecordType, Type
-from tachk.operators import COMPARISONS
-from tachk.time_limit import check_time
 
 _CHILDREN: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
     **dict.fromkeys((Constant, Reference, LocationTest, Deadlock), lambda _: ()),

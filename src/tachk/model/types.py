@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import field
 from typing import TypeGuard
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 DEFAULT_INT_LOW, DEFAULT_INT_HIGH = -32768, 32767
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.patches import Patch
 
-from tachk.properties.verdict import Answer
+from tachk.verify.verdict import Answer
 
 _FACE = {Answer.HOLDS: "#5a9367", Answer.FAILS: "#ffffff", Answer.UNKNOWN: "#e4e4e4"}
 _INK = {Answer.HOLDS: "#3d6b48", Answer.FAILS: "#a4161a", Answer.UNKNOWN: "#777777"}

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from io import StringIO
 from typing import TYPE_CHECKING, Any, overload
 
-from tachk.diagnostics.suggestion import unknown_key
-from tachk.properties.verdict import Verdict
-from tachk.records import dataclass
+from tachk.base.diagnostics.suggestion import unknown_key
+from tachk.base.records import dataclass
 from tachk.report.record import RunRecord
+from tachk.verify.verdict import Verdict
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
     from tachk.report.page.content import Page
     from tachk.report.run.told_run import Run
-    from tachk.statistics.answers import StatisticalAnswer
+    from tachk.simulation.statistics.answers import StatisticalAnswer
 
 
 @dataclass(frozen=True, slots=True)

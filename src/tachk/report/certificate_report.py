@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from tachk.certify.certificate import CertificateReader, Objection, zone_at
-from tachk.engines.exchanged import members_in_words
+from tachk.base.records import dataclass
+from tachk.base.words import QueryKind
+from tachk.engine.exchanged import members_in_words
+from tachk.meaning.dbm import Zone
+from tachk.meaning.judge.certificate import CertificateReader, Objection, zone_at
+from tachk.meaning.run_view import Names
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.certificates import Checker
-from tachk.properties.observed import observed
-from tachk.records import dataclass
 from tachk.report.reductions_text import for_all
-from tachk.report.run.trace_view import Names
 from tachk.report.run.zone_view import ZoneState, constraint_texts, event_text
-from tachk.semantics.dbm import Zone
-from tachk.words import QueryKind
+from tachk.transform.observed import observed
+from tachk.verify.certificates import Checker
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import tachk
-from tachk.diagnostics.codes.all_codes import CODES
-from tachk.diagnostics.diagnostic import Diagnostic, Severity
-from tachk.diagnostics.render_json import diagnostic_to_json
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.codes.all_codes import CODES
+from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.span import Span
 
 if TYPE_CHECKING:
     from tachk.model.network import Network
-    from tachk.properties.deep.findings import DeepCheck
+    from tachk.verify.semantic_lint.findings import DeepCheck
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,14 @@ from typing import Any, TextIO
 
 from rich.console import Console
 
-from tachk.diagnostics.render_json import diagnostic_to_json
+from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.meaning.run_view import view_trace
 from tachk.model.network import Network
-from tachk.properties.deep.findings import DeepCheck, Part
+from tachk.model.quantity import duration, grouped, seconds
 from tachk.report.json_report import statistics_to_json, trace_to_json
-from tachk.report.quantity import duration, grouped, seconds
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_text import print_trace
-from tachk.report.run.trace_view import view_trace
+from tachk.verify.semantic_lint.findings import DeepCheck, Part
 
 _ENDS = Ends(4, 8)
 """Of a longer run only so many steps are told."""

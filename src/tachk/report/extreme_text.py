@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
+from tachk.model.quantity import duration
 from tachk.model.types import ClockType
-from tachk.properties.verdict import Extreme, Extremes, Verdict
-from tachk.report.quantity import duration
+from tachk.verify.verdict import Extreme, Extremes, Verdict
 
 
 def value_lines(verdict: Verdict, time_unit: str) -> Iterator[str]:

@@ -10,7 +10,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
 
 FORMATS = (".svg", ".png", ".pdf")
 

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
+from tachk.base.resources import template_text
+from tachk.model.quantity import grouped, seconds
 from tachk.report.extreme_text import answer_text
-from tachk.report.quantity import grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.text_report import evidence_text
-from tachk.resources import template_text
 
 if TYPE_CHECKING:
-    from tachk.statistics.answers import StatisticalAnswer
+    from tachk.simulation.statistics.answers import StatisticalAnswer
 
 _COLOURS = {"holds": "green", "fails": "firebrick", "unknown": "darkorange"}
 

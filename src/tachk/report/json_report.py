@@ -6,17 +6,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from tachk.diagnostics.diagnostic import Diagnostic, Severity
-from tachk.diagnostics.render_json import diagnostic_to_json
-from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.outcome import RunTimeFault, Statistics
+from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.span import NOWHERE, Span
+from tachk.base.words import Direction
+from tachk.engine.outcome import RunTimeFault, Statistics
+from tachk.meaning.run_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
 from tachk.model.network import Network
-from tachk.properties.fault_explanation import diagnostic_of
-from tachk.properties.verdict import Extreme, Extremes, Verdict
+from tachk.model.run import Due
 from tachk.report.record import NotRead, RunRecord
-from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
-from tachk.semantics.timed_trace import Due
-from tachk.words import Direction
+from tachk.verify.fault_explanation import diagnostic_of
+from tachk.verify.verdict import Extreme, Extremes, Verdict
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 

@@ -7,15 +7,15 @@ from collections.abc import Iterable
 from io import StringIO
 from xml.etree import ElementTree
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.render import render
-from tachk.properties.verdict import Answer, Verdict
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.render import render
+from tachk.meaning.run_view import view_trace
 from tachk.report.extreme_text import value_lines
 from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_text import print_trace
-from tachk.report.run.trace_view import view_trace
 from tachk.report.text_report import print_fault
+from tachk.verify.verdict import Answer, Verdict
 
 _NUMBERED = re.compile(r"q\d+")
 """The names of queries that have no name of their own."""

@@ -7,14 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.drawing.layout_completion import complete
-from tachk.drawing.svg import Picture, draw_template, together
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.formats.layout.completion import complete
 from tachk.formats.layout_json import read_layout_beside
+from tachk.formats.loading.imports import Importer
+from tachk.formats.loading.model_files import read_model
 from tachk.frontend.findings import Findings
 from tachk.frontend.overrides import constant_overrides
-from tachk.loading.imports import Importer
-from tachk.loading.model_files import read_model
+from tachk.report.drawing.svg import Picture, draw_template, together
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import EdgeKey, Layout, keyed_edges
 from tachk.syntax.rewrite import rewrite

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import field
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.options import Limits, Options
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
+from tachk.engine.options import Limits, Options
 from tachk.model.network import Network
-from tachk.properties.verdict import Verdict
-from tachk.records import dataclass
+from tachk.verify.verdict import Verdict
 
 if TYPE_CHECKING:
-    from tachk.statistics.answers import StatisticalAnswer
+    from tachk.simulation.statistics.answers import StatisticalAnswer
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tachk.engines.outcome import Statistics
-from tachk.properties.verdict import Verdict
+from tachk.engine.outcome import Statistics
+from tachk.verify.verdict import Verdict
 
 
 def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:

@@ -12,27 +12,27 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.render import render
-from tachk.engines.outcome import RunTimeFault
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.render import render
+from tachk.base.words import QueryKind
+from tachk.engine.outcome import RunTimeFault
+from tachk.meaning.run_view import view_event, view_path, view_trace
 from tachk.model.network import Network
+from tachk.model.quantity import bytes_, duration, grouped, seconds
 from tachk.model.query import Observer, Query
-from tachk.properties.fault_explanation import diagnostic_of
-from tachk.properties.verdict import Answer, Verdict
+from tachk.model.run import Due, Ending, TimedTrace
 from tachk.report.extreme_text import answer_text, value_lines, value_shown
 from tachk.report.plain_console import plain_console
-from tachk.report.quantity import bytes_, duration, grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.reductions_text import reduction_lines
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_summary import news_line
 from tachk.report.run.trace_text import event_lines, print_trace
-from tachk.report.run.trace_view import view_event, view_path, view_trace
-from tachk.semantics.timed_trace import Due, Ending, TimedTrace
-from tachk.words import QueryKind
+from tachk.verify.fault_explanation import diagnostic_of
+from tachk.verify.verdict import Answer, Verdict
 
 if TYPE_CHECKING:
-    from tachk.statistics.answers import StatisticalAnswer
+    from tachk.simulation.statistics.answers import StatisticalAnswer
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)

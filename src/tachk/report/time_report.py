@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
+from tachk.base.records import dataclass
+from tachk.meaning.run_view import view_trace
 from tachk.model.network import Network
-from tachk.properties.times import Times
-from tachk.properties.verdict import Extreme
-from tachk.records import dataclass
+from tachk.model.quantity import duration
 from tachk.report.json_report import trace_to_json
 from tachk.report.plain_console import plain_console
-from tachk.report.quantity import duration
 from tachk.report.run.trace_text import print_trace
-from tachk.report.run.trace_view import view_trace
+from tachk.verify.times import Times
+from tachk.verify.verdict import Extreme
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json

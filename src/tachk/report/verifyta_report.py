@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, assert_never
 
-from tachk.diagnostics.span import Span
-from tachk.engines.options import SearchOrder
-from tachk.properties.verdict import Answer, Verdict
+from tachk.base.span import Span
+from tachk.engine.options import SearchOrder
+from tachk.model.run import Ending, TimedTrace
 from tachk.report.extreme_text import verifyta_values
 from tachk.report.record import NotChecked, RunRecord
 from tachk.report.verifyta_notes import harmless, memory_lines, note
-from tachk.semantics.timed_trace import Ending, TimedTrace
+from tachk.verify.verdict import Answer, Verdict
 
 if TYPE_CHECKING:
-    from tachk.statistics.answers import StatisticalAnswer
+    from tachk.simulation.statistics.answers import StatisticalAnswer
 
 _ORDERS = {
     SearchOrder.AUTO: "breadth first",

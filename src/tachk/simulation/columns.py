@@ -6,8 +6,9 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
 from tachk.model.expressions import Constant, Expression, Field, Index, LocationTest, Reference
 from tachk.model.floating import DOUBLE, contains_double, value_type
 from tachk.model.network import Network
@@ -23,7 +24,6 @@ from tachk.model.types import (
     cell_count,
     leaves,
 )
-from tachk.records import dataclass
 
 _LOCATION = re.compile(r"(?P<process>.+)\.(?P<location>[A-Za-z_]\w*)")
 

@@ -10,9 +10,9 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.engines.simulation.simulator import Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import Drawing, Ending, Recorded
 from tachk.model.network import Network
-from tachk.runtime.trace import Trace
+from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs

@@ -14,8 +14,11 @@ from fractions import Fraction
 from functools import reduce
 from math import inf, lcm
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.exact_numbers import DIGITS, is_whole
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import DIGITS, is_whole
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -33,9 +36,6 @@ from tachk.model.expressions import (
 from tachk.model.floating import DOUBLE, halves
 from tachk.model.network import Branching, Edge, Network, Process
 from tachk.model.types import IntType, leaves
-from tachk.operators import BinaryOperator
-from tachk.records import dataclass
-from tachk.words import Direction
 
 _LARGEST = 2**31 - 1
 _NOW = "now"

@@ -7,17 +7,17 @@ from fractions import Fraction
 
 import numpy as np
 
-from tachk.compiler.features import check_simulated
-from tachk.compiler.lower import lower_simulation
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import Drawing, Numbers, Recorded, Simulated, Simulator
-from tachk.exact_numbers import is_whole
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import is_whole
+from tachk.base.time_limit import check_time
+from tachk.base.time_units import NANOSECONDS, length_of
+from tachk.engine.compiler.features import check_simulated
+from tachk.engine.compiler.lower import lower_simulation
+from tachk.engine.simulation.simulator import Drawing, Numbers, Recorded, Simulated, Simulator
 from tachk.model.network import Network
-from tachk.runtime.trace import LARGEST_TICK, Trace, Values
-from tachk.semantics.timed_trace import Transition
+from tachk.model.run import Transition
+from tachk.recordings.traces.trace import LARGEST_TICK, Trace, Values
 from tachk.simulation.columns import Column, observed
-from tachk.time_limit import check_time
-from tachk.time_units import NANOSECONDS, length_of
 
 _NOTHING = Recorded()
 _BATCH, _LONG_BATCH = 64, 1024

@@ -12,9 +12,9 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.trace import LARGEST_TICK, Trace
-from tachk.time_units import NANOSECONDS
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.time_units import NANOSECONDS
+from tachk.recordings.traces.trace import LARGEST_TICK, Trace
 
 RUN = "{run}"
 """Stands for the number of the run in the name of a file for each run."""

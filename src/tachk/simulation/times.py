@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import LATEST_END, Horizon, horizon
-from tachk.exact_numbers import exact_number
-from tachk.time_units import NANOSECONDS, length_of
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import exact_number
+from tachk.base.time_units import NANOSECONDS, length_of
+from tachk.engine.simulation.simulator import LATEST_END, Horizon, horizon
 
 
 def horizon_of(written: str, time_unit: str, name: str = "--until") -> Horizon:

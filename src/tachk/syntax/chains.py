@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeGuard
 
-from tachk.diagnostics.span import Span
-from tachk.operators import BinaryOperator
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.syntax import ast
 
 LONGEST_FROM_LEFT = 32

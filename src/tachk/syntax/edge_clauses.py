@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Any
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.syntax import ast
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.diagnostics.span import Span
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.syntax.ast.expressions import Expression
 from tachk.syntax.ast.nodes import Node
 

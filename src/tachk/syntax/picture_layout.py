@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
 from typing import NamedTuple
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import re
 from dataclasses import field, replace
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source, Span
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.records import dataclass
+from tachk.base.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_query
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax import ast
 
 N = TypeVar("N")

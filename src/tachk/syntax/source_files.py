@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import re
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.span import Source, Span
 
 LARGEST_FILE = 8 * 1024 * 1024
 """Bytes. The largest public model has less than two megabytes."""

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.packets import Numbers, Octets, Packets
 
 Flags = NDArray[np.bool_]

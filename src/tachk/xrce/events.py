@@ -7,7 +7,7 @@ from typing import BinaryIO, Final
 
 from construct import Container
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.reading import CaptureReading

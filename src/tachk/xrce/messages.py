@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.datagrams import TCP, Datagrams, Flags
 from tachk.xrce.packets import Numbers, Octets

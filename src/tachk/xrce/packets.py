@@ -13,7 +13,7 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 Octets = NDArray[np.uint8]
 Numbers = NDArray[np.int64]

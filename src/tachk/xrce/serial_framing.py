@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 _BEGIN: Final = 0x7E
 _ESCAPE: Final = 0x7D

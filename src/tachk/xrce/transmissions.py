@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.datagrams import Datagrams, datagrams
 from tachk.xrce.events import DEFAULT_PORT, Event, events
 from tachk.xrce.messages import Endpoint

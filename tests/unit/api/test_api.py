@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 import tachk
-from tachk.statistics.estimate import Estimated
+from tachk.simulation.statistics.estimate import Estimated
 
 MODELS = Path(__file__).parents[3] / "models"
 SCHEMA = json.loads((Path(__file__).parents[3] / "docs/schema/verify.schema.json").read_text(encoding="utf-8"))

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
-from tachk.diagnostics.diagnostic import UsageError
 
 
 def test_existing_files_are_models_and_formulas_are_queries(tmp_path: Path) -> None:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.actions.draw import run_draw
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.drawing.placement.template import place_template
+from tachk.formats.layout.placement.template import place_template
 from tachk.formats.layout_json import layout_path, layout_to_json
 from tachk.report.pictures import draw, draw_file
 from tachk.syntax import ast

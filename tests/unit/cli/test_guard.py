@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
+from tachk.base.span import Source, Span
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
-from tachk.diagnostics.span import Source, Span
 
 FINDING = Diagnostic("E0101", "something is odd", Span(Source("m.ta", "chan c\n"), 0, 4))
 REFUSED = Diagnostic("E0750", "floating point is refused", FINDING.span)

@@ -10,22 +10,22 @@ from pathlib import Path
 import click
 import pytest
 
-from tachk import time_limit as module
+from tachk.base import time_limit as module
+from tachk.base.span import Source
+from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app, load_command
 from tachk.cli.reporting import ReportForm
-from tachk.diagnostics.span import Source
-from tachk.drawing.placement.template import place_template
 from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.layout.placement.template import place_template
+from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.templates import instances
-from tachk.loading.load import load_model
-from tachk.monitoring.formulas import read_formulas
-from tachk.monitoring.offline import judge
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.monitors.formulas import read_formulas
+from tachk.recordings.monitors.offline import judge
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.syntax import ast
-from tachk.time_limit import OutOfTimeError, time_limit
 
 MODEL = """
 int n;

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.actions.models import run_copy, run_list
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
 
 
 def test_systems_are_listed_and_parts_are_not(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,16 +9,16 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from tachk.base.diagnostics.diagnostic import InputError
 from tachk.cli.actions import monitor_online
 from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
-from tachk.diagnostics.diagnostic import InputError
-from tachk.monitoring.offline import Judging
-from tachk.runtime.conventions import Ending
-from tachk.runtime.node_signal import Truth
+from tachk.recordings.monitors.offline import Judging
+from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.node_signal import Truth
 
 TEXT = "time [s],p,q\n0,0,0\n1,1,0\n2,0,0\n9,0,0\n20,0,1\n"
 

@@ -9,11 +9,11 @@ import pytest
 
 from tachk.cli.main import COMMANDS, app
 from tachk.cli.options import distributed
-from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.catalogue import SUFFIXES, ExportFormat
 from tachk.formats.uppaal.versions import Version
-from tachk.runtime.conventions import Ending, Interpolation
-from tachk.runtime.trace_files import FORMATS
+from tachk.recordings.traces.conventions import Ending, Interpolation
+from tachk.recordings.traces.trace_files import FORMATS
 
 
 def command(name: str) -> click.Command:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from tachk.cli import progress
-from tachk.engines.outcome import Statistics
+from tachk.engine.outcome import Statistics
 
 
 def test_line_tells_the_rate_since_the_last_one(

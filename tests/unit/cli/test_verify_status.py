@@ -9,7 +9,7 @@ import pytest
 from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import Asked, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.engines.options import Limits
+from tachk.engine.options import Limits
 
 QUIET = RunReporting(quiet=True)
 MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } location B; } system P;"

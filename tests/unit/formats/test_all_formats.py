@@ -8,17 +8,17 @@ from random import Random
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Source
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.dot import to_dot
 from tachk.formats.exported import Writing
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
 from tachk.formats.tchecker.writer import to_tchecker
 from tachk.formats.uppaal.intermediate import network_to_intermediate
-from tachk.loading.load import load_model
-from tachk.testing.networks import random_case
+from tachk.model.random_networks import random_case
 
 MODELS = Path(__file__).parents[3] / "models"
 SHIPPED = [*sorted(MODELS.glob("classics/*.ta")), MODELS / "micro_xrce_dds" / "publication.ta"]

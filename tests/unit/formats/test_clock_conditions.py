@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.span import Source
+from tachk.api import model as api
+from tachk.base.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.exported import Writing
+from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
-from tachk.loading.load import load_model
 from tachk.syntax.printing.expression_printer import print_expression
 
 DECLARATIONS = """\

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.formats.difference import difference, print_difference
+from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand, expand_document
 from tachk.formats.plain.plain_model import PlainModel
-from tachk.loading.load import load_model
 from tachk.syntax.parsing.parser import parse_document
 
 MODEL = """\

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.formats.dot import to_dot
-from tachk.loading.load import load_model
+from tachk.formats.loading.load import load_model
 
 MODEL = """\
 chan c[2];

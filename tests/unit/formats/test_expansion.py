@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import operators
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Source
+from tachk.base import operators
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_to_json
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.xta import print_xta
 from tachk.frontend.loaded import LoadedModel
-from tachk.loading.load import load_model
-from tachk.operators import BinaryOperator
 from tachk.syntax.query_files import parse_queries
 
 

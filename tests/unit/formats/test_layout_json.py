@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
 from tachk.formats.layout_json import layout_from_json, layout_path, layout_to_json, read_layout_beside
 from tachk.syntax.picture_layout import (
     EdgeKey,

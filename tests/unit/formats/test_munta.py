@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tachk import api
-from tachk.certify.certificate import Block
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Source
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.munta.certificate import certificate_of
-from tachk.formats.munta.proof import MuntaProof, munta_proof
 from tachk.formats.munta.weakened import weakened
 from tachk.formats.munta.writer import MuntaModel, to_munta
-from tachk.loading.load import load_model
+from tachk.meaning.judge.certificate import Block
+from tachk.verify.munta_proof import MuntaProof, munta_proof
 from tests.differential.munta_reading import Reading
 
 LIFT = """\

@@ -10,12 +10,12 @@ import jsonschema
 import pytest
 from hypothesis import given, settings
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
-from tachk.loading.load import load_model
 from tachk.model.network import Network
-from tachk.testing.networks import Case, Shape, cases, random_case
+from tachk.model.random_networks import Case, Shape, cases, random_case
 
 ROOT = Path(__file__).parents[3]
 SCHEMA = json.loads((ROOT / "docs/schema/network.schema.json").read_text(encoding="utf-8"))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.exported import Exported, Writing
-from tachk.loading.load import load_model
-from tachk.properties.verify import verify
+from tachk.formats.loading.load import load_model
+from tachk.verify.verify import verify
 
 MODEL = """
 typedef int[0, 1] id_t;

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.codes.all_codes import CODES
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.codes.all_codes import CODES
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
 from tachk.formats.uppaal.xta import print_xta
-from tachk.loading.load import load_model
 
 PLAIN = "process P() { state a; init a; }\nsystem P;"
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits, Options
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.span import Source
+from tachk.engine.options import Limits, Options
+from tachk.formats.loading.load import load_model
 from tachk.formats.tchecker.writer import TCheckerModel, to_tchecker
-from tachk.loading.load import load_model
 
 
 def export(text: str) -> TCheckerModel:

@@ -7,11 +7,11 @@ from random import Random
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.tchecker.reader import parse_tchecker
-from tachk.loading.load import load_model
 from tachk.syntax.printing.printer import print_document
 from tachk.syntax.source_files import is_tchecker
 

@@ -11,20 +11,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tachk
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits
+from tachk.base.span import Source
+from tachk.engine.options import Limits
 from tachk.formats.layout_json import layout_from_json, layout_to_json
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import same_network
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.writer import print_uppaal
 from tachk.frontend.loaded import LoadedModel
-from tachk.loading.load import load_model
-from tachk.properties.verify import verify
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.picture_layout import EdgeKey, Layout, Point, TemplateLayout
 from tachk.syntax.printing.canonical import canonical
 from tachk.syntax.printing.printer import print_document
+from tachk.verify.verify import verify
 
 
 def load(text: str, name: str = "m") -> LoadedModel:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.render import render
-from tachk.diagnostics.render_json import diagnostic_to_json
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.diagnostics.render import render
+from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.span import Source
 from tachk.formats.uppaal.reader import XmlModel, parse_uppaal_xml
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import EdgeKey, Point

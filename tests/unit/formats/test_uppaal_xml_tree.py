@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source
 from tachk.formats.uppaal.xml_tree import DEEPEST, parse_xml
 
 

@@ -14,22 +14,22 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.base.words import QueryKind
+from tachk.engine.options import Limits
+from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr
-from tachk.loading.load import load_model
+from tachk.meaning.dbm import contains
+from tachk.meaning.zones_of_run import zones_of_run
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.verify import verify
-from tachk.semantics.dbm import contains
-from tachk.semantics.timed_trace import TimedTrace
-from tachk.semantics.zones_of_run import zones_of_run
-from tachk.testing.networks import Shape, random_case
-from tachk.words import QueryKind
+from tachk.model.random_networks import Shape, random_case
+from tachk.model.run import TimedTrace
+from tachk.verify.verify import verify
 
 MODEL = """\
 const int N = 2;

@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import pytest
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
-from tachk.loading.load import load_model
 
 
 def complete(text: str) -> str:

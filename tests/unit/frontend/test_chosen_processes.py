@@ -6,8 +6,8 @@ import pytest
 
 import tachk
 from tachk.model.fault import RuntimeErrorKind
-from tachk.properties.verdict import Answer
-from tachk.statistics.estimate import Drawn, Estimated, Mean
+from tachk.simulation.statistics.estimate import Drawn, Estimated, Mean
+from tachk.verify.verdict import Answer
 
 MODEL = """
 typedef int[1, 3] id_t;

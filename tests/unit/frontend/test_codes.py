@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.codes.deep_codes import DEEP_CODES
-from tachk.diagnostics.codes.model_codes import MODEL_CODES
-from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
-from tachk.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.codes.deep_codes import DEEP_CODES
+from tachk.base.diagnostics.codes.model_codes import MODEL_CODES
+from tachk.base.diagnostics.codes.observer_codes import OBSERVER_CODES
+from tachk.base.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 
 TACHK = Path(__file__).resolve().parents[3] / "src" / "tachk"
 

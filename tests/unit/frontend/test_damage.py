@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 
 
 def messages(text: str) -> list[str]:

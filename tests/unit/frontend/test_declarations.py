@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
+from tachk.base.diagnostics.diagnostic import InputError
 from tachk.model.cell_layout import cell_layout
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType, RecordType, ScalarType
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
-from tachk.testing.queries import elaborate_queries
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
+from tests.support.queries import elaborate_queries
 
 MODEL = """
 %s

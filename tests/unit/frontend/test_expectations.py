@@ -7,17 +7,17 @@ from typing import Any
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.writer import print_uppaal
 from tachk.frontend.loaded import LoadedModel
-from tachk.loading.load import load_model
 from tachk.model.query import Expectation
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.printing.printer import print_document
-from tachk.testing.queries import elaborate_queries
+from tests.support.queries import elaborate_queries
 
 MODEL = """\
 const int WAIT = 9;

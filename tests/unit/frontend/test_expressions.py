@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import ClockChanges, Environment, evaluate, execute

@@ -7,12 +7,12 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base.span import Source
 from tachk.cli.main import app
-from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
 from tachk.formats.network_text import expression_text
-from tachk.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
 
 MODEL = """

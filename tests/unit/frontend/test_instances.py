@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import tachk
-from tachk.diagnostics.diagnostic import InputError
+from tachk.base.diagnostics.diagnostic import InputError
 from tachk.model.expressions import Constant, Index, Reference
 
 TEMPLATE = """

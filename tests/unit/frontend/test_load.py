@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 
 PROCESS = "process P() { state s; init s; }\n"
 

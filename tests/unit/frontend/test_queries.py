@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.base.words import QueryKind
+from tachk.formats.loading.load import load_model
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest
 from tachk.model.query import Expectation
-from tachk.testing.queries import elaborate_queries
-from tachk.words import QueryKind
+from tests.support.queries import elaborate_queries
 
 MODEL = """
 typedef int[0,2] id_t;
@@ -193,7 +193,7 @@ def test_the_inside_of_a_process_is_hidden_from_the_model(find: Any) -> None:
 
 
 def test_nested_quantifiers_over_processes_are_bounded(load: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tachk.loading.load.INSTANCES", 1000)
+    monkeypatch.setattr("tachk.formats.loading.load.INSTANCES", 1000)
     loaded = load("process T(int[0,1] k) { state s; init s; }\nsystem T;")
     shallow = "".join(f"forall (i{j} : int[0,0]) " for j in range(200))
     deep = "".join(f"forall (i{j} : int[0,1]) " for j in range(30))

@@ -8,15 +8,15 @@ from typing import Any
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.base.span import Source
 from tachk.cli.actions.check import run_check
 from tachk.cli.actions.convert import run_convert
 from tachk.cli.actions.verify import Asked, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
-from tachk.loading.load import load_model
-from tachk.testing.queries import elaborate_queries
+from tachk.formats.loading.load import load_model
+from tests.support.queries import elaborate_queries
 
 MODEL = """int n;
 const int N = 3;

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.diagnostics.span import Source
+from tachk.base.resources import data_root
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import same_network
 from tachk.frontend.loaded import LoadedModel
-from tachk.loading.load import load_model
-from tachk.resources import data_root
 from tachk.syntax.printing.printer import print_document
 
 SYSTEMS = [

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 import tachk
+from tachk.base.words import Direction
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.types import ArrayType, IntType, RecordType
-from tachk.words import Direction
 
 
 def process(model: Any) -> Any:

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.frontend.unused_names import unused_names
-from tachk.loading.load import load_model
 
 P = "process P() { init location a; }\nsystem P;"
 

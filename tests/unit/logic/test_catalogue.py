@@ -13,8 +13,8 @@ from tachk.logic.durations import resolve
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.logic.patterns import CATALOGUE, Pattern, patterns
 from tachk.syntax.formula import Formula
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.exact_trace import ExactTrace, Scalar
+from tests.support.exact_monitor import verdict
+from tests.support.exact_trace import ExactTrace, Scalar
 
 DOCS = Path(__file__).parents[3] / "docs"
 PAGE = SimpleNamespace(**runpy.run_path(str(DOCS / "sentence_pictures.py")))

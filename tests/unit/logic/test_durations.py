@@ -6,12 +6,12 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.time_units import length_of
 from tachk.logic.durations import resolve
 from tachk.syntax import ast
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.tricky import read_formula
-from tachk.time_units import length_of
+from tests.support.tricky import read_formula
 
 
 def evaluate(expression: ast.Expression) -> int:

@@ -8,7 +8,7 @@ import pytest
 
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
-from tachk.testing.tricky import read_formula
+from tests.support.tricky import read_formula
 
 
 @pytest.mark.parametrize(

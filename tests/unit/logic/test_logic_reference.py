@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.syntax.formulas.parser import parse_formula
 
 DOCUMENT = (Path(__file__).resolve().parents[3] / "docs" / "logic.md").read_text("utf-8")

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.logic.durations import resolve
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.syntax import ast

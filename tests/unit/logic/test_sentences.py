@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.logic.patterns import patterns
 from tachk.logic.sentences import meaning
 from tachk.syntax.formula import Formula
@@ -16,8 +16,8 @@ from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.sentences.parser import parse_sentence
 from tachk.syntax.sentences.printer import print_sentence
-from tachk.testing.exact_monitor import verdict
-from tachk.testing.exact_trace import ExactTrace, pulses
+from tests.support.exact_monitor import verdict
+from tests.support.exact_trace import ExactTrace, pulses
 
 Runs = list[tuple[int, int]]
 

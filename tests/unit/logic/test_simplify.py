@@ -6,7 +6,7 @@ import pytest
 
 from tachk.logic.simplify import simplify
 from tachk.syntax.formulas.printer import print_formula
-from tachk.testing.tricky import read_formula
+from tests.support.tricky import read_formula
 
 
 @pytest.mark.parametrize(

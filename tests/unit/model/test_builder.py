@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from tachk.base.words import Direction
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import Binary, QuantifierKind, Reference, VariableKind
 from tachk.model.types import ArrayType, ClockType, IntType, RecordType
-from tachk.words import Direction
 
 
 def value_of(network: NetworkBuilder, term: Term) -> int:

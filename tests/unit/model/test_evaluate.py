@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import pytest
 
+from tachk.base.operators import BinaryOperator
 from tachk.model import evaluate as ev
 from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import (
@@ -41,7 +42,6 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network, Process
 from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, VoidType
-from tachk.operators import BinaryOperator
 
 SMALL = IntType(0, 5)
 PAIR = RecordType("pair", (("a", INT), ("b", SMALL)))

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.compiler.lower import lower
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
+from tachk.engine.compiler.lower import lower
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_document import network_document
 from tachk.formats.network_json.network import network_from_json, network_to_json
-from tachk.loading.load import load_model
 from tachk.model.cell_layout import cell_layout
 from tachk.syntax.printing.printer import print_document
 

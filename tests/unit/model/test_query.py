@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from tachk.base.operators import UnaryOperator
+from tachk.base.words import QueryKind
 from tachk.model.expressions import Constant, Unary
 from tachk.model.query import Query
-from tachk.operators import UnaryOperator
-from tachk.words import QueryKind
 
 PREDICATE = Constant(1)
 

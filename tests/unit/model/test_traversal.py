@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tachk.base.operators import BinaryOperator
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -36,7 +37,6 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ArrayType, ClockType, VoidType
-from tachk.operators import BinaryOperator
 
 
 def variable(name: str, reference: bool = False) -> Variable:

@@ -6,8 +6,8 @@ import pytest
 
 import tachk
 from tachk import Limits, Options
-from tachk.properties import reachability
-from tachk.reduction.symmetry.asked_of_all import MOST_IMAGES, asked_of_all
+from tachk.engine.symmetry.asked_of_all import MOST_IMAGES, asked_of_all
+from tachk.verify import reachability
 
 
 @pytest.fixture(autouse=True)

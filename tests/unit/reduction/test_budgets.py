@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.span import Source
-from tachk.loading.load import load_model
-from tachk.reduction.budgets import MOST_CONDITIONS, budgets
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
+from tachk.transform.monotone_counters import MOST_CONDITIONS, budgets
 
 LINK = """
 int[0, 2] used = 0; bool deaf = false; bool broken = false; bool more[12];

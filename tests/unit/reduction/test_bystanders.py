@@ -9,14 +9,14 @@ import pytest
 
 import tachk
 from tachk import Answer
-from tachk.compiler.lower import lower
-from tachk.diagnostics.span import Source
-from tachk.engines import zone
-from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import Status
-from tachk.loading.load import load_model
-from tachk.reduction.bystanders import without_bystanders
-from tachk.testing.networks import Shape, random_case
+from tachk.base.span import Source
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import Status
+from tachk.formats.loading.load import load_model
+from tachk.model.random_networks import Shape, random_case
+from tachk.transform.blocking_processes import without_bystanders
 
 MODEL = """
 clock x; int n = 0; int passed = 0; int noise = 0; int read = 0;

@@ -3,8 +3,8 @@
 import pytest
 
 import tachk
-from tachk.compiler.never_taken import never_taken
-from tachk.reduction.symmetry.detection import find_symmetry
+from tachk.analysis.never_taken import never_taken
+from tachk.engine.symmetry.detection import find_symmetry
 
 REGISTERS = """
 int[0, 3] r1 = 0, r2 = 0, r3 = 0;

@@ -5,17 +5,17 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.certify.replay import replay
-from tachk.compiler.lower import lower
-from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import Status
-from tachk.engines.zone import explore
-from tachk.properties.verdict import answers_of
-from tachk.reduction.symmetry.forgotten import with_less_known
-from tachk.reduction.symmetry.tables import with_symmetry
-from tachk.resources import data_root
-from tachk.semantics.discrete import prepare
-from tachk.testing.symmetric.counted import random_counted_case
+from tachk.base.resources import data_root
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import Status
+from tachk.engine.symmetry.forgotten import with_less_known
+from tachk.engine.symmetry.tables import with_symmetry
+from tachk.engine.zone import explore
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import replay
+from tachk.verify.verdict import answers_of
+from tests.support.symmetric.counted import random_counted_case
 
 CLASSICS = data_root() / "models" / "classics"
 

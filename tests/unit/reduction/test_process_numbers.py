@@ -1,8 +1,8 @@
 """By which numbers processes are told apart."""
 
 import tachk
+from tachk.engine.symmetry.process_numbers import most_alike, numbers_of_processes
 from tachk.model.network import Network
-from tachk.reduction.symmetry.process_numbers import most_alike, numbers_of_processes
 
 EDGES = ("to L {{ guard turn == {0}; assign turn = 0; }}", "to M {{ assign taken[{0}] = true; }}")
 

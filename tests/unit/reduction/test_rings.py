@@ -6,10 +6,10 @@ import pytest
 
 import tachk
 from tachk import Limits, Options
-from tachk.engines.options import LocalTimes
-from tachk.reduction.symmetry.detection import find_symmetry
-from tachk.reduction.symmetry.tables import tables_of
-from tachk.resources import data_root
+from tachk.base.resources import data_root
+from tachk.engine.options import LocalTimes
+from tachk.engine.symmetry.detection import find_symmetry
+from tachk.engine.symmetry.tables import tables_of
 
 TEXT = """
 const int N = 4;

@@ -9,14 +9,14 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.engine.symmetry import detection
+from tachk.engine.symmetry.detection import Symmetry, look_for_symmetry
+from tachk.engine.symmetry.sketch import Sketch, sketch_of
 from tachk.model.network import Network
-from tachk.reduction.symmetry import detection
-from tachk.reduction.symmetry.detection import Symmetry, look_for_symmetry
-from tachk.reduction.symmetry.sketch import Sketch, sketch_of
-from tachk.testing.symmetric.cases import SymmetricCase, random_symmetric_case
-from tachk.testing.symmetric.controllers import random_controller_case
-from tachk.testing.symmetric.registers import random_register_case
-from tachk.testing.symmetric.rings import random_ring_case
+from tests.support.symmetric.cases import SymmetricCase, random_symmetric_case
+from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.registers import random_register_case
+from tests.support.symmetric.rings import random_ring_case
 
 
 def _members(symmetry: Symmetry) -> list[object]:

@@ -6,14 +6,14 @@ from random import Random
 
 import pytest
 
-from tachk.compiler.lower import lower
-from tachk.diagnostics.span import Source
-from tachk.engines import zone
-from tachk.engines.options import Limits, Options
-from tachk.loading.load import load_model
+from tachk.base.span import Source
+from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, Options
+from tachk.formats.loading.load import load_model
 from tachk.model.expressions import Expression
-from tachk.reduction.spectators import without_spectators
-from tachk.testing.networks import Shape, random_case
+from tachk.model.random_networks import Shape, random_case
+from tachk.transform.cone_of_influence import without_spectators
 
 MODEL = """
 clock x; int n = 0; int noise = 0;

@@ -7,11 +7,11 @@ import pytest
 
 import tachk
 from tachk import Limits
-from tachk.reduction.symmetry import detection
-from tachk.reduction.symmetry.detection import find_symmetry, look_for_symmetry
-from tachk.reduction.symmetry.kinds import Refusal
-from tachk.resources import data_root
-from tachk.testing.symmetric.cases import random_symmetric_case
+from tachk.base.resources import data_root
+from tachk.engine.symmetry import detection
+from tachk.engine.symmetry.detection import find_symmetry, look_for_symmetry
+from tachk.engine.symmetry.kinds import Refusal
+from tests.support.symmetric.cases import random_symmetric_case
 
 ORDER = "the updates of two of them that hear the same broadcast depend on their order"
 

@@ -6,17 +6,17 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.diagnostics.span import Source, Span
-from tachk.engines.outcome import RunTimeFault, Statistics
+from tachk.base.span import Source, Span
+from tachk.base.words import Direction, QueryKind
+from tachk.engine.outcome import RunTimeFault, Statistics
 from tachk.model.expressions import BOOL, Assign, Constant, Index, Reference, Variable, VariableKind
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.query import Expectation, Query
+from tachk.model.run import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType
-from tachk.properties.verdict import Answer, Verdict
 from tachk.report.record import NotChecked, RunRecord
-from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
-from tachk.words import Direction, QueryKind
+from tachk.verify.verdict import Answer, Verdict
 
 SOURCE = Source("lamp.ta", "line one\n  n = n + 1;\nline three\n")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.report.json_report import run_to_json, runs_to_json
 from tachk.report.record import NotChecked, NotRead, RunRecord
 

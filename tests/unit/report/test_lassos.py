@@ -8,21 +8,21 @@ from html import escape
 
 import pytest
 
-from tachk.diagnostics.span import Source
-from tachk.engines.lasso import lasso
-from tachk.engines.oracles.liveness_reference import check_by_zones
-from tachk.engines.outcome import Obligation, Statistics
-from tachk.loading.load import load_model
-from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import verify
+from tachk.base.span import Source
+from tachk.engine.lasso import lasso
+from tachk.engine.outcome import Obligation, Statistics
+from tachk.formats.loading.load import load_model
+from tachk.meaning.discrete import prepare
+from tachk.model.run import Ending
 from tachk.report.html_report import run_to_html
 from tachk.report.json_report import verdict_to_json
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.text_report import evidence_text
 from tachk.report.verifyta_report import run_to_verifyta
-from tachk.semantics.discrete import prepare
-from tachk.semantics.timed_trace import Ending
+from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verify import verify
+from tests.support.oracles.liveness_reference import check_by_zones
 
 MODEL = """
 clock x;

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.report.quantity import decimal, duration, seconds
+from tachk.model.quantity import decimal, duration, seconds
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 from tachk import Answer, Limits, UsageError, loads
 from tachk.report.region.json import region_to_csv
 from tachk.report.region.synthesis import Synthesis
-from tachk.synthesis.region import Evidence
+from tachk.verify.synthesis.region import Evidence
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/synthesize.schema.json"
 MODEL = """

@@ -5,8 +5,8 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tachk.meaning.run_view import Event, Move, Snapshot, ViewStep
 from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
-from tachk.report.run.trace_view import Event, Move, Snapshot, ViewStep
 
 EMPTY = Snapshot((), ())
 

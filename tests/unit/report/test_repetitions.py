@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.drawing.sequence.chart import Chart, Message, Moment, Note
+from tachk.report.drawing.sequence.chart import Chart, Message, Moment, Note
 from tachk.report.sequence.repetitions import told_once
 
 

@@ -9,10 +9,10 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.actions.packets.chart import write_chart
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.drawing.sequence.chart import Chart, Note
+from tachk.report.drawing.sequence.chart import Chart, Note
 from tachk.report.json_report import runs_to_json
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.run_steps import steps_of_report

@@ -10,12 +10,12 @@ import pytest
 from matplotlib.image import imread
 
 import tachk
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.offline import MonitorReport
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.monitors.offline import MonitorReport
+from tachk.recordings.traces.node_signal import NodeSignal, Truth
+from tachk.recordings.traces.trace import Trace
 from tachk.report.monitor.plot_rows import Band, bands_of, formula_rows, steps, thresholds
 from tachk.report.monitor.signal_plot import draw_record
-from tachk.runtime.node_signal import NodeSignal, Truth
-from tachk.runtime.trace import Trace
 
 TRACE = {
     "t": [0, 1, 2, 4, 6, 9, 12, 15, 20],

@@ -6,13 +6,13 @@ from io import StringIO
 
 from rich.console import Console
 
+from tachk.meaning.run_view import Snapshot, TraceView, ViewStep
 from tachk.model.query import Expectation
-from tachk.properties.verdict import Answer
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
-from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep
 from tachk.report.text_report import print_run
+from tachk.verify.verdict import Answer
 
 
 def printed(record: RunRecord, **options: bool) -> str:

@@ -6,16 +6,16 @@ import re
 
 import pytest
 
-from tachk import api
-from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits
-from tachk.engines.outcome import Statistics
-from tachk.loading.load import load_model
-from tachk.properties.verdict import Answer, Verdict
+from tachk.api import model as api
+from tachk.base.span import Source
+from tachk.engine.options import Limits
+from tachk.engine.outcome import Statistics
+from tachk.formats.loading.load import load_model
 from tachk.report.process_memory import peak_memory
 from tachk.report.record import RunRecord
 from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
 from tachk.report.verifyta_report import note, run_to_verifyta, verdict_lines
+from tachk.verify.verdict import Answer, Verdict
 
 MODEL = """\
 process P() { clock x; int n; init location A { to B { guard x > 1; assign n = 2, x = 0; } } location B; }
@@ -56,7 +56,7 @@ def test_figures() -> None:
 
 
 def test_cpu_time_is_no_wall_clock_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    import tachk.engines.zone as zone
+    import tachk.engine.zone as zone
 
     ticks = iter((1.0, 1.25, 3.0, 3.25, 5.0, 5.25))
     monkeypatch.setattr(zone, "user_seconds", lambda: next(ticks))

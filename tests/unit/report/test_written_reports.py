@@ -11,11 +11,11 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.formats.written_reports import check_report, read_json
 from tachk.report.json_report import runs_to_json
-from tachk.report.written_reports import check_report, read_json
 from tests.fuzz.reports import damaged
 
 MODEL = """

@@ -7,10 +7,10 @@ import networkx
 import pytest
 
 import tachk
+from tachk.meaning import dbm
+from tachk.meaning.dbm import Zone
+from tachk.model.random_networks import random_case
 from tachk.report.run.zone_view import constraint_texts
-from tachk.semantics import dbm
-from tachk.semantics.dbm import Zone
-from tachk.testing.networks import random_case
 
 FISCHER = Path(__file__).parents[3] / "models/classics/fischer.ta"
 

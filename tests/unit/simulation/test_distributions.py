@@ -9,10 +9,10 @@ from itertools import accumulate
 import numpy as np
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
-from tachk.loading.load import load_model
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.formats.loading.load import load_model
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs
 

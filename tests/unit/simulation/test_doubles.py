@@ -11,18 +11,18 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.base.span import Source
 from tachk.cli.main import app
-from tachk.diagnostics.span import Source
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
-from tachk.loading.load import load_model
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.formats.loading.load import load_model
+from tachk.meaning.run_view import Names
 from tachk.model.network import Network
-from tachk.report.run.trace_view import Names
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs, steps_of
+from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.run_file import read_run_file, steps_text
+from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.tables import run_writer
-from tachk.stepping.replaying import replay_claims
-from tachk.stepping.run_file import read_run_file, steps_text
-from tachk.stepping.signals import signals_of
 
 TANK = """
 typedef struct { int[0, 3] kind; double share; } part_t;

@@ -12,8 +12,8 @@ from math import exp, sqrt
 import pytest
 
 import tachk
-from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.simulation.columns import chosen_columns
 from tachk.simulation.runs import Runs
 

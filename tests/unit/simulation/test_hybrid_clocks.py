@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.compiler.hybrid import refuse_hybrid
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Source as Text
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.span import Source as Text
+from tachk.engine.compiler.hybrid import refuse_hybrid
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT
+from tachk.formats.loading.load import load_model
 from tachk.frontend.hybrid_clocks import hybrid_clocks
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
-from tachk.loading.load import load_model
 from tachk.simulation.library import DrawnRun
-from tachk.statistics.estimate import Estimate, Estimated, Mean, Settings, estimate
-from tachk.statistics.sampling import Source
+from tachk.simulation.statistics.estimate import Estimate, Estimated, Mean, Settings, estimate
+from tachk.simulation.statistics.sampling import Source
 
 BALL = """
 const double G = 9.81;

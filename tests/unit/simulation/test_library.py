@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
 
 MODEL = """
 time_unit = 10 ms;

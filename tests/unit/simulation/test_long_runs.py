@@ -10,15 +10,15 @@ import fmpy
 import pytest
 
 import tachk
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending, horizon
-from tachk.fmi.description import Version
-from tachk.fmi.unit import closed_unit
-from tachk.runtime.node_signal import Truth
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending, horizon
+from tachk.recordings.traces.node_signal import Truth
+from tachk.simulation.fmi.description import Version
+from tachk.simulation.fmi.unit import closed_unit
+from tachk.simulation.statistics.estimate import Drawn, Estimated
 from tachk.simulation.tables import run_writer
 from tachk.simulation.times import horizon_of
-from tachk.statistics.estimate import Drawn, Estimated
-from tachk.testing.simulated.cosimulated import extract
+from tests.support.simulated.cosimulated import extract
 
 SECOND = """
 time_unit = 1 us;

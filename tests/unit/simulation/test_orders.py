@@ -8,15 +8,15 @@ from math import sqrt
 import pytest
 
 import tachk
-from tachk.certify.replay import replay
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded, Simulated
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded, Simulated
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import replay
 from tachk.model.network import Network
-from tachk.semantics.discrete import prepare
 from tachk.simulation.orders import ordered, orders_of, parse_order
 from tachk.simulation.runs import Runs
-from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
+from tests.support.simulated.timed import WITH_STATES, state_columns, timed_trace
 
 LINK = """
 const int LOSSES = 1000;

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import exp, sqrt
 
-from tachk.diagnostics.span import Source
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
-from tachk.loading.load import load_model
+from tachk.base.span import Source
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.formats.loading.load import load_model
 from tachk.simulation.columns import chosen_columns
 from tachk.simulation.runs import Runs
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UnsupportedError, UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UnsupportedError, UsageError
-from tachk.fmi.unit import closed_unit
 from tachk.simulation.columns import all_columns, chosen_columns
+from tachk.simulation.fmi.unit import closed_unit
 from tachk.simulation.runs import Runs
 
 

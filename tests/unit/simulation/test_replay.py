@@ -8,20 +8,20 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.certify.replay import replay
-from tachk.compiler.lower import lower
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.engines.options import Limits
-from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
-from tachk.engines.zone import explore_everything
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engine.zone import explore_everything
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import replay
+from tachk.meaning.step import deadlocked, possible
 from tachk.model.network import Network
-from tachk.semantics.discrete import prepare
-from tachk.semantics.step import deadlocked, possible
 from tachk.simulation.runs import Runs
-from tachk.testing import Shape, random_case
-from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
-from tachk.time_limit import OutOfTimeError, time_limit
+from tests.support import Shape, random_case
+from tests.support.simulated.timed import WITH_STATES, state_columns, timed_trace
 
 SHAPES = (
     Shape(),

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.formats.network_json.network import network_from_json, network_to_json
-from tachk.runtime.trace import Trace
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import decimal_time, run_writer

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.diagnostics.span import NOWHERE, Source
-from tachk.operators import BinaryOperator
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import NOWHERE, Source
 from tachk.syntax import ast
 from tachk.syntax.chains import LONGEST_FROM_LEFT, chain, operands_of
 from tachk.syntax.parsing.parser import parse_expression

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-from tachk.diagnostics.span import NOWHERE
+from tachk.base.span import NOWHERE
+from tachk.base.words import Direction
 from tachk.syntax import ast
 from tachk.syntax.building.build_template import CLAUSE_ORDER
 from tachk.syntax.edge_clauses import ClauseKind, edge_clauses
 from tachk.syntax.printing.expression_printer import print_clause
-from tachk.words import Direction
 
 NAME = ast.Identifier(NOWHERE, "x")
 VALUE = ast.NameExpression(NOWHERE, "x")

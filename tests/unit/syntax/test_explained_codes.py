@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.diagnostics.codes.all_codes import CODES, explain
-from tachk.diagnostics.codes.syntax_codes import SYNTAX_CODES
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.codes.all_codes import CODES, explain
+from tachk.base.diagnostics.codes.syntax_codes import SYNTAX_CODES
+from tachk.base.span import Source
 from tachk.syntax.parsing.parser import parse_document
 
 SHOWN = sorted(code for code, explanation in SYNTAX_CODES.items() if explanation.bad)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tachk.diagnostics.span import NOWHERE, Source, Span
-from tachk.operators import COMPARISONS, BinaryOperator, Group, PrefixOperator
+from tachk.base.operators import COMPARISONS, BinaryOperator, Group, PrefixOperator
+from tachk.base.span import NOWHERE, Source, Span
 from tachk.syntax import ast
 from tachk.syntax import formula as f
 from tachk.syntax.formulas.parser import parse_formula

@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
-from tachk.diagnostics.span import NOWHERE, Source
-from tachk.operators import BinaryOperator
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import NOWHERE, Source
+from tachk.base.words import Direction, QueryKind
 from tachk.syntax import ast
 from tachk.syntax.parsing import parser
 from tachk.syntax.parsing.contextual import SPELLING
 from tachk.syntax.printing.expression_printer import print_expression
-from tachk.words import Direction, QueryKind
 
 
 def document(text: str) -> ast.Document:

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.diagnostics.span import NOWHERE, Source
-from tachk.operators import BinaryOperator, PrefixOperator
-from tachk.resources import data_root
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.resources import data_root
+from tachk.base.span import NOWHERE, Source
+from tachk.base.words import QueryKind
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import has_errors, parse_document, parse_expression, parse_query
 from tachk.syntax.parsing.tables import lexer
@@ -19,7 +20,6 @@ from tachk.syntax.printing.canonical import canonical
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.printing.printer import print_document
 from tachk.syntax.printing.query_printer import print_query
-from tachk.words import QueryKind
 
 
 def read(text: str) -> ast.Document:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document, parse_query
 from tachk.syntax.printing.printer import print_document

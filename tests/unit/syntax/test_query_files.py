@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.syntax.query_files import parse_queries
 
 

@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.diagnostics.codes.sentence_codes import SENTENCE_CODES
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import NOWHERE, Source, Span
+from tachk.base.diagnostics.codes.sentence_codes import SENTENCE_CODES
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import NOWHERE, Source, Span
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Duration, Formula, Not, Rise
 from tachk.syntax.sentences import tree as s

@@ -8,9 +8,9 @@ from random import Random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.diagnostics.span import NOWHERE, Source
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import NOWHERE, Source
 from tachk.logic.sentences import meaning
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as f
 from tachk.syntax.formulas.parser import parse_formula

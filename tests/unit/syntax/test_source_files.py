@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.syntax.source_files import LARGEST_FILE, read_source
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.syntax.parsing import compile_grammar, tables
 from tachk.syntax.parsing.driver import drive
 

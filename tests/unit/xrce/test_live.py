@@ -13,18 +13,18 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.online import Monitor
-from tachk.runtime.packets import arriving
-from tachk.runtime.packets.live import LivePackets
-from tachk.runtime.trace_csv import Rows
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.monitors.online import Monitor
+from tachk.recordings.traces.trace_csv import Rows
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.xrce.packets import read_packets
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_framing import FrameReader
 from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.signals.following import VANISHED, Follower
+from tachk.xrce.traces import arriving
+from tachk.xrce.traces.live import LivePackets
 from tests.unit.xrce.captures import RECORDED, needs_recorded
 from tests.unit.xrce.test_properties_on_packets import BOTH_SIDES, QUERIES, Talk, acknack, created, data, write
 
@@ -204,7 +204,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 def test_formulas_that_need_hindsight_are_left_out(capsys: pytest.CaptureFixture[str]):
     from tachk.cli.actions.packets.live import without_hindsight
-    from tachk.monitoring.formulas import read_formulas
+    from tachk.recordings.monitors.formulas import read_formulas
 
     formulas = read_formulas(QUERIES)
     names = [one.name for one in without_hindsight(formulas, False)]

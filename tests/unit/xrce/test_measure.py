@@ -13,8 +13,8 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
 from tachk.xrce.measuring.conversation import Moment, conversations
 from tachk.xrce.measuring.measure import Measurement, measure
 from tachk.xrce.measuring.quantity import Confidence, roundest

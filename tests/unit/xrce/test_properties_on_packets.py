@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.cli.main import app
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.traces.trace_files import open_trace
 from tests.unit.xrce.captures import RECORDED, needs_recorded, timed, udp
 
 ROOT = Path(__file__).resolve().parents[3]

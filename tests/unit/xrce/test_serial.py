@@ -10,9 +10,9 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.xrce.events import Event, decode_serial
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.serial_framing import Frame, FrameReader, crc16

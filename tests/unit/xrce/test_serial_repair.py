@@ -11,10 +11,10 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import conform
-from tachk.conformance.packet_events import read_capture
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance.conform import conform
+from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.packets import read_packets
 from tachk.xrce.serial_framing import Frame, FrameReader, crc16
 from tachk.xrce.serial_repair import repaired

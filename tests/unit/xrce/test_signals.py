@@ -12,12 +12,12 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.packets.signal_files import table_of, write_signals
-from tachk.runtime.trace import Trace
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.xrce.streams import StreamState
+from tachk.xrce.traces.signal_files import table_of, write_signals
 from tests.unit.xrce.captures import RECORDED, needs_recorded, pcap, tcp, timed, udp
 from tests.unit.xrce.test_properties_on_packets import Talk, acknack, created, data, heartbeat, write
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace_files import open_trace
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.xrce.signals.recorded import Recorded, StreamHistory, read_recorded
 from tachk.xrce.streams import SIGNALS
 from tests.unit.xrce.captures import CREATE_CLIENT, RECORDED, needs_recorded, pcap, udp

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tachk.report.packets.json import event_to_json
-from tachk.report.packets.text import event_to_text
 from tachk.xrce import wire
 from tachk.xrce.events import events
 from tachk.xrce.messages import Endpoint, Messages
+from tachk.xrce.report.json import event_to_json
+from tachk.xrce.report.text import event_to_text
 from tachk.xrce.submessages import parsed, submessages
 from tachk.xrce.wire import Kind
 from tests.unit.xrce.captures import ACKNACK, CREATE_CLIENT, HEARTBEAT, WRITE_DATA

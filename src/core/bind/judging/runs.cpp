@@ -1,4 +1,4 @@
-// tachk._core.PathOfRun; used through tachk.engines.exact.exact_run.
+// tachk._core.PathOfRun; used through tachk.engine.exact.exact_run.
 #include "runs.hpp"
 
 #include <nanobind/ndarray.h>

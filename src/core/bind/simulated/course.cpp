@@ -1,4 +1,4 @@
-// tachk._core.Course; used through tachk.fmi.course.
+// tachk._core.Course; used through tachk.simulation.fmi.course.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 

@@ -1,4 +1,4 @@
-// tachk._core.Simulation; used through tachk.engines.simulation.simulator.
+// tachk._core.Simulation; used through tachk.engine.simulation.simulator.
 #include "simulation.hpp"
 
 #include <nanobind/ndarray.h>

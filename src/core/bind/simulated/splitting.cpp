@@ -1,4 +1,4 @@
-// tachk._core.split; used through tachk.engines.simulation.splitting.
+// tachk._core.split; used through tachk.engine.simulation.splitting.
 #include "simulation/splitting.hpp"
 
 #include <nanobind/nanobind.h>

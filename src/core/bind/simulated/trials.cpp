@@ -1,4 +1,4 @@
-// tachk._core.trials; used through tachk.engines.simulation.trials.
+// tachk._core.trials; used through tachk.engine.simulation.trials.
 #include "simulation/trials.hpp"
 
 #include <nanobind/nanobind.h>

@@ -9,20 +9,20 @@ from pathlib import Path
 from time import monotonic
 from typing import TextIO
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
+from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics, without_result
 from tachk.cli.reporting import ReportForm
-from tachk.compiler.features import uncomputed_chances, undrawn_ends
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
-from tachk.engines.options import Limits
+from tachk.engine.compiler.features import uncomputed_chances, undrawn_ends
+from tachk.engine.options import Limits
+from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
-from tachk.loading.load import load_model
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
-from tachk.time_limit import OutOfTimeError, time_limit
 
 
 def run_check(
@@ -44,7 +44,7 @@ def run_check(
         output: the file of the report, standard output without.
         strict_xta: refuse what tachk adds to the language of UPPAAL.
         seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
-        deep: explore the states of each model, and tell what no run does; see `tachk.properties.deep`.
+        deep: explore the states of each model, and tell what no run does; see `tachk.verify.semantic_lint`.
     """
     constants = parse_definitions(definitions)
     checks: list[Checked] = []

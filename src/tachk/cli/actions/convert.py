@@ -7,22 +7,22 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError, TachkError, UsageError
+from tachk.base.span import Span
 from tachk.cli.actions.export import files_of, write_files
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.diagnostics.diagnostic import InputError, TachkError, UsageError
-from tachk.diagnostics.span import Span
 from tachk.formats.catalogue import export_model, format_of
 from tachk.formats.exported import Writing
 from tachk.formats.layout_json import layout_path, layout_to_json
+from tachk.formats.loading.load import load_model
+from tachk.formats.loading.model_files import read_model
 from tachk.formats.plain.expansion import document_repairs
 from tachk.formats.plain.plain_model import PlainQuery, Step
 from tachk.formats.uppaal.query_asides import wrong_query
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.query_reader import comment_of, without_properties
-from tachk.loading.load import load_model
-from tachk.loading.model_files import read_model
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import has_errors
 from tachk.syntax.printing.printer import print_document

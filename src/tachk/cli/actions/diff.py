@@ -7,15 +7,15 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.formats.difference import least_difference, print_difference
+from tachk.formats.loading.model_files import read_model
 from tachk.formats.plain.expansion import expand, expand_document
 from tachk.formats.plain.plain_model import PlainModel
 from tachk.formats.uppaal.query_asides import wrong_query_in
-from tachk.loading.model_files import read_model
 from tachk.syntax.source_files import read_source
 
 

@@ -7,11 +7,11 @@ import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
-from tachk import api
-from tachk.properties.variants.second_engine import DisagreementError
-from tachk.properties.verdict import Verdict
+from tachk.api import model as api
 from tachk.report.answers import Report
 from tachk.report.record import RunRecord
+from tachk.verify.variants.second_engine import DisagreementError
+from tachk.verify.verdict import Verdict
 
 
 def write_disagreement(model: api.Model, error: DisagreementError) -> Path:

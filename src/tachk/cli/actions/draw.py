@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.drawing.png import to_png
-from tachk.drawing.svg import together
 from tachk.report.conformance.taken_edges import read_taken
+from tachk.report.drawing.png import to_png
+from tachk.report.drawing.svg import together
 from tachk.report.pictures import draw_file, named
 
 _SUFFIXES = (".svg", ".png")

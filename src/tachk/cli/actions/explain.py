@@ -7,16 +7,16 @@ import re
 from fractions import Fraction
 from math import lcm
 
+from tachk.base.diagnostics.codes.all_codes import CODES, explain
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.codes.all_codes import CODES, explain
-from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.logic.durations import resolve, scaled
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.logic.simplify import simplify
-from tachk.monitoring.formulas import NamedFormula, read_formulas
-from tachk.monitoring.given_constants import constants_by_name
+from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
+from tachk.recordings.monitors.given_constants import constants_by_name
 from tachk.syntax.ast import BuiltinType, VariableDeclaration
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formulas.printer import print_formula, print_number

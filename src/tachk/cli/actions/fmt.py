@@ -6,9 +6,9 @@ import sys
 from functools import partial
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded, print_diagnostics
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import has_errors, parse_document
 from tachk.syntax.printing.printer import print_document

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
-from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas
-from tachk.monitoring.offline import selected
-from tachk.runtime.logs.joined import with_decimals
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Recording
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.monitors.formulas import NamedFormula, check_order, read_formulas
+from tachk.recordings.monitors.offline import selected
+from tachk.recordings.traces.logs.joined import with_decimals
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Recording
+from tachk.recordings.traces.trace_files import open_trace
 
 
 @dataclass(frozen=True, slots=True)

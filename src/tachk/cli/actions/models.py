@@ -7,10 +7,10 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.suggestion import closest
+from tachk.base.resources import data_root
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.diagnostics.suggestion import closest
-from tachk.resources import data_root
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.source_files import read_source

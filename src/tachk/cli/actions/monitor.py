@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from typing import TextIO
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.actions.judged import Judged, exit_status, print_warnings
 from tachk.cli.actions.monitoring.standard_input import begins_dump, dump_in_a_file
 from tachk.cli.actions.row_by_row import RowByRow
@@ -13,13 +14,12 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.terminal import console
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.formulas import NamedFormula, names_file
-from tachk.monitoring.offline import Judging, judge
-from tachk.report.monitor.record import MonitorRecord
+from tachk.recordings.monitors.formulas import NamedFormula, names_file
+from tachk.recordings.monitors.offline import Judging, judge
+from tachk.recordings.monitors.record import MonitorRecord
+from tachk.recordings.traces.conventions import Interpolation
+from tachk.recordings.traces.logs.several_runs import SeveralRuns
 from tachk.report.monitor.text import print_monitor
-from tachk.runtime.conventions import Interpolation
-from tachk.runtime.logs.several_runs import SeveralRuns
 
 
 def run_monitor(

@@ -9,6 +9,8 @@ from io import BufferedReader
 from pathlib import Path
 from typing import TextIO, cast
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.time_limit import check_time
 from tachk.cli.actions.judged import Judged, exit_status, print_warnings
 from tachk.cli.actions.monitoring.listeners import JsonListener, LineListener, Listener, TextListener
 from tachk.cli.actions.packets.live import open_live, without_hindsight
@@ -16,20 +18,18 @@ from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.formulas import NamedFormula
-from tachk.monitoring.locations import located
-from tachk.monitoring.offline import Judging
-from tachk.monitoring.online import Monitor
-from tachk.monitoring.row_names import TIME
-from tachk.runtime.compressed import is_compressed, open_bytes, plain_suffix
-from tachk.runtime.csv_beginning import ByteStream
-from tachk.runtime.logs.trace_jsonl import JsonStream
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.packets.live import LivePackets
-from tachk.runtime.trace_csv import CsvRecording, PushedBack, open_csv, open_csv_stream
-from tachk.runtime.trace_files import JSON_LINES, is_csv
-from tachk.time_limit import check_time
+from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.recordings.monitors.locations import located
+from tachk.recordings.monitors.offline import Judging
+from tachk.recordings.monitors.online import Monitor
+from tachk.recordings.monitors.row_names import TIME
+from tachk.recordings.traces.compressed import is_compressed, open_bytes, plain_suffix
+from tachk.recordings.traces.csv_beginning import ByteStream
+from tachk.recordings.traces.logs.trace_jsonl import JsonStream
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace_csv import CsvRecording, PushedBack, open_csv, open_csv_stream
+from tachk.recordings.traces.trace_files import JSON_LINES, is_csv
+from tachk.xrce.traces.live import LivePackets
 
 _PATIENCE = 0.2
 """Seconds between two looks at a file that may grow."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tachk.cli.actions.judged import Judged, print_warnings
 from tachk.cli.exit_status import ExitStatus
-from tachk.monitoring.offline import Judging, MonitorReport, judge
+from tachk.recordings.monitors.offline import Judging, MonitorReport, judge
 
 
 @dataclass(frozen=True, slots=True)

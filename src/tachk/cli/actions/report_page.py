@@ -11,20 +11,20 @@ from time import monotonic
 from typing import Any
 
 import tachk
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.memory_limit import memory_limit
+from tachk.base.records import dataclass
+from tachk.base.time_limit import time_limit
 from tachk.cli.arguments import parse_definitions, parse_size
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits
-from tachk.memory_limit import memory_limit
-from tachk.properties.verdict import Answer
-from tachk.records import dataclass
+from tachk.engine.options import Limits
 from tachk.report.page.answers import answers_of, answers_part
 from tachk.report.page.content import Answers, Chapter, Page, Part, Text
 from tachk.report.page.html import page_to_html
 from tachk.report.page.results import chapter_of, read_result, runs_of_verify
-from tachk.time_limit import time_limit
+from tachk.verify.verdict import Answer
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
+from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
+from tachk.base.records import dataclass
+from tachk.base.time_limit import OutOfTimeError
 from tachk.cli.guard import without_result
 from tachk.cli.reporting import Evidence, ReportForm, Reporting
 from tachk.cli.terminal import console
-from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
-from tachk.records import dataclass
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.telling import Telling
-from tachk.time_limit import OutOfTimeError
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
 from tachk.logic.patterns import CATALOGUE, Pattern
 
 

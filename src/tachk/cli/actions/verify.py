@@ -10,7 +10,11 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.memory_limit import memory_limit
+from tachk.base.records import dataclass
+from tachk.base.time_limit import time_limit
 from tachk.cli.actions.run_report import RunReport, RunReporting
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
 from tachk.cli.destination import destination
@@ -19,15 +23,11 @@ from tachk.cli.guard import complain, guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
 from tachk.cli.reporting import Evidence
 from tachk.cli.terminal import can_rewrite_lines
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits, Options, Pace
-from tachk.engines.outcome import INTERRUPTED
-from tachk.memory_limit import memory_limit
-from tachk.properties.variants.second_engine import DisagreementError
-from tachk.records import dataclass
+from tachk.engine.options import Limits, Options, Pace
+from tachk.engine.outcome import INTERRUPTED
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Telling
-from tachk.time_limit import time_limit
+from tachk.verify.variants.second_engine import DisagreementError
 
 
 @dataclass(frozen=True, slots=True)

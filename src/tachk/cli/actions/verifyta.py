@@ -14,13 +14,14 @@ from functools import cache
 from pathlib import Path
 from typing import TextIO
 
-from tachk import api
+from tachk.api import model as api
+from tachk.api.estimating import simulated
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+from tachk.base.span import Source as Text
 from tachk.cli.actions.verifyta_options import TraceChoice, VerifytaOptions
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
-from tachk.diagnostics.span import Source as Text
-from tachk.engines.options import Options, Pace
-from tachk.engines.outcome import INTERRUPTED
+from tachk.engine.options import Options, Pace
+from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr
@@ -30,10 +31,6 @@ from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.answering import agreed
-from tachk.properties.unanswered import refused
-from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import verify
 from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
 from tachk.report.statistics.verifyta import Bars, Form, statistical_lines, statistical_summary
 from tachk.report.verifyta_notes import note
@@ -46,12 +43,15 @@ from tachk.report.verifyta_report import (
     summary_lines,
     verdict_lines,
 )
-from tachk.statistics.answers import answer_statistical, has_run_time_error
-from tachk.statistics.deciding import Errors
-from tachk.statistics.estimate import Settings
-from tachk.statistics.sampling import Source
-from tachk.stepping.estimating import simulated
+from tachk.simulation.statistics.answers import answer_statistical, has_run_time_error
+from tachk.simulation.statistics.deciding import Errors
+from tachk.simulation.statistics.estimate import Settings
+from tachk.simulation.statistics.sampling import Source
 from tachk.syntax.source_files import read_source
+from tachk.verify.answering import agreed
+from tachk.verify.unanswered import refused
+from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verify import verify
 
 Formula = Query | UncheckedQuery
 

@@ -9,9 +9,9 @@ from enum import StrEnum, auto
 from math import inf, nan
 from typing import TypeVar
 
-from tachk.diagnostics.diagnostic import InternalError, UsageError
-from tachk.diagnostics.suggestion import closest
-from tachk.engines.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
+from tachk.base.diagnostics.diagnostic import InternalError, UsageError
+from tachk.base.diagnostics.suggestion import closest
+from tachk.engine.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
 
 
 class TraceChoice(StrEnum):
@@ -28,7 +28,7 @@ class VerifytaOptions:
     symbolic: show traces as sets of clock valuations.
     xtr, xml: prefixes of files for traces; empty for none.
     seed: as given.
-    passing: as in `tachk.engines.options.Options`.
+    passing: as in `tachk.engine.options.Options`.
     reuse: look for the answers to all queries in one search where that is possible.
     only: the number of the only formula to check, from 1.
     show_options, summary: what is printed besides verdicts.

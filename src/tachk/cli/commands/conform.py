@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import ReportForm
-from tachk.conformance.question import ExplanationDetail
+from tachk.recordings.conformance.question import ExplanationDetail
 
 
 @click.command(name="conform", short_help="Ask whether recordings are runs of a model.")

@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options, trace_options
 from tachk.cli.reporting import ReportForm
-from tachk.runtime.conventions import Ending
+from tachk.recordings.traces.conventions import Ending
 
 
 @click.command(name="mine", short_help="Find the tightest parameter that traces satisfy.")

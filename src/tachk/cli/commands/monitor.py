@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options, trace_options
 from tachk.cli.reporting import ReportForm
-from tachk.runtime.conventions import Ending
+from tachk.recordings.traces.conventions import Ending
 
 
 @click.command(name="monitor", short_help="Check properties on a recorded trace.")
@@ -57,7 +57,7 @@ def command(seconds: float | None, **given: Any) -> None:
     from tachk.cli.actions.monitor import run_monitor
     from tachk.cli.actions.row_by_row import RowByRow
     from tachk.cli.reporting import Reporting, ViolationReporting
-    from tachk.monitoring.offline import Judging
+    from tachk.recordings.monitors.offline import Judging
 
     arguments = options.distributed(given, Judged, Judging, RowByRow, ViolationReporting, Reporting)
     options.finish(lambda: run_monitor(*arguments), seconds)

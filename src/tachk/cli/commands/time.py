@@ -73,7 +73,7 @@ def command(
 ) -> None:
     """Measure the least and the largest time between two events, over all runs of a model."""
     from tachk.cli.tables.time import Measured, run_time
-    from tachk.engines.options import Limits
+    from tachk.engine.options import Limits
 
     asked = Measured(model, start, end, last, best, worst, settled, over, definitions)
     options.finish(lambda: run_time(asked, Limits(states=states, seconds=seconds), form, output, traces), seconds)

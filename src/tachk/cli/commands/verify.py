@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import Evidence, ReportForm
-from tachk.engines.options import (
+from tachk.engine.options import (
     LARGEST_SEED,
     MOST_THREADS,
     PASSED_IN_A_ROW,
@@ -193,7 +193,7 @@ def command(**given: Any) -> None:
     """
     from tachk.cli.actions.run_report import RunReporting
     from tachk.cli.actions.verify import Asked, run_verify
-    from tachk.engines.options import Limits
+    from tachk.engine.options import Limits
     from tachk.report.run.telling import Telling
 
     arguments = options.distributed(given, Asked, Options, Limits, RunReporting, Telling)

@@ -8,10 +8,10 @@ from typing import NoReturn
 import click
 
 import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli import options
 from tachk.cli.console_script import end_program
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
 
 _SPOKEN_VERSION = "4.1.26"
 """The release whose output is followed; wrappers ask for it and tell by it how trace files are called."""

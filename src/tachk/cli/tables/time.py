@@ -8,17 +8,17 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from time import monotonic
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 from tachk.cli.arguments import split_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits
-from tachk.engines.outcome import INTERRUPTED
+from tachk.engine.options import Limits
+from tachk.engine.outcome import INTERRUPTED
 from tachk.model.grid import grid_of
-from tachk.records import dataclass
 from tachk.report.time_report import Between, TimedRow, times_to_csv, times_to_json, times_to_text
 
 _MOST_ROWS = 10_000

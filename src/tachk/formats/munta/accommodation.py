@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaProcess
-from tachk.semantics.constraints import Conjunction
-from tachk.semantics.dbm import bound_value
+from tachk.meaning.constraints import Conjunction
+from tachk.meaning.dbm import bound_value
 
 
 def order_of_cells(processes: Iterable[MuntaProcess], cells: Collection[int]) -> tuple[int, ...]:

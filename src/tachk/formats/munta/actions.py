@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.span import Span
+from tachk.base.words import Direction
 from tachk.formats.munta.cases import Case, CaseFinder, Contents, TooManyCasesError
+from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints
+from tachk.meaning.dbm import bound_value, is_strict
+from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named
 from tachk.model.evaluate import Environment, execute
-from tachk.semantics.constraints import Conjunction, Disjunction, conditional_constraints
-from tachk.semantics.dbm import bound_value, is_strict
-from tachk.semantics.discrete import PreparedNetwork, bind_selects, channel_named
-from tachk.semantics.timed_trace import Participant
-from tachk.words import Direction
+from tachk.model.run import Participant
 
 Said = tuple[tuple[int, int], ...]
 """Cells with what a sender has written into them."""

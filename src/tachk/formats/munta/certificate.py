@@ -13,9 +13,9 @@ from itertools import product
 
 import numpy as np
 
-from tachk.certify.certificate import Block, Numbers
 from tachk.formats.munta.network import MuntaNetwork
-from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO
+from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
+from tachk.meaning.judge.certificate import Block, Numbers
 
 _MAGIC = 42
 _NO_BOUND = (1 << 63) - 1

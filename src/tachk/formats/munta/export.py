@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tachk.base.words import QueryKind
 from tachk.formats.munta.writer import to_munta
 from tachk.model.expressions import BOOL, Constant
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.words import QueryKind
 
 
 def to_muntax(network: Network, queries: Sequence[Query]) -> str:

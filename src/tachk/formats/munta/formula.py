@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.span import Span
 from tachk.formats.munta.actions import clock_conjunctions, refused, too_many_cases
 from tachk.formats.munta.cases import Case, CaseFinder, Condition, Contents, TooManyCasesError
 from tachk.formats.munta.network import Variables
+from tachk.meaning.constraints import Conjunction, Disjunction, compares_clocks, disjunctive
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import Binary, Deadlock, Expression, Quantifier, QuantifierKind, Unary, Variable
 from tachk.model.traversal import walk
 from tachk.model.types import ScalarLike, bounds
-from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.semantics.constraints import Conjunction, Disjunction, compares_clocks, disjunctive
 
 
 @dataclass(frozen=True, slots=True)

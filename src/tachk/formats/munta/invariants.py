@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.formats.munta.actions import clock_conjunctions, refused
 from tachk.formats.munta.cases import CaseFinder, Contents, TooManyCasesError
+from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints
 from tachk.model.evaluate import Environment
 from tachk.model.expressions import Expression
-from tachk.semantics.constraints import Conjunction, Disjunction, conditional_constraints
 
 
 def constant_invariant(invariant: Expression | None, span: Span, finder: CaseFinder) -> Conjunction:

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from tachk.formats.munta.cases import Condition
-from tachk.semantics.constraints import Conjunction
-from tachk.semantics.dbm import bound_value, is_strict
+from tachk.meaning.constraints import Conjunction
+from tachk.meaning.dbm import bound_value, is_strict
 
 IMPOSSIBLE = "never?"
 """A label of edges that are never taken: nobody sends over this channel."""

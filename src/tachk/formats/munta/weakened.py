@@ -8,17 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.formats.munta.cases import CaseFinder, case_finder
 from tachk.formats.munta.invariants import constant_invariant
+from tachk.meaning.discrete import prepare
 from tachk.model.connectives import both
 from tachk.model.expressions import Binary, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Edge, Location, Network
 from tachk.model.types import ArrayType, ChannelType, RecordType, Type
-from tachk.operators import BinaryOperator
-from tachk.records import dataclass
-from tachk.semantics.discrete import prepare
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import UnaryOperator
+from tachk.base.span import Span
+from tachk.base.words import Direction
 from tachk.formats.munta.accommodation import add_ceilings, order_of_cells
 from tachk.formats.munta.actions import (
     Action,
@@ -28,13 +30,11 @@ from tachk.formats.munta.formula import (
 )
 from tachk.formats.munta.invariants import constant_invariant
 from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaNetwork, MuntaProcess, Names, Variables
+from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.cell_layout import CellLayout, begun_clocks
 from tachk.model.expressions import Deadlock, Expression, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.operators import UnaryOperator
-from tachk.semantics.discrete import PreparedNetwork, prepare
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

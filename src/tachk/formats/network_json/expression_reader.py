@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.formats.network_json.types import Json, type_from_json
 from tachk.model.expressions import (
     Aggregate,
@@ -38,7 +39,6 @@ from tachk.model.expressions import (
 )
 from tachk.model.floating import FloatingOperation
 from tachk.model.floating_calls import OPERATION_FUNCTIONS
-from tachk.operators import BinaryOperator, UnaryOperator
 
 
 @dataclass(slots=True)

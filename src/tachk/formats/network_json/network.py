@@ -9,13 +9,13 @@ from __future__ import annotations
 import json
 from itertools import islice
 
-from tachk.diagnostics.diagnostic import Diagnostic, UsageError
+from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
+from tachk.base.time_limit import check_time
+from tachk.base.words import Direction
 from tachk.formats.network_json.expression_reader import ExpressionReader
 from tachk.formats.network_json.expression_writer import ExpressionWriter
 from tachk.formats.network_json.types import Json
 from tachk.model.network import Branching, Chance, Edge, Location, Network, Process, Signal, Synchronisation
-from tachk.time_limit import check_time
-from tachk.words import Direction
 
 FORMAT, VERSION = "tachk network", 1
 

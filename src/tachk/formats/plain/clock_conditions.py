@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tachk.base.operators import BinaryOperator, Group, PrefixOperator
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery, Step
 from tachk.formats.plain.text_types import TextTypes, text_types
-from tachk.operators import BinaryOperator, Group, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
-from tachk.diagnostics.span import NOWHERE
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
+from tachk.base.span import NOWHERE
 from tachk.formats.plain.builtins import without_builtins
 from tachk.formats.plain.clock_conditions import with_plain_conditions
 from tachk.formats.plain.free_names import name_repairs

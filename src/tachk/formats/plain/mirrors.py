@@ -15,13 +15,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import PrefixOperator
+from tachk.base.span import Span
 from tachk.formats.plain.plain_model import Step
 from tachk.frontend.scope import FamilySymbol, LocationSymbol, ProcessSymbol, Scope, ValueSymbol
 from tachk.model.expressions import Constant, Reference, Variable, VariableKind
 from tachk.model.network import Network
 from tachk.model.types import BoolType, IntType, bounds
-from tachk.operators import PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in, rewrite

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.span import Span
+from tachk.base.words import Direction, QueryKind
 from tachk.formats.plain.mirrors import Mirrors, NoMirror, all_names
 from tachk.formats.plain.plain_model import Step
 from tachk.frontend.loaded import LoadedModel, temporal_formula_of
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
-from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import fresh_name, rewrite, substitute
-from tachk.words import Direction, QueryKind
 
 
 @dataclass(frozen=True, slots=True)

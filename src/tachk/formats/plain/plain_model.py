@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax import ast
 
 

@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.span import Span
+from tachk.base.words import Direction
 from tachk.formats.plain.plain_model import Step
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, RecordType, ScalarType, Type, element_type
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expressions, print_synchronisation
 from tachk.syntax.rewrite import fresh_name
-from tachk.words import Direction
 
 Typed = tuple[ast.Declaration, ...]
 

@@ -9,10 +9,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from tachk.compiler.conditions import split_conjunction
-from tachk.compiler.fold import Known, fold, fold_place, known_cell, negate
-from tachk.compiler.slot_layout import cell_range
-from tachk.diagnostics.span import Span
+from tachk.analysis.conditions import split_conjunction
+from tachk.analysis.fold import Known, fold, fold_place, known_cell, negate
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
+from tachk.base.words import Direction
+from tachk.engine.compiler.slot_layout import cell_range
 from tachk.formats.tchecker.expression_writer import TermPrinter, cells, initial_cells, refused, written_out
 from tachk.formats.tchecker.leaves import leaf_types
 from tachk.frontend.declarations.channels import channel_variable
@@ -20,8 +22,6 @@ from tachk.model.expressions import BOOL, Binary, Constant, Expression, Index, R
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, ChannelType
-from tachk.operators import BinaryOperator
-from tachk.words import Direction
 
 MAXIMUM_EDGES = 2**17
 """Edges of one file after the expansion of ``select``."""

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source, Span
-from tachk.exact_numbers import is_whole
-from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.exact_numbers import is_whole
+from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
+from tachk.base.span import Source, Span
 from tachk.syntax import ast
 
 _TOKEN = re.compile(r"\s+|(?P<number>\d+)|(?P<name>[A-Za-z_][\w.]*)|(?P<sign>&&|[=!<>]=|[-+*/%<>=!()\[\];,])")

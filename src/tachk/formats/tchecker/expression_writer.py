@@ -10,11 +10,12 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain
 
-from tachk.compiler.conditions import ClockAtom
-from tachk.compiler.fold import Known, cannot_fail, fold, fold_place, known_cell, negate
-from tachk.compiler.slot_layout import cell_range
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.diagnostics.span import Span
+from tachk.analysis.conditions import ClockAtom
+from tachk.analysis.fold import Known, cannot_fail, fold, fold_place, known_cell, negate
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
+from tachk.base.span import Span
+from tachk.engine.compiler.slot_layout import cell_range
 from tachk.model.cell_layout import default_cells
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
@@ -39,7 +40,6 @@ from tachk.model.expressions import (
 )
 from tachk.model.traversal import walk, written_variables
 from tachk.model.types import ArrayType, BoolType, ClockType, RecordType, Type
-from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
 
 _ARITHMETIC = {
     BinaryOperator.ADD,

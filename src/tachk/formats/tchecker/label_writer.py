@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from tachk.compiler.fold import Known
+from tachk.analysis.fold import Known
+from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.formats.tchecker.expression_writer import written_out
 from tachk.model.expressions import Binary, Conditional, Constant, Expression, LocationTest, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.operators import BinaryOperator, UnaryOperator
 
 MAXIMUM_ALTERNATIVES = 256
 

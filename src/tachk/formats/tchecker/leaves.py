@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.compiler.fold import is_integer
+from tachk.analysis.fold import is_integer
 from tachk.formats.tchecker.expression_writer import initial_cells
 from tachk.model.expressions import Variable
 from tachk.model.types import ArrayType, ClockType, RecordType, Type, cell_count

@@ -13,9 +13,9 @@ from dataclasses import replace
 from functools import reduce
 from itertools import product
 
-from tachk.diagnostics.span import Span
-from tachk.operators import BinaryOperator
-from tachk.records import dataclass
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.syntax import ast
 
 

@@ -15,16 +15,16 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Source, Span
+from tachk.base.time_limit import check_time
+from tachk.base.words import Direction
 from tachk.formats.tchecker.expression_reader import Reader, failure
 from tachk.formats.tchecker.meetings import Meeting, Whereabouts, choices, guard_of
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.rewrite import fresh_name
-from tachk.time_limit import check_time
-from tachk.words import Direction
 
 _LINE = re.compile(
     r"[ \t]*(?P<kind>[a-z]+)[ \t]*:(?P<rest>[^\n#{]*)(?P<attributes>\{[^}]*\})?[ \t\r]*(?:#[^\n]*)?(?:\n|\Z)"

@@ -13,11 +13,12 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from tachk.compiler.conditions import split_conjunction
-from tachk.compiler.fold import Known, fold_place, known_values
-from tachk.compiler.slot_layout import cell_range
-from tachk.diagnostics.diagnostic import Diagnostic, Label, UnsupportedError
-from tachk.diagnostics.span import Span
+from tachk.analysis.conditions import split_conjunction
+from tachk.analysis.fold import Known, fold_place, known_values
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label, UnsupportedError
+from tachk.base.span import Span
+from tachk.base.words import Direction
+from tachk.engine.compiler.slot_layout import cell_range
 from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choices
 from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, refused, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
@@ -28,7 +29,6 @@ from tachk.model.network import Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import walk
 from tachk.model.types import ChannelType, ClockType, Type
-from tachk.words import Direction
 
 _WORDS = frozenset(
     {"clock", "edge", "event", "int", "location", "process", "sync", "system", "if", "then", "else", "end", "while"}

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from enum import IntEnum
 
-from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.formats.plain.text_types import TextTypes, text_types
-from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from tachk.base.words import Direction, QueryKind
 from tachk.formats.plain.plain_model import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind
-from tachk.words import Direction, QueryKind
 
 
 def refuses_deadlock(plain: PlainModel) -> bool:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from tachk.compiler.features import stopwatches, urgent_clock_guards
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
+from tachk.engine.compiler.features import stopwatches, urgent_clock_guards
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.condition_types import condition_findings
 from tachk.formats.uppaal.portability_constants import open_constants
@@ -19,7 +20,6 @@ from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.clock_sums import clock_copies
 from tachk.model.types import ArrayType, ClockType
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.strict import additions
 from tachk.syntax.rewrite import names_in

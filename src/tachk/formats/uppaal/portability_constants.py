@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
 

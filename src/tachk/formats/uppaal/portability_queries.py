@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.words import QueryKind
 from tachk.formats.plain.expansion import expand_document
 from tachk.formats.uppaal.limits import refuses_deadlock
 from tachk.frontend.loaded import LoadedModel
@@ -14,7 +15,6 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.traversal import process_expressions, walk
 from tachk.syntax import ast
-from tachk.words import QueryKind
 
 _MEND = "let a function with an integer or boolean result compute it"
 _REASON = "where channels or processes have priorities, or a receiver of a broadcast has a clock in its guard"

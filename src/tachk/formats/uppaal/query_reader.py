@@ -10,7 +10,8 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from tachk.diagnostics.span import Source, Span
+from tachk.base.span import Source, Span
+from tachk.base.words import QueryKind
 from tachk.formats.uppaal.query_asides import heading
 from tachk.formats.uppaal.template_reader import plain_text
 from tachk.formats.uppaal.xml_text import Extract, Extracted
@@ -22,7 +23,6 @@ from tachk.syntax.parsing.tokens import END
 from tachk.syntax.picture_layout import Layout, QueryLayout
 from tachk.syntax.printing.query_printer import print_query
 from tachk.syntax.query_files import BrokenQuery, expectation_in
-from tachk.words import QueryKind
 
 _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"]))?(?:\n|\Z)", re.ASCII)
 _AUTOMATIC = re.compile(r"q[0-9]+")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tachk.diagnostics.span import Source
+from tachk.base.span import Source
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery
 from tachk.formats.uppaal.limits import refused, refuses_deadlock
 from tachk.formats.uppaal.query_asides import aside_in

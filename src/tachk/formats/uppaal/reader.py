@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source, Span
 from tachk.formats.uppaal.query_reader import QueriesReader
 from tachk.formats.uppaal.template_reader import TemplateReader, section
 from tachk.formats.uppaal.xml_text import Extract, Extracted

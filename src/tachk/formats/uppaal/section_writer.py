@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Source, Span
 from tachk.formats.plain.plain_model import PlainModel
 from tachk.formats.uppaal.query_asides import aside_in
 from tachk.frontend.loaded import LoadedModel

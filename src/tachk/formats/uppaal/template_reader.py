@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.span import Span
+from tachk.base.time_limit import check_time
 from tachk.formats.uppaal.xml_text import Extract, Extracted
 from tachk.formats.uppaal.xml_tree import Element
 from tachk.syntax import ast
@@ -40,7 +41,6 @@ from tachk.syntax.printing.expression_printer import (
     print_expression,
     print_rate,
 )
-from tachk.time_limit import check_time
 
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 

@@ -7,12 +7,12 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 from tachk.formats.edge_text import edge_text
 from tachk.formats.network_text import expression_text
+from tachk.meaning.dbm import Zone, bound_value, is_strict
+from tachk.meaning.zones_of_run import zones_of_run
 from tachk.model.cell_layout import cell_layout
 from tachk.model.network import Network, Process
+from tachk.model.run import TimedTrace, Transition
 from tachk.model.types import ChannelType, ClockType
-from tachk.semantics.dbm import Zone, bound_value, is_strict
-from tachk.semantics.timed_trace import TimedTrace, Transition
-from tachk.semantics.zones_of_run import zones_of_run
 
 _GLOBAL = "sys"
 

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tachk.operators import BinaryOperator
+    from tachk.base.operators import BinaryOperator
 
 
 class Version(StrEnum):

@@ -15,15 +15,15 @@ from typing import Any
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source
-from tachk.drawing.layout_completion import complete
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.resources import template_text
+from tachk.base.span import Source
+from tachk.formats.layout.completion import complete
 from tachk.formats.plain.plain_model import PlainModel
 from tachk.formats.uppaal.query_writer import QueryView, query_views
 from tachk.formats.uppaal.section_writer import Sections, same, sections
 from tachk.formats.uppaal.template_reader import branchpoint_id, documentation
 from tachk.frontend.loaded import LoadedModel
-from tachk.resources import template_text
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.parsing.parser import (

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from tachk.diagnostics.span import Origin, Passage, Source, Span
+from tachk.base.span import Origin, Passage, Source, Span
+from tachk.base.time_limit import check_time
 from tachk.formats.uppaal.xml_tree import Element
-from tachk.time_limit import check_time
 
 
 @dataclass(slots=True)

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source, Span
-from tachk.time_limit import check_time
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.span import Source, Span
+from tachk.base.time_limit import check_time
 
 DEEPEST = 64
 """Levels of elements. UPPAAL's format needs six."""

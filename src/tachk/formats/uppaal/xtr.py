@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from tachk.meaning.dbm import Zone, bound_value, is_strict
+from tachk.meaning.zones_of_run import zones_of_run
 from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.network import Network
+from tachk.model.run import DiscreteState, TimedTrace, Transition
 from tachk.model.types import ChannelType, ClockType
-from tachk.semantics.dbm import Zone, bound_value, is_strict
-from tachk.semantics.timed_trace import DiscreteState, TimedTrace, Transition
-from tachk.semantics.zones_of_run import zones_of_run
 
 
 def run_to_xtr(network: Network, run: TimedTrace) -> str:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from tachk.diagnostics.span import Span
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typing import describe, is_integral, same_shape
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import INT, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type, element_type
-from tachk.records import dataclass
 from tachk.syntax.rewrite import fresh_name
-from tachk.words import Direction
 
 
 @dataclass(slots=True)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import field, replace
 
+from tachk.base.operators import CONSTANT_HIGH
+from tachk.base.records import dataclass
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.functions import declare_function, declare_types
 from tachk.frontend.dropped import (
@@ -42,8 +44,6 @@ from tachk.model.types import (
     element_type,
     leaves,
 )
-from tachk.operators import CONSTANT_HIGH
-from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from tachk.base.operators import BinaryOperator
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.operator_types import combine
 from tachk.frontend.expressions.places import converted
@@ -11,7 +12,6 @@ from tachk.model.expressions import Assign, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.traversal import may_change, walk
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 

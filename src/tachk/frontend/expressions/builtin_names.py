@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 
+from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.frontend.expressions.typing import WIDE
 from tachk.model.expressions import (
     BOOL,
@@ -21,7 +22,6 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.types import IntType, Type
-from tachk.operators import BinaryOperator, UnaryOperator
 
 BUILTIN_TYPES: dict[str, Type] = {
     "int8_t": IntType(-(2**7), 2**7 - 1),

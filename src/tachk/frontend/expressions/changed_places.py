@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.model.expressions import Comma, Expression, Field, Index
 from tachk.model.traversal import may_change, walk

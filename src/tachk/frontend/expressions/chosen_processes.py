@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.operator_types import choose
@@ -26,7 +27,6 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.types import IntType, ScalarType
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.folded_expressions import substitute
@@ -27,8 +29,6 @@ from tachk.model.expressions import (
 )
 from tachk.model.traversal import children, compares_clocks, is_clock_comparison
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds
-from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.records import dataclass
 
 _SPLIT_HELP = "a zone cannot be split by one {where}; use two edges, one for each case"
 

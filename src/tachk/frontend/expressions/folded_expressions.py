@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import assert_never
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.span import Span
 from tachk.model.cell_layout import CellLayout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
@@ -35,7 +36,6 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, ScalarType, Type, cell_count
-from tachk.operators import BinaryOperator, UnaryOperator
 
 _EMPTY = Environment(CellLayout({}, (), (), (), (), (), (), (), ()), [])
 

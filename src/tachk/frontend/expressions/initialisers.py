@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Span
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import report_unknown_names
 from tachk.frontend.expressions.places import converted

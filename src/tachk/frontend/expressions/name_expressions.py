@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import islice
 
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_use
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_DOUBLES

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import COMPARISONS, BinaryOperator
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.clock_constraints import compare
@@ -19,7 +20,6 @@ from tachk.model.expressions import BOOL, INT, Binary, Expression
 from tachk.model.floating import DOUBLE, FloatingOperation, contains_double
 from tachk.model.floating_calls import as_double, operated
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, contains_left_out, element_type, is_aggregate
-from tachk.operators import COMPARISONS, BinaryOperator
 
 
 def combine(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.typing import describe, is_integral

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import islice
 
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.findings import count
 from tachk.frontend.scope import (

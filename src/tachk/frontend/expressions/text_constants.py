@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tachk.base.operators import BinaryOperator
 from tachk.frontend.scope import DroppedSymbol, Scope
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 

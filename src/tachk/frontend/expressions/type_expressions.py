@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tachk.diagnostics.span import Span
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES, FOREIGN_TYPES
 from tachk.frontend.expressions.typing import describe, is_bounded
@@ -25,7 +26,6 @@ from tachk.model.types import (
     element_type,
     nesting,
 )
-from tachk.records import dataclass
 from tachk.syntax import ast
 
 MAXIMUM_CELLS = 2**20

@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 from typing import assert_never
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
+from tachk.base.span import Span
+from tachk.base.time_limit import check_time
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_call, refuse_use
 from tachk.frontend.expressions import folded_expressions as fold
@@ -68,9 +70,7 @@ from tachk.model.expressions import (
 from tachk.model.floating import DOUBLE, FloatingOperation
 from tachk.model.floating_calls import NAMED_OPERATIONS, RANDOM_TRI, floating_constant, operated
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
-from tachk.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
 from tachk.syntax import ast
-from tachk.time_limit import check_time
 
 
 def type_reader(scope: Scope, context: Context) -> TypeReader:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TypeGuard, assert_never
 
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.model.expressions import Call, Conditional, Constant, Expression, Field, Index, Reference
 from tachk.model.floating import is_double
 from tachk.model.types import (
@@ -20,7 +21,6 @@ from tachk.model.types import (
     VoidType,
     leaves,
 )
-from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW
 
 WIDE = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 """The type of constants: the full 32 bits."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Source
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, expression
 from tachk.frontend.findings import Findings
@@ -17,7 +18,6 @@ from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.model.types import ArrayType, ChannelType
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression, parse_synchronisation
-from tachk.words import Direction
 
 
 def read_event(loaded: LoadedModel, text: str, option: str, settled: bool = False) -> Event:

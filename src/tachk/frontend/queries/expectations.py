@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from tachk.diagnostics.diagnostic import Label
-from tachk.diagnostics.span import Span
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import Label
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.findings import Findings
 from tachk.frontend.scope import Scope
 from tachk.model.query import Expectation
-from tachk.records import dataclass
 from tachk.syntax import ast
 
 

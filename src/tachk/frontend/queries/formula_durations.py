@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from tachk.diagnostics.diagnostic import InputError
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import constant_integer
 from tachk.frontend.findings import Findings

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+from tachk.base.operators import UnaryOperator
+from tachk.base.words import QueryKind
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared
@@ -20,13 +22,11 @@ from tachk.model.connectives import both, either
 from tachk.model.expressions import BOOL, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
 from tachk.model.traversal import asks_deadlock, clock_in
-from tachk.operators import UnaryOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula, operands
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import fresh_name
 from tachk.syntax.sentences.parser import parse_sentence
-from tachk.words import QueryKind
 
 OBSERVER = "Observer"
 """The name of the observer's process, where no other has it."""

@@ -6,8 +6,11 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeGuard
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
+from tachk.base.words import QueryKind
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, expression, integral
 from tachk.frontend.expressions.typing import describe, is_integral
@@ -19,11 +22,8 @@ from tachk.model.network import Signal
 from tachk.model.query import Deadline, Expectation, Query
 from tachk.model.traversal import asks_deadlock, compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
-from tachk.operators import BinaryOperator
-from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.query_files import BrokenQuery
-from tachk.words import QueryKind
 
 
 @dataclass(frozen=True, slots=True)

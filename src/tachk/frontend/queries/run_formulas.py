@@ -8,8 +8,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.queries.formula_durations import resolve_durations
 from tachk.frontend.scope import Scope

@@ -12,9 +12,11 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
-from tachk.diagnostics.span import Span
-from tachk.exact_numbers import exact_number
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
+from tachk.base.exact_numbers import exact_number
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
+from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
 from tachk.frontend.expressions.typing import is_integral
@@ -41,10 +43,8 @@ from tachk.model.statistical import (
 )
 from tachk.model.traversal import reads_hybrid
 from tachk.model.types import ClockType, Type
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression
-from tachk.time_units import NANOSECONDS, length_of
 
 _BLANK = re.compile(r"\s+|//[^\n]*|/\*[\s\S]*?\*/")
 _NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")

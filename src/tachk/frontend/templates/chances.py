@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tachk.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import describe, is_integral

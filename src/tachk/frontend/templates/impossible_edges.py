@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.diagnostics.diagnostic import Label
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Label
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
+from tachk.base.time_limit import check_time
 from tachk.frontend.context import Context
 from tachk.model.expressions import Binary, Constant, Expression
 from tachk.model.network import Edge, Network, Process
 from tachk.model.types import ClockType
-from tachk.operators import BinaryOperator
-from tachk.time_limit import check_time
 
 _BELOW = (BinaryOperator.LESS, BinaryOperator.LESS_EQUAL, BinaryOperator.EQUAL)
 _ABOVE = (BinaryOperator.GREATER, BinaryOperator.GREATER_EQUAL, BinaryOperator.EQUAL)

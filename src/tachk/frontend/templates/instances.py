@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import field, replace
 from itertools import islice
 
-from tachk.diagnostics.diagnostic import Label
-from tachk.diagnostics.span import NOWHERE, Span
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.diagnostic import Label
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
+from tachk.base.span import NOWHERE, Span
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import (
@@ -40,7 +41,6 @@ from tachk.model.floating import HYBRID_DOUBLE, variable_type
 from tachk.model.network import Process
 from tachk.model.traversal import holds_hybrid_clock
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, Type, VoidType, bounds, element_type
-from tachk.records import dataclass
 from tachk.syntax import ast
 
 MAXIMUM_INSTANCES = 2**16

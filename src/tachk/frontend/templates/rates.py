@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import drop_rate
 from tachk.frontend.expressions import folded_expressions as fold
@@ -15,7 +16,6 @@ from tachk.model.floating import DOUBLE
 from tachk.model.floating_calls import as_double
 from tachk.model.traversal import holds_hybrid_clock
 from tachk.model.types import ClockType, IntType, bounds
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 

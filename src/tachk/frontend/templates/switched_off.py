@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from tachk.base.operators import BinaryOperator
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.findings import Findings
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import Binary, Constant, Expression
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
 

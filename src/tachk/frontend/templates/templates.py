@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from tachk.diagnostics.suggestion import did_you_mean
+from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare
@@ -22,9 +24,7 @@ from tachk.model.expressions import Assign, Expression, Reference, Variable, Var
 from tachk.model.network import Branching, Edge, Location, Process, Synchronisation
 from tachk.model.traversal import compares_clocks
 from tachk.model.types import ChannelType, element_type
-from tachk.records import dataclass
 from tachk.syntax import ast
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

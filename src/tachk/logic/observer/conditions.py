@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tachk.diagnostics.span import Span
-from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
+from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
+from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.chains import chain
 from tachk.syntax.printing.expression_printer import print_expression

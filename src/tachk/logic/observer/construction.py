@@ -12,7 +12,9 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.span import Span
+from tachk.base.words import Direction
 from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negated, truth
 from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
@@ -21,12 +23,10 @@ from tachk.logic.observer.states import SHOWN, State, answered_in, binds, is_end
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
 from tachk.logic.observer.ways import most_branches
-from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in
-from tachk.words import Direction
 
 __all__ = ["BAD", "BuiltObserver", "Ending", "NoObserver", "build_observer"]
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, any_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
     Answered,

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.diagnostics.span import Span
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.logic.observer.conditions import all_of, any_of
-from tachk.records import dataclass
 from tachk.syntax import ast
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax import formula
 from tachk.syntax.formula import Formula
 

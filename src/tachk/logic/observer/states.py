@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
 from tachk.logic.observer.conditions import Conjunction, truth
 from tachk.logic.observer.goals import (
     Answered,
@@ -24,8 +26,6 @@ from tachk.logic.observer.goals import (
     Was,
     Window,
 )
-from tachk.operators import BinaryOperator
-from tachk.records import dataclass
 
 FRESH = -1
 """The clock that a step sets to 0, before it has a number."""

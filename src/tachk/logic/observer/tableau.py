@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from tachk.diagnostics.span import Span
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
@@ -55,7 +56,6 @@ from tachk.logic.observer.states import (
     waits_for_ever,
 )
 from tachk.logic.observer.ways import Branch, SavedNames, branches_of, comparison, looking_back, pasts_wanted
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 

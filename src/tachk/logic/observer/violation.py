@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.logic.observer.conditions import all_of, any_of, negated, truth
 from tachk.logic.observer.everywhere import is_possible, ways_of
 from tachk.logic.observer.goals import (

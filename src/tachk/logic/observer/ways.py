@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
 
+from tachk.base.operators import BinaryOperator
 from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, conjunction, is_false, truth
 from tachk.logic.observer.goals import (
@@ -31,7 +32,6 @@ from tachk.logic.observer.goals import (
     saved_expressions,
 )
 from tachk.logic.observer.states import FRESH, Item, Task, lasts_for_ever
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 SavedNames = Mapping[ast.Expression, str]

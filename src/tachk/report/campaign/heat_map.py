@@ -18,13 +18,13 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from tachk.campaign.job import COLUMNS, ESTIMATED, Row
-from tachk.campaign.run import Campaign
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Axis, Grid
-from tachk.properties.verdict import Answer
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure
+from tachk.verify.campaign.job import COLUMNS, ESTIMATED, Row
+from tachk.verify.campaign.run import Campaign
+from tachk.verify.verdict import Answer
 
 STYLE = {"hatch.linewidth": 0.5}
 _NUMBERS = tuple(name for name, kind in COLUMNS.items() if kind != "TEXT")

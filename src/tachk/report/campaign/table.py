@@ -8,11 +8,11 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from tachk.campaign.job import COLUMNS, Row
-from tachk.campaign.run import Campaign
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.report.campaign.text import campaign_text
 from tachk.report.json_report import Json
+from tachk.verify.campaign.job import COLUMNS, Row
+from tachk.verify.campaign.run import Campaign
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ from itertools import groupby
 
 from rich.table import Table
 
-from tachk.campaign.job import ESTIMATED, Row
-from tachk.campaign.run import Campaign
-from tachk.properties.verdict import Answer
+from tachk.model.quantity import grouped
 from tachk.report.plain_console import plain_console
-from tachk.report.quantity import grouped
 from tachk.report.statistics.text import interval_text
+from tachk.verify.campaign.job import ESTIMATED, Row
+from tachk.verify.campaign.run import Campaign
+from tachk.verify.verdict import Answer
 
 _MOST_ROWS = 200
 

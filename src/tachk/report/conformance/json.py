@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from tachk.conformance.conform import Conformance
-from tachk.conformance.coverage import Covered
-from tachk.conformance.edits import Edit
-from tachk.conformance.events import Event
+from tachk.recordings.conformance.conform import Conformance
+from tachk.recordings.conformance.coverage import Covered
+from tachk.recordings.conformance.edits import Edit
+from tachk.recordings.conformance.events import Event
 
 
 def conformance_to_json(found: Sequence[Conformance], model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:

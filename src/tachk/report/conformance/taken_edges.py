@@ -6,9 +6,9 @@ from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.formats.written_reports import check_report, read_json
 from tachk.report.pictures import Taken
-from tachk.report.written_reports import check_report, read_json
 from tachk.syntax.picture_layout import EdgeKey
 
 _HOW = "make it: tachk conform MODEL FILE... --coverage --format json -o FILE"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tachk.conformance.conform import Conformance
-from tachk.conformance.coverage import Covered
+from tachk.model.quantity import grouped
+from tachk.recordings.conformance.conform import Conformance
+from tachk.recordings.conformance.coverage import Covered
 from tachk.report.conformance.words import edit_text, event_text, moment, offer_text, recorded_time, units_text
-from tachk.report.quantity import grouped
 
 
 def conformance_to_text(found: Conformance, model: str) -> str:

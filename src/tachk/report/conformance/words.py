@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from tachk.conformance.conform import Conformance
-from tachk.conformance.edits import Edit
-from tachk.conformance.events import Event
-from tachk.conformance.refusal import Offer
+from tachk.recordings.conformance.conform import Conformance
+from tachk.recordings.conformance.edits import Edit
+from tachk.recordings.conformance.events import Event
+from tachk.recordings.conformance.refusal import Offer
 
 
 def moment(found: Conformance, units: int | Fraction) -> str:

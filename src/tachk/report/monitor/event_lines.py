@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tachk.model.quantity import decimal
+from tachk.recordings.monitors.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
+from tachk.recordings.monitors.record import MonitorRecord
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import exact, finding_to_json, number, verdict_to_json, with_notes
-from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
-from tachk.report.monitor.record import MonitorRecord
-from tachk.report.quantity import decimal
-from tachk.runtime.node_signal import Truth
 
 
 def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[str, Json]]:

@@ -11,13 +11,13 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
+from tachk.recordings.traces.conventions import Interpolation
+from tachk.recordings.traces.core_monitor import robustness_signals
+from tachk.recordings.traces.monitor_program import MonitorProgram, NodeKind
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Trace
 from tachk.report.monitor.json import exact
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
-from tachk.runtime.conventions import Interpolation
-from tachk.runtime.core_monitor import robustness_signals
-from tachk.runtime.monitor_program import MonitorProgram, NodeKind
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from tachk.report.monitor.record import MonitorRecord, clock_text
+from tachk.base.resources import template_text
+from tachk.model.quantity import grouped
+from tachk.recordings.monitors.record import MonitorRecord, clock_text
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.monitor.text import answer_text, robustness_text
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import grouped
-from tachk.resources import template_text
-from tachk.runtime.node_signal import Truth
 
 _COLOURS = {Truth.TRUE: "green", Truth.FALSE: "firebrick", Truth.UNDETERMINED: "darkorange"}
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from tachk.model.quantity import decimal
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_time, value_text
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.verdict_explanation import Finding, Reason
 from tachk.report.json_report import Json
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_time, value_text
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import decimal
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
-from tachk.runtime.verdict_explanation import Finding, Reason
 
 
 def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict[str, Json]:

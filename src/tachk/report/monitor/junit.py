@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.junit_report import clean
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
 from tachk.report.monitor.text import answer_text
 from tachk.report.monitor.words import count_violations, explain_finding, explain_verdict
-from tachk.runtime.node_signal import Truth
 
 
 def monitor_to_junit(record: MonitorRecord, all_violations: bool = False) -> str:

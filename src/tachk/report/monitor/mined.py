@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from tachk.model.quantity import decimal
+from tachk.recordings.monitors.record import MonitorRecord
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import finding_to_json
-from tachk.report.monitor.record import MonitorRecord
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import decimal
 
 
 @dataclass(frozen=True, slots=True)

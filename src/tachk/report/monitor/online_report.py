@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tachk.model.quantity import decimal, grouped
+from tachk.recordings.monitors.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
+from tachk.recordings.monitors.record import time_text
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import finding_to_json, number, with_notes
-from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
-from tachk.report.monitor.record import time_text
 from tachk.report.monitor.text import robustness_text
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import decimal, grouped
-from tachk.runtime.node_signal import Truth
 
 
 def decided_to_text(verdict: OnlineVerdict, unit: str, dated: bool) -> str:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.report.monitor.record import MonitorVerdict
-from tachk.runtime.monitor_program import MonitorProgram, NodeKind, Relation, ValueOperator
-from tachk.runtime.node_signal import NodeSignal, Truth
-from tachk.runtime.trace import Trace
-from tachk.time_limit import check_time
+from tachk.base.time_limit import check_time
+from tachk.recordings.monitors.record import MonitorVerdict
+from tachk.recordings.traces.monitor_program import MonitorProgram, NodeKind, Relation, ValueOperator
+from tachk.recordings.traces.node_signal import NodeSignal, Truth
+from tachk.recordings.traces.trace import Trace
 
 MOST_ROWS = 9
 """Subformulas that are shown of one formula, the outer ones first."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
 from tachk.report.monitor.formula_signals import signal_of
 from tachk.report.monitor.plot_rows import Stretch
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
 
 _INK = "#22577a"
 _LABEL = 8

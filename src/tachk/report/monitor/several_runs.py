@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from rich.console import Console
 from rich.text import Text
 
+from tachk.recordings.monitors.record import MonitorRecord
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import monitor_to_json
-from tachk.report.monitor.record import MonitorRecord
 from tachk.report.monitor.text import print_monitor
-from tachk.runtime.node_signal import Truth
 
 _ORDER = (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED)
 

@@ -22,14 +22,14 @@ from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, clock_text
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Trace
 from tachk.report.figure_files import svg_of, write_figure
 from tachk.report.monitor.plot_rows import Band, FormulaRows, Stretch, bands_of, formula_rows, line, steps, thresholds
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
 from tachk.report.monitor.robustness_plot import draw_robustness
 from tachk.report.monitor.text import answer_text, robustness_text
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
 
 _WIDTH = 9.0
 _ROW = 0.24

@@ -8,12 +8,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_text, clock_text
+from tachk.model.quantity import grouped
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_text, clock_text
+from tachk.recordings.traces.conventions import Ending, Interpolation
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.violations import Violations
 from tachk.report.monitor.words import count_violations, explain_verdict, seen_values
-from tachk.report.quantity import grouped
-from tachk.runtime.conventions import Ending, Interpolation
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.violations import Violations
 
 STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_text, clock_text, value_text
-from tachk.report.quantity import grouped
-from tachk.runtime.monitor_program import NodeKind
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
-from tachk.runtime.verdict_explanation import Finding, Reason
-from tachk.runtime.violations import Violations
+from tachk.model.quantity import grouped
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_text, clock_text, value_text
+from tachk.recordings.traces.monitor_program import NodeKind
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.verdict_explanation import Finding, Reason
+from tachk.recordings.traces.violations import Violations
 
 _COLUMNS_SHOWN = 8
 

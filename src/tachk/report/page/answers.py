@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.drawing.sequence.layout import lay_out
-from tachk.drawing.sequence.sequence_svg import draw_chart
-from tachk.drawing.svg import Picture
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.report.drawing.sequence.layout import lay_out
+from tachk.report.drawing.sequence.sequence_svg import draw_chart
+from tachk.report.drawing.svg import Picture
 from tachk.report.json_report import run_to_json
 from tachk.report.page.content import Answers, Section
 from tachk.report.page.playback import edge_names, playback, told_lines

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tachk.drawing.svg import Picture
+from tachk.report.drawing.svg import Picture
 
 
 @dataclass(frozen=True, slots=True)

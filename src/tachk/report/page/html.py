@@ -11,14 +11,14 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.drawing.svg import STYLE
-from tachk.properties.verdict import Answer
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.resources import template_text
+from tachk.model.quantity import bytes_, grouped, seconds
+from tachk.report.drawing.svg import STYLE
 from tachk.report.json_report import Json
 from tachk.report.page.content import Answers, Page, Text
-from tachk.report.quantity import bytes_, grouped, seconds
 from tachk.report.statistics.answered import short_answer
-from tachk.resources import template_text
+from tachk.verify.verdict import Answer
 
 _MARKS = {Answer.HOLDS.value: "✓", Answer.FAILS.value: "✗", Answer.UNKNOWN.value: "?"}
 _CLASSES = {**{answer: answer for answer in _MARKS}, "true": "holds", "false": "fails", "undetermined": "unknown"}

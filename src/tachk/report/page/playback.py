@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
+from tachk.model.quantity import decimal, duration
 from tachk.report.json_report import Json
-from tachk.report.quantity import decimal, duration
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import keyed_edges
 

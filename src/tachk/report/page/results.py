@@ -9,14 +9,14 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from tachk.campaign.job import ESTIMATED
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.formats.written_reports import check_report, read_json
 from tachk.model.grid import Axis, Grid
 from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
 from tachk.report.statistics.text import interval_text, times_text
-from tachk.report.written_reports import check_report, read_json
+from tachk.verify.campaign.job import ESTIMATED
 
 _MOST_ROWS = 200
 """A table of more is not on the page."""

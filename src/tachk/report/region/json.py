@@ -8,8 +8,8 @@ from io import StringIO
 
 from tachk.report.json_report import Json
 from tachk.report.region.words import inequalities, knowledge
-from tachk.synthesis.bounds_of_parameters import NoBound
-from tachk.synthesis.region import Region, RegionCell
+from tachk.verify.synthesis.bounds_of_parameters import NoBound
+from tachk.verify.synthesis.region import Region, RegionCell
 
 Row = Mapping[str, str | int | float | None]
 

@@ -20,13 +20,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.properties.verdict import Answer
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure
 from tachk.report.region.words import effort, inequalities, summary
-from tachk.synthesis.parameters import Parameter
-from tachk.synthesis.region import Evidence, Region, RegionCell
+from tachk.verify.synthesis.parameters import Parameter
+from tachk.verify.synthesis.region import Evidence, Region, RegionCell
+from tachk.verify.verdict import Answer
 
 _MOST_MAPS = 12
 _BORDER = "#22223b"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from tachk.certify.certificate import CertificateWriter
-from tachk.properties.verdict import Answer
+from tachk.meaning.judge.certificate import CertificateWriter
 from tachk.report.json_report import Json
 from tachk.report.region.json import Row, region_to_json, row_of
 from tachk.report.region.text import region_text
 from tachk.report.region.words import assignment, inequalities, summary
-from tachk.synthesis.region import Region, RegionCell
+from tachk.verify.synthesis.region import Region, RegionCell
+from tachk.verify.verdict import Answer
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-from tachk.properties.verdict import Answer
 from tachk.report.region.words import assignment, effort, evidence, inequalities, knowledge, summary
-from tachk.synthesis.region import Region, RegionCell
+from tachk.verify.synthesis.region import Region, RegionCell
+from tachk.verify.verdict import Answer
 
 _LETTERS = {Answer.HOLDS: "#", Answer.FAILS: ".", Answer.UNKNOWN: "?"}
 _MOST_GRIDS = 12

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.diagnostics.span import NOWHERE, Span
-from tachk.properties.verdict import Answer
-from tachk.report.quantity import duration, grouped
-from tachk.synthesis.bounds_of_parameters import Bound, NoBound
-from tachk.synthesis.region import Evidence, Region, RegionCell, shown_by_a_run
+from tachk.base.span import NOWHERE, Span
+from tachk.model.quantity import duration, grouped
+from tachk.verify.synthesis.bounds_of_parameters import Bound, NoBound
+from tachk.verify.synthesis.region import Evidence, Region, RegionCell, shown_by_a_run
+from tachk.verify.verdict import Answer
 
 
 def summary(region: Region) -> str:

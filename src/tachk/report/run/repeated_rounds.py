@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
 
-from tachk.records import dataclass
-from tachk.report.run.trace_view import Event, ViewStep
+from tachk.base.records import dataclass
+from tachk.meaning.run_view import Event, ViewStep
 
 _SAVED = 4
 """A repetition is told as one if that saves at least as many steps (or rounds, in rounds of rounds)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

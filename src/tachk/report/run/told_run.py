@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from html import escape
 
+from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, view_trace
 from tachk.model.network import Network
-from tachk.properties.verdict import Verdict
 from tachk.report.run.telling import Telling
-from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep, view_trace
 from tachk.report.text_report import evidence_text
+from tachk.verify.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)

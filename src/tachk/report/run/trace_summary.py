@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.report.quantity import duration
-from tachk.report.run.trace_view import Event, Move, TraceView
+from tachk.meaning.run_view import Event, Move, TraceView
+from tachk.model.quantity import duration
 
 _TIMES_TOLD = 3
 

@@ -8,13 +8,13 @@ from fractions import Fraction
 from rich.console import Console
 from rich.text import Text
 
-from tachk.records import dataclass
-from tachk.report.quantity import duration, grouped
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
+from tachk.meaning.run_view import Event, Move, Snapshot, TraceView
+from tachk.model.quantity import duration, grouped
+from tachk.model.run import Ending
 from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
 from tachk.report.run.telling import Ends, Telling
-from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView
-from tachk.semantics.timed_trace import Ending
-from tachk.words import Direction
 
 _ARRAY_TOGETHER = 3
 

@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from tachk.formats.edge_text import edge_text
+from tachk.meaning.dbm import Zone, bound_value, is_strict
+from tachk.meaning.discrete import prepare, stopped_clocks
+from tachk.meaning.run_view import Snapshot, view_trace
+from tachk.meaning.zones_of_run import clocks_after, zones_of_run
 from tachk.model.network import Network
-from tachk.report.run.trace_view import Snapshot, view_trace
-from tachk.semantics.dbm import Zone, bound_value, is_strict
-from tachk.semantics.discrete import prepare, stopped_clocks
-from tachk.semantics.timed_trace import TimedTrace, Transition
-from tachk.semantics.zones_of_run import clocks_after, zones_of_run
+from tachk.model.run import TimedTrace, Transition
 
 
 def concrete_trace(network: Network, run: TimedTrace) -> str:

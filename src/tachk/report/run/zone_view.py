@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any
 
-from tachk.engines.zone_graph import ZoneGraph
+from tachk.engine.zone_graph import ZoneGraph
+from tachk.meaning import dbm
+from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Zone
+from tachk.meaning.run_view import Event, Names
 from tachk.model.network import Network
-from tachk.report.run.trace_view import Event, Names
-from tachk.semantics import dbm
-from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Zone
 
 
 @dataclass(frozen=True, slots=True)

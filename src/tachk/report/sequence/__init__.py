@@ -1,1 +1,1 @@
-"""Sequence charts of captures and of runs: what `tachk.drawing.sequence` draws."""
+"""Sequence charts of captures and of runs: what `tachk.report.drawing.sequence` draws."""

@@ -13,11 +13,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from tachk.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase
-from tachk.records import dataclass
-from tachk.report.quantity import duration
-from tachk.report.sequence.of_capture import ranges
+from tachk.base.records import dataclass
+from tachk.model.quantity import duration
+from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase
 from tachk.report.sequence.run_steps import RunStep, RunSteps
+from tachk.xrce.report.sequence_chart import ranges
 
 _THROUGH_A_LINK = re.compile(r"(send|deliver)\[(\w+)\]\[(\w+)\]")
 _CATEGORIES = {

@@ -8,8 +8,8 @@ from itertools import pairwise
 from statistics import median
 from typing import Final
 
-from tachk.drawing.sequence.chart import Chart, Message, Note, begun
-from tachk.drawing.sequence.layout import decimal
+from tachk.report.drawing.sequence.chart import Chart, Message, Note, begun
+from tachk.report.drawing.sequence.layout import decimal
 
 _LONGEST: Final = 6
 """Messages of a round."""

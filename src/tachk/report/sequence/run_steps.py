@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 
 _HOW = "tachk verify MODEL --property NAME --trace some --format json -o RUN.json makes one"
 _LOST, _COPIED = "losses", "copies"

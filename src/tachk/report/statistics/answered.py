@@ -7,7 +7,7 @@ from typing import Any
 
 from tachk.report.statistics.json import answer_document
 from tachk.report.statistics.text import answer_lines, interval_text
-from tachk.statistics.answers import StatisticalAnswer
+from tachk.simulation.statistics.answers import StatisticalAnswer
 
 
 def answered_lines(answer: StatisticalAnswer) -> Iterator[str]:

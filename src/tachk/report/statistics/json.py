@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Any, assert_never
 
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
-from tachk.statistics.sampling import Sample
-from tachk.statistics.trajectories import Trajectory
+from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
+from tachk.simulation.statistics.sampling import Sample
+from tachk.simulation.statistics.trajectories import Trajectory
 
 
 def estimates_document(model: str, found: Sequence[Estimate], settings: Settings) -> dict[str, Any]:

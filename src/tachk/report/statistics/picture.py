@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.report.figure_files import write_figure
 from tachk.report.statistics.text import interval_text
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Split
-from tachk.statistics.sampling import Sample
+from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Split
+from tachk.simulation.statistics.sampling import Sample
 
 _WIDTH, _ROW = 9.0, 2.5
 _TOP, _BETWEEN, _BOTTOM = 0.45, 0.95, 0.6

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from math import ceil, floor, isfinite, log10
 from typing import assert_never
 
-from tachk.statistics.deciding import Decision
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
-from tachk.statistics.sampling import Sample, told_endings
-from tachk.statistics.trajectories import Line
+from tachk.simulation.statistics.deciding import Decision
+from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
+from tachk.simulation.statistics.sampling import Sample, told_endings
+from tachk.simulation.statistics.trajectories import Line
 
 _POINTS = 6
 

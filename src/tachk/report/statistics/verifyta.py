@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 
 from tachk.model.statistical import AskedPath, Comparison, Expectation, Path, Probability, Scale, Threshold
 from tachk.report.verifyta_notes import memory_lines, note
-from tachk.statistics.answers import StatisticalAnswer, samples_of
-from tachk.statistics.deciding import Decision
-from tachk.statistics.estimate import Decided, Drawn, Estimated, Mean, Settings, Split
-from tachk.statistics.sampling import told_endings
-from tachk.statistics.trajectories import Trajectory
+from tachk.simulation.statistics.answers import StatisticalAnswer, samples_of
+from tachk.simulation.statistics.deciding import Decision
+from tachk.simulation.statistics.estimate import Decided, Drawn, Estimated, Mean, Settings, Split
+from tachk.simulation.statistics.sampling import told_endings
+from tachk.simulation.statistics.trajectories import Trajectory
 
 
 class Form(StrEnum):

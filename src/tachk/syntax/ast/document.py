@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
 from tachk.syntax.ast.declarations import Declaration
 from tachk.syntax.ast.expressions import Expression, Parameter
 from tachk.syntax.ast.nodes import Identifier, Node
 from tachk.syntax.ast.properties import ExpectationDeclaration, HideDeclaration, PropertyDeclaration
 from tachk.syntax.ast.templates import Template
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

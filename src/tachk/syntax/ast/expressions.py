@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.operators import BinaryOperator, PrefixOperator
-from tachk.records import dataclass
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.records import dataclass
 from tachk.syntax.ast.nodes import Identifier, Node
 
 

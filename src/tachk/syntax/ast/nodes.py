@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from tachk.diagnostics.span import Span
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.words import QueryKind
 from tachk.syntax.ast.expressions import Expression
 from tachk.syntax.ast.nodes import Identifier, Node
-from tachk.words import QueryKind
 
 if TYPE_CHECKING:
     from tachk.syntax.formula import Formula

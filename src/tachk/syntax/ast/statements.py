@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.syntax.ast.expressions import Expression, TypedefDeclaration, TypeExpression, VariableDeclaration
 from tachk.syntax.ast.nodes import Identifier, Node
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
 from tachk.syntax.ast.declarations import Declaration
 from tachk.syntax.ast.expressions import Expression, Parameter, TypeExpression
 from tachk.syntax.ast.nodes import Identifier, Node
-from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

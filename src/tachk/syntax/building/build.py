@@ -9,8 +9,9 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.operators import BinaryOperator
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.operators import BinaryOperator
+from tachk.base.words import Direction, QueryKind
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, ExpressionBuilder, ListOf, nodes, only, span_of
 from tachk.syntax.building.build_template import Line, WrittenClause, clauses_of, template
@@ -19,7 +20,6 @@ from tachk.syntax.formulas.build import FormulaBuilder, WholeFormula, as_formula
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.tokens import Token
 from tachk.syntax.parsing.unchecked import unchecked_family
-from tachk.words import Direction, QueryKind
 
 
 class Builder(ExpressionBuilder, FormulaBuilder):

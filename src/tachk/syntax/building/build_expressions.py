@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-from tachk.diagnostics.span import Span
-from tachk.operators import BinaryOperator, PrefixOperator
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.chains import chain
 from tachk.syntax.parsing.tokens import Token

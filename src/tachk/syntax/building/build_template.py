@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import Span
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind
 from tachk.syntax.parsing.misplaced import Misplaced

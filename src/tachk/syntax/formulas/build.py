@@ -11,10 +11,11 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
-from tachk.operators import BinaryOperator, PrefixOperator
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.operators import BinaryOperator, PrefixOperator
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.time_units import SPELLINGS, UNITS
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, span_of
 from tachk.syntax.chains import LONGEST_FROM_LEFT
@@ -44,7 +45,6 @@ from tachk.syntax.parsing.depth import measured
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.tokens import Token
 from tachk.syntax.walk import nodes_of_kind
-from tachk.time_units import SPELLINGS, UNITS
 
 _Prefix = type[Eventually] | type[Always] | type[Once] | type[Historically]
 _PREFIX: dict[str, _Prefix] = {"F": Eventually, "G": Always, "O": Once, "H": Historically}

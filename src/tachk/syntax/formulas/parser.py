@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Source, Span
 from tachk.syntax.formula import Formula
 from tachk.syntax.formulas.tokens import resolve_formula
 from tachk.syntax.parsing.depth import bracket_errors, nesting_errors

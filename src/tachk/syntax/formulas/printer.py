@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from tachk.operators import CONNECTIVES
+from tachk.base.operators import CONNECTIVES
 from tachk.syntax import ast
 from tachk.syntax.formula import (
     Always,

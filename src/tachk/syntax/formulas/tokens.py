@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Span
 from tachk.syntax.parsing.tokens import END, Token
 
 PREFIX = frozenset("FGOH")

@@ -10,8 +10,8 @@ from __future__ import annotations
 from enum import Enum, auto
 from itertools import pairwise
 
-from tachk.diagnostics.span import Span
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.syntax.formulas.tokens import is_sentence, is_temporal, resolve_formula
 from tachk.syntax.parsing.tokens import END, Token
 from tachk.syntax.parsing.unchecked import unchecked_family, words_of

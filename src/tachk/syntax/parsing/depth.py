@@ -11,9 +11,9 @@ import sys
 import threading
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
-from tachk.operators import BinaryOperator
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.parsing.tokens import Token
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 from bisect import bisect_left
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Span
+from tachk.base.time_limit import check_time
 from tachk.syntax.parsing.lalr import Stack, UnexpectedToken
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.situation import Situation
 from tachk.syntax.parsing.tables import lexer, tables
 from tachk.syntax.parsing.tokens import END, Token
-from tachk.time_limit import check_time
 
 MOST_ERRORS = 20
 _MOST_RECOVERIES = 60

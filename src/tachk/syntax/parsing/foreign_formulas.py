@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Span
 from tachk.syntax.formulas.tokens import PREFIX
 from tachk.syntax.parsing.situation import Situation, query_start
 from tachk.syntax.parsing.tokens import Token

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Span
+from tachk.base.time_units import SPELLINGS
 from tachk.syntax.parsing.contextual import PATHS
 from tachk.syntax.parsing.situation import Situation, item_start, query_start
 from tachk.syntax.parsing.tokens import END, Token
-from tachk.time_units import SPELLINGS
 
 _TEMPLATE_WORDS = ("template", "automaton", "module", "proctype", "class")
 _PATHS = ("[]", "<>")

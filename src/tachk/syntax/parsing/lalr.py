@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.syntax.parsing.grammar import Grammar, Rule
 from tachk.syntax.parsing.tokens import END, Token
 

@@ -6,7 +6,7 @@ process takes its parameters as ``int a, b; const c``, by reference unless they 
 
 from __future__ import annotations
 
-from tachk.diagnostics.span import Span
+from tachk.base.span import Span
 from tachk.syntax.parsing.tokens import Token
 
 

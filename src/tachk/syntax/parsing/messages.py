@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.span import Span
 from tachk.syntax.formulas.tokens import PREFIX, WORDS, lacks_full_stop, operator_word
 from tachk.syntax.parsing.contextual import PATHS, SPELLING
 from tachk.syntax.parsing.foreign_clauses import foreign_clause, untyped_constant

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.diagnostic import Diagnostic
 
 
 class Misplaced(Exception):

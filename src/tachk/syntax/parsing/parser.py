@@ -12,8 +12,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, Severity
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.parsing.contextual import resolve_document, resolve_fragment, resolve_query
 from tachk.syntax.parsing.depth import bracket_errors, nesting_errors

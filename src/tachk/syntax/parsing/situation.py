@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.syntax.parsing.tokens import END, Token
 
 CLOSES = {")": "(", "]": "[", "}": "{"}

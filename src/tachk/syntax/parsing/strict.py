@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Span
 from tachk.syntax import ast
 
 

@@ -14,7 +14,7 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from tachk.resources import grammar_text
+from tachk.base.resources import grammar_text
 from tachk.syntax.building.build import Builder
 from tachk.syntax.parsing.grammar import Grammar
 from tachk.syntax.parsing.lalr import Tables

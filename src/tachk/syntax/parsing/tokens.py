@@ -9,13 +9,13 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import field
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source, Span
-from tachk.exact_numbers import is_huge
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.exact_numbers import is_huge
+from tachk.base.records import dataclass
+from tachk.base.span import Source, Span
+from tachk.base.time_limit import check_time
 from tachk.syntax.ast import Comment
 from tachk.syntax.parsing.grammar import Terminal
-from tachk.time_limit import check_time
 
 Match = Callable[[str, int, int], re.Match[str] | None]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import assert_never
 
-from tachk.operators import BinaryOperator, PrefixOperator
+from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.chains import LONGEST_FROM_LEFT, operands_of
 from tachk.syntax.edge_clauses import Clause, ClauseKind

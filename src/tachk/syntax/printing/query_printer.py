@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from tachk.base.words import QueryKind
 from tachk.syntax import ast
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.printing.expression_printer import print_expression, print_expressions
-from tachk.words import QueryKind
 
 
 def print_expected(expected: ast.Expected) -> str:

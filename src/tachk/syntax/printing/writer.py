@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from tachk.operators import BinaryOperator
+from tachk.base.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.chains import operands_of
 from tachk.syntax.printing.comment_placement import Placement, line_nodes

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
-from tachk.operators import BinaryOperator
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.operators import BinaryOperator
+from tachk.base.span import Span
 from tachk.syntax.ast import BinaryExpression
 from tachk.syntax.formula import And, Atom, Duration, Formula, Not, Or, Rise
 from tachk.syntax.parsing.tokens import Token

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Span
-from tachk.exact_numbers import is_huge
-from tachk.operators import Group
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.exact_numbers import is_huge
+from tachk.base.operators import Group
+from tachk.base.span import Span
+from tachk.base.time_units import SPELLINGS
 from tachk.syntax import ast
 from tachk.syntax.formula import And, Atom, Change, Duration, Fall, Formula, Implies, Not, Or, Rise, Truth, operands
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.sentences.text import Piece, cut
-from tachk.time_units import SPELLINGS
 
 _TEMPORAL_HELP = "a condition is about one instant; a property with operators like F and G is written as a formula"
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import Span
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.span import Span
 from tachk.syntax.sentences import tree as s
 from tachk.syntax.sentences.build import Mark
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice, pairwise
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Source, Span
 from tachk.syntax.formulas.tokens import is_sentence, lacks_full_stop
 from tachk.syntax.parsing.lalr import Stack
 from tachk.syntax.parsing.tables import lexer

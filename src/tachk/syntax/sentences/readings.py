@@ -12,13 +12,13 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from itertools import count
 
-from tachk.diagnostics.span import Span
-from tachk.records import dataclass
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.time_units import SPELLINGS
 from tachk.syntax.parsing.lalr import Tables
 from tachk.syntax.parsing.tokens import END, Token
 from tachk.syntax.sentences.tables import START, Phrase, phrases, sentence_tables
 from tachk.syntax.sentences.text import Piece
-from tachk.time_units import SPELLINGS
 
 States = tuple[int, ...]
 Node = tuple[int, States]

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from tachk.resources import grammar_text
+from tachk.base.resources import grammar_text
 from tachk.syntax.parsing.grammar import Grammar
 from tachk.syntax.parsing.lalr import Tables
 from tachk.syntax.parsing.tables import cached_grammar

@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source, Span
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.span import Source, Span
 
 _PIECE = re.compile(
     r"""

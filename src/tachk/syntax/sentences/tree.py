@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.syntax.ast import Expression, Node
 from tachk.syntax.formula import Duration, Formula
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.events import Event
 from tachk.xrce.measuring.quantity import Place
 from tachk.xrce.streams import near

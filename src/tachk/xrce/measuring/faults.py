@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, seen
 from tachk.xrce.transmissions import Recording, Transmission
 from tachk.xrce.wire import Kind

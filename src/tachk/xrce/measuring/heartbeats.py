@@ -14,7 +14,7 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.measuring.conversation import Beat, Came, Conversation, Moment, Sent
 from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, punctual, roundest, seen
 

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.events import Event
 from tachk.xrce.measuring.quantity import Confidence
 from tachk.xrce.measuring.settings import Setting

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.events import Event
 from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, seen
 from tachk.xrce.transmissions import Recording

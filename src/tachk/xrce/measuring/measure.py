@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.records import dataclass
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
 from tachk.xrce.measuring.conversation import Beat, Conversation, Sent, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving

@@ -8,7 +8,7 @@ from enum import StrEnum
 from statistics import median
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 
 
 class Confidence(StrEnum):

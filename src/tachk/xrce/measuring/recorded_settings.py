@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.measuring.quantity import Confidence, Quantity
 from tachk.xrce.measuring.settings import Setting
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw
 from tachk.xrce.measuring.keeping import LateReading
 from tachk.xrce.measuring.quantity import Confidence, Quantity

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.packets import Numbers
 
 Table = NDArray[np.int64]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Final
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.signals.changes import ChangeLog
 from tachk.xrce.streams import SIGNALS, StreamState
 

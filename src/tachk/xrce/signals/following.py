@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.packets import Numbers
 from tachk.xrce.signals.changes import ChangeLog, Changes

@@ -8,7 +8,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.records import dataclass
+from tachk.base.records import dataclass
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import Numbers
 from tachk.xrce.reading import CaptureReading

@@ -6,25 +6,25 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from tachk import api
-from tachk.certify.certificate import CertificateReader, Header, MalformedCertificateError, read_certificates
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.records import dataclass
+from tachk.base.span import Source
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
-from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.diagnostics.span import Source
 from tachk.formats.network_json.digest import digest
 from tachk.frontend.loaded import LoadedModel
+from tachk.meaning.discrete import prepare
+from tachk.meaning.initial_state import check_initial_state
+from tachk.meaning.judge.certificate import CertificateReader, Header, MalformedCertificateError, read_certificates
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.certificates import Checker, check_proof
-from tachk.properties.questions import Questions, checked
-from tachk.records import dataclass
 from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
 from tachk.report.json_text import json_text
-from tachk.semantics.discrete import prepare
-from tachk.semantics.initial_state import check_initial_state
+from tachk.verify.certificates import Checker, check_proof
+from tachk.verify.questions import Questions, checked
 
 
 @dataclass(frozen=True, slots=True)

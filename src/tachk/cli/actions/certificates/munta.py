@@ -9,12 +9,12 @@ from pathlib import Path
 
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain
-from tachk.engines.options import Limits, Options
-from tachk.formats.munta.proof import munta_proof
+from tachk.engine.options import Limits, Options
 from tachk.model.network import Network
-from tachk.properties.certificates import is_provable
-from tachk.properties.verdict import Verdict
-from tachk.report.quantity import bytes_
+from tachk.model.quantity import bytes_
+from tachk.verify.certificates import is_provable
+from tachk.verify.munta_proof import munta_proof
+from tachk.verify.verdict import Verdict
 
 
 def write_munta_proofs(

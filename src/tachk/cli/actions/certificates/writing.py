@@ -7,15 +7,15 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from tachk.certify.certificate import CertificateWriter
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain
-from tachk.engines.options import Limits, Options
+from tachk.engine.options import Limits, Options
 from tachk.formats.network_json.digest import digest
+from tachk.meaning.judge.certificate import CertificateWriter
 from tachk.model.network import Network
-from tachk.properties.certificates import find_proof, is_provable, widened_proof
-from tachk.properties.verdict import Verdict
-from tachk.report.quantity import bytes_
+from tachk.model.quantity import bytes_
+from tachk.verify.certificates import find_proof, is_provable, widened_proof
+from tachk.verify.verdict import Verdict
 
 
 def write_certificates(

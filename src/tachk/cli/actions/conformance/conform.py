@@ -5,18 +5,18 @@ from __future__ import annotations
 import json
 from time import monotonic
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
-from tachk.conformance.coverage import coverage
-from tachk.conformance.question import ExplanationDetail
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits
-from tachk.loading.recorded_models import recorded_model
-from tachk.records import dataclass
+from tachk.engine.options import Limits
+from tachk.formats.loading.recorded_models import recorded_model
+from tachk.recordings.conformance.coverage import coverage
+from tachk.recordings.conformance.question import ExplanationDetail
 from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text, coverage_to_text
 

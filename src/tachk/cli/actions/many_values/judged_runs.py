@@ -6,13 +6,13 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tachk.campaign.job import FormulaCounts
 from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
-from tachk.engines.simulation.simulator import Drawing, Recorded
+from tachk.engine.simulation.simulator import Drawing, Recorded
 from tachk.model.network import Network
-from tachk.runtime.node_signal import Truth
+from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.runs import Runs
 from tachk.simulation.times import horizon_of
+from tachk.verify.campaign.job import FormulaCounts
 
 
 @dataclass(frozen=True, slots=True)

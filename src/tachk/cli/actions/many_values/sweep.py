@@ -10,9 +10,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 
-from tachk import api
-from tachk.campaign.job import ESTIMATED
-from tachk.campaign.run import Progress
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import DIGITS
+from tachk.base.memory_limit import memory_limit
+from tachk.base.records import dataclass
+from tachk.base.time_limit import time_limit
 from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.arguments import parse_size
 from tachk.cli.destination import destination
@@ -20,18 +23,15 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.cli.terminal import can_rewrite_lines
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits
-from tachk.exact_numbers import DIGITS
-from tachk.memory_limit import memory_limit
+from tachk.engine.options import Limits
 from tachk.model.grid import grid_of
-from tachk.properties.verdict import Answer
-from tachk.records import dataclass
 from tachk.report.campaign.table import Sweep
-from tachk.statistics.estimate import Settings
-from tachk.statistics.rare import Splitting
-from tachk.statistics.sampling import Source as RunSource
-from tachk.time_limit import time_limit
+from tachk.simulation.statistics.estimate import Settings
+from tachk.simulation.statistics.rare import Splitting
+from tachk.simulation.statistics.sampling import Source as RunSource
+from tachk.verify.campaign.job import ESTIMATED
+from tachk.verify.campaign.run import Progress
+from tachk.verify.verdict import Answer
 
 _EVERY = "all"
 _RUNS = 100

@@ -7,7 +7,11 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.memory_limit import memory_limit
+from tachk.base.records import dataclass
+from tachk.base.time_limit import time_limit
 from tachk.cli.arguments import parse_size, split_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -15,15 +19,11 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.progress import ProgressLine
 from tachk.cli.reporting import ReportForm, Reporting, WantedAnswer
 from tachk.cli.terminal import can_rewrite_lines
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits
-from tachk.memory_limit import memory_limit
+from tachk.engine.options import Limits
 from tachk.model.grid import Grid, grid_of
-from tachk.properties.verdict import Answer
-from tachk.records import dataclass
 from tachk.report.region.synthesis import Synthesis
-from tachk.synthesis.region import Region
-from tachk.time_limit import time_limit
+from tachk.verify.synthesis.region import Region
+from tachk.verify.verdict import Answer
 
 _PICTURES = (".png", ".svg", ".pdf")
 

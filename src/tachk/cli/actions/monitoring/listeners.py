@@ -6,11 +6,11 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any, TextIO
 
-from tachk.monitoring.online import Monitor
+from tachk.recordings.monitors.online import Monitor
+from tachk.recordings.monitors.online_record import OnlineVerdict, OnlineViolation
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.monitor.event_lines import end_event, verdict_event, violation_event
-from tachk.report.monitor.online_record import OnlineVerdict, OnlineViolation
 from tachk.report.monitor.online_report import decided_to_text, online_to_json, online_to_text, violation_to_text
-from tachk.runtime.node_signal import Truth
 
 
 class Listener:

@@ -6,14 +6,14 @@ import json
 import re
 from dataclasses import dataclass
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.formulas import check_order
-from tachk.monitoring.mining import mine
-from tachk.runtime.conventions import Ending
+from tachk.recordings.monitors.formulas import check_order
+from tachk.recordings.monitors.mining import mine
+from tachk.recordings.traces.conventions import Ending
 
 _NUMBER = r"-?\d+(?:\.\d+)?"
 _OVER = re.compile(rf"\s*(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*", re.ASCII)

@@ -6,21 +6,21 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import DIGITS
+from tachk.base.records import dataclass
+from tachk.base.time_units import length_of
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.drawing.png import to_png
-from tachk.drawing.sequence.chart import Chart
-from tachk.drawing.sequence.layout import TimeAxis, lay_out
-from tachk.drawing.sequence.sequence_svg import draw_chart
-from tachk.exact_numbers import DIGITS
-from tachk.records import dataclass
-from tachk.report.sequence.of_capture import chart_of_capture
+from tachk.formats.written_reports import check_report, read_json
+from tachk.report.drawing.png import to_png
+from tachk.report.drawing.sequence.chart import Chart
+from tachk.report.drawing.sequence.layout import TimeAxis, lay_out
+from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.repetitions import told_once
 from tachk.report.sequence.run_steps import RunSteps, steps_of_report
-from tachk.report.written_reports import check_report, read_json
-from tachk.time_units import length_of
 from tachk.xrce.packets import CaptureError
+from tachk.xrce.report.sequence_chart import chart_of_capture
 from tachk.xrce.transmissions import read_transmissions
 
 MOST_EVENTS = 1000

@@ -8,14 +8,14 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Final
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.records import dataclass
-from tachk.report.packets.json import event_to_json
-from tachk.report.packets.text import event_to_text
 from tachk.xrce.events import DEFAULT_PORT, decode, decode_serial
 from tachk.xrce.packets import CaptureError
+from tachk.xrce.report.json import event_to_json
+from tachk.xrce.report.text import event_to_text
 
 _ANY_PORT: Final = "give the port of the Agent with --port"
 
@@ -89,8 +89,8 @@ def _write_signals(decoding: Decoding, to: Path) -> ExitStatus:
         raise UsageError("bytes of a serial line have no times, which signals need", "leave out --serial, or --signals")
     if decoding.output is not None:
         raise UsageError("--signals says where signals go, --output where lines go", "give one of the two")
-    from tachk.runtime.packets.signal_files import write_signals
-    from tachk.runtime.trace_packets import open_packets
+    from tachk.xrce.traces.signal_files import write_signals
+    from tachk.xrce.traces.trace_packets import open_packets
 
     write_signals(open_packets(decoding.file, None, None, decoding.ports).read(), to)
     return ExitStatus.AS_EXPECTED

@@ -6,10 +6,10 @@ import sys
 import time
 from pathlib import Path
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.formulas import NamedFormula
-from tachk.runtime.packets.arriving import GrowingFile, Pipe
-from tachk.runtime.packets.live import LivePackets, needs_hindsight
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.xrce.traces.arriving import GrowingFile, Pipe
+from tachk.xrce.traces.live import LivePackets, needs_hindsight
 
 
 def open_live(trace: str, ports: tuple[int, ...]) -> LivePackets:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.base.time_units import length_of
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.conformance.packet_events import read_capture
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.records import dataclass
 from tachk.report.json_text import json_text
-from tachk.report.packets.measurement import ModelTime, measurement_to_json, measurement_to_text, settings_line
-from tachk.time_units import length_of
+from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.measuring.measure import measure
+from tachk.xrce.report.measurement import ModelTime, measurement_to_json, measurement_to_text, settings_line
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,20 +6,20 @@ import asyncio
 from contextlib import nullcontext
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.base.span import Source
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.places import place
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.diagnostics.span import Source
-from tachk.proxy.counterexample import rules_of
-from tachk.proxy.decisions import Answer, Arrival, Decisions
-from tachk.proxy.recording import Recording
-from tachk.proxy.relay import Plan, Relay
-from tachk.proxy.rules import Rule
-from tachk.proxy.run_of_model import REPORT_WITH_RUN, read_run
-from tachk.proxy.script import parse_script
-from tachk.proxy.sightings import said
-from tachk.records import dataclass
-from tachk.report.written_reports import check_report, read_json
+from tachk.formats.written_reports import check_report, read_json
+from tachk.xrce.proxy.counterexample import rules_of
+from tachk.xrce.proxy.decisions import Answer, Arrival, Decisions
+from tachk.xrce.proxy.recording import Recording
+from tachk.xrce.proxy.relay import Plan, Relay
+from tachk.xrce.proxy.rules import Rule
+from tachk.xrce.proxy.run_of_model import REPORT_WITH_RUN, read_run
+from tachk.xrce.proxy.script import parse_script
+from tachk.xrce.proxy.sightings import said
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,9 @@ from fractions import Fraction
 from rich.console import Console
 from rich.table import Table
 
-from tachk.monitoring.formulas import NamedFormula
-from tachk.requirements.analysis import Analysis, Finding, FindingKind, Moment
+from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.syntax.formulas.printer import print_number
+from tachk.verify.requirements.analysis import Analysis, Finding, FindingKind, Moment
 
 # ---- for people -----------------------------------------------------------------------------------------------------
 

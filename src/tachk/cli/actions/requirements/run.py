@@ -14,12 +14,12 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
-from tachk.engines.options import Limits
+from tachk.engine.options import Limits
 from tachk.logic.durations import scaled
-from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
-from tachk.requirements.analysis import analyse
+from tachk.recordings.monitors.formulas import NamedFormula, in_trace_units, read_formulas
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.walk import nodes_of_kind
+from tachk.verify.requirements.analysis import analyse
 
 
 def run_requirements(

@@ -5,19 +5,19 @@ from __future__ import annotations
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
-from tachk.bridge.bridging import Bridge
-from tachk.bridge.clock import WallClock
-from tachk.bridge.part import Part
-from tachk.bridge.sockets import BridgeSocket
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.places import place
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.policy import Policy
-from tachk.proxy.recording import Recording
-from tachk.records import dataclass
+from tachk.engine.simulation.policy import Policy
+from tachk.xrce.bridge.bridging import Bridge
+from tachk.xrce.bridge.clock import WallClock
+from tachk.xrce.bridge.part import Part
+from tachk.xrce.bridge.sockets import BridgeSocket
+from tachk.xrce.proxy.recording import Recording
 
 _NANOSECONDS = 10**9
 _FOR_EVER = 2**62

@@ -5,31 +5,31 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+from tachk.base.records import dataclass
+from tachk.base.span import Source as Text
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.arguments import parse_definitions, split_models_and_queries
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
-from tachk.diagnostics.span import Source as Text
 from tachk.frontend.queries.queries import is_statistical
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.query import Expectation
 from tachk.model.statistical import StatisticalQuery
-from tachk.properties.questions import Questions
-from tachk.records import dataclass
 from tachk.report.json_text import json_text
 from tachk.report.statistics.json import estimates_document
 from tachk.report.statistics.text import answer_lines
 from tachk.simulation.orders import ordered, orders_of
-from tachk.statistics.answers import as_expected
-from tachk.statistics.deciding import Errors
-from tachk.statistics.estimate import Estimate, Settings, estimate
-from tachk.statistics.rare import Splitting
-from tachk.statistics.sampling import Source
+from tachk.simulation.statistics.answers import as_expected
+from tachk.simulation.statistics.deciding import Errors
+from tachk.simulation.statistics.estimate import Estimate, Settings, estimate
+from tachk.simulation.statistics.rare import Splitting
+from tachk.simulation.statistics.sampling import Source
 from tachk.syntax.source_files import read_source
+from tachk.verify.questions import Questions
 
 
 @dataclass(frozen=True, slots=True)

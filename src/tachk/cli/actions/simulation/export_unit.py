@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tachk import api
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.fmi.archive import write_unit
-from tachk.fmi.description import Version
-from tachk.fmi.unit import closed_unit, open_unit
+from tachk.simulation.fmi.archive import write_unit
+from tachk.simulation.fmi.description import Version
+from tachk.simulation.fmi.unit import closed_unit, open_unit
 
 _NAMES = re.compile(r"(?:\([^)]*\)|[^,()])+")
 """Parts between commas, but not those in parentheses: `Link(0, 1),Client`."""

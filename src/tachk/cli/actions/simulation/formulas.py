@@ -7,14 +7,14 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.model.network import Network
-from tachk.monitoring.conditions import with_numbers_as_conditions
-from tachk.monitoring.formulas import NamedFormula, read_formulas
-from tachk.monitoring.offline import Judging, judge
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
-from tachk.runtime.trace_files import open_trace
+from tachk.recordings.monitors.conditions import with_numbers_as_conditions
+from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
+from tachk.recordings.monitors.offline import Judging, judge
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.trace_files import open_trace
 from tachk.simulation.columns import Column, columns_for
 
 

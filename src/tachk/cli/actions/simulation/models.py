@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from tachk.api import Model
+from tachk.api.model import Model
+from tachk.base.records import dataclass
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.guard import print_diagnostics
-from tachk.loading.load import load_model
-from tachk.records import dataclass
-from tachk.stepping.claims import ClaimedRun
-from tachk.stepping.files import check_determined, constants_of
+from tachk.formats.loading.load import load_model
+from tachk.simulation.stepping.claims import ClaimedRun
+from tachk.simulation.stepping.files import check_determined, constants_of
 
 
 def simulated_model(path: str, **constants: int | bool | str) -> Model:
-    """As `tachk.api.load`."""
+    """As `tachk.api.model.load`."""
     return Model(load_model(path, constants, keeps_doubles=True), path, tuple(constants))
 
 

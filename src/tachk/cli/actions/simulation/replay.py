@@ -13,13 +13,13 @@ from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.terminal import console
-from tachk.report.quantity import duration
+from tachk.meaning.run_view import Names, view_trace
+from tachk.model.quantity import duration
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
-from tachk.report.run.trace_view import Names, view_trace
-from tachk.stepping.files import read_claims
-from tachk.stepping.refusals import refusal_diagnostic
-from tachk.stepping.replaying import replay_claims
+from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.replaying import replay_claims
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tachk.api import Model
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.simulator import Simulated
-from tachk.report.run.trace_view import Names
+from tachk.api.model import Model
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.engine.simulation.simulator import Simulated
+from tachk.meaning.run_view import Names
 from tachk.simulation.runs import Runs, steps_of
+from tachk.simulation.stepping.run_file import SUFFIX, steps_text
 from tachk.simulation.tables import RUN, run_writer
-from tachk.stepping.run_file import SUFFIX, steps_text
 
 Write = Callable[[Simulated, Runs], None]
 

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tachk.cli.actions.simulation.formulas import columns_with, truths_on
-from tachk.monitoring.formulas import NamedFormula
-from tachk.report.run.trace_view import Names
-from tachk.runtime.node_signal import Truth
-from tachk.semantics.timed_trace import TimedTrace
+from tachk.meaning.run_view import Names
+from tachk.model.run import TimedTrace
+from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.recordings.traces.node_signal import Truth
+from tachk.simulation.stepping.run_file import SUFFIX, run_text
+from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.tables import run_writer
-from tachk.stepping.run_file import SUFFIX, run_text
-from tachk.stepping.signals import signals_of
 
 
 def write_run(

@@ -6,19 +6,19 @@ import json
 import sys
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.records import dataclass
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
 from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import TableForm
-from tachk.diagnostics.diagnostic import InputError
-from tachk.records import dataclass
-from tachk.report.quantity import duration
-from tachk.report.run.trace_view import Names
-from tachk.stepping.files import read_claims
-from tachk.stepping.refusals import refusal_diagnostic
-from tachk.stepping.replaying import replay_claims
+from tachk.meaning.run_view import Names
+from tachk.model.quantity import duration
+from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.replaying import replay_claims
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.cli.actions.simulation.models import simulated_model
@@ -19,13 +20,12 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.policy import SCRIPT, Policy
-from tachk.engines.simulation.simulator import Drawing, Ending, Recorded, Simulated
+from tachk.engine.simulation.policy import SCRIPT, Policy
+from tachk.engine.simulation.simulator import Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
-from tachk.monitoring.formulas import NamedFormula
+from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.recordings.traces.node_signal import Truth
 from tachk.report.statistics.text import times_text
-from tachk.runtime.node_signal import Truth
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
+from tachk.base.time_limit import check_time
 from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
-from tachk.report.run.trace_view import Names
-from tachk.stepping.files import read_claims
-from tachk.stepping.refusals import refusal_diagnostic
-from tachk.stepping.session import Session
-from tachk.stepping.stepper import NotUnderstoodError, QuitError, Stepper
-from tachk.time_limit import check_time
+from tachk.cli.stepper import NotUnderstoodError, QuitError, Stepper
+from tachk.meaning.run_view import Names
+from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.session import Session
 
 _PROMPT = "> "
 

@@ -68,7 +68,7 @@ def command(**given: Any) -> None:
     """
     from tachk.cli.actions.many_values.synthesize import Varied, run_synthesize
     from tachk.cli.reporting import Reporting
-    from tachk.engines.options import Limits
+    from tachk.engine.options import Limits
 
     arguments = options.distributed(given, Varied, Limits, Reporting)
     options.finish(lambda: run_synthesize(*arguments))

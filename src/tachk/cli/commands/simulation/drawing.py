@@ -7,7 +7,7 @@ from collections.abc import Callable
 import click
 
 from tachk.cli import options
-from tachk.engines.simulation.policy import Policy
+from tachk.engine.simulation.policy import Policy
 
 _Adds = Callable[[options.Decorated], options.Decorated]
 

@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 from tachk.cli.commands.simulation import drawing
 from tachk.cli.reporting import TableForm
-from tachk.engines.simulation.policy import SCRIPT, Policy
+from tachk.engine.simulation.policy import SCRIPT, Policy
 
 
 @click.command(name="simulate", short_help="Draw random runs of a model.")

@@ -1,0 +1,140 @@
+"""Which variables and channels expressions touch, element by element where an index is a constant.
+
+A *cell* is a variable, and of an array the first index, where it does not depend on the state: ``sent[0]`` is a cell of
+``sent``, and so is all of ``sent`` where the index is not known. Two cells overlap if they are of the same variable and
+not two different elements of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from tachk.analysis.fold import Known, fold
+from tachk.model.expressions import (
+    Aggregate,
+    Assign,
+    Binary,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Expression,
+    Field,
+    Increment,
+    Index,
+    LocationTest,
+    Quantifier,
+    Reference,
+    Unary,
+    Variable,
+)
+from tachk.model.remembered import by_part
+from tachk.model.traversal import children, walk, with_bodies
+
+Cell = tuple[Variable, int | None]
+"""A variable and the first index; None: any element of it, or the variable as a whole."""
+
+
+class Cells:
+    """A set of cells that knows which cells overlap it."""
+
+    def __init__(self, cells: Iterable[Cell] = ()) -> None:
+        self._elements: dict[Variable, set[int | None]] = {}
+        self.add(cells)
+
+    def add(self, cells: Iterable[Cell]) -> None:
+        for variable, element in cells:
+            self._elements.setdefault(variable, set()).add(element)
+
+    def meets(self, cells: Iterable[Cell]) -> bool:
+        """Whether one of the cells overlaps one of the set."""
+        return any(self._meets(variable, element) for variable, element in cells)
+
+    def _meets(self, variable: Variable, element: int | None) -> bool:
+        own = self._elements.get(variable, ())
+        return bool(own) if element is None else element in own or None in own
+
+    def __len__(self) -> int:
+        return sum(map(len, self._elements.values()))
+
+
+def places(place: Expression, known: Known) -> Iterator[Cell]:
+    """The cells of which an assignable expression, or a channel, may denote a part."""
+    match place:
+        case Index(Reference(variable), index):
+            number = fold(index, known)
+            yield variable, number.value if isinstance(number, Constant) and not variable.reference else None
+        case Reference(variable):
+            yield variable, None
+        case Index(base) | Field(base):
+            yield from places(base, known)
+        case Conditional(_, then, otherwise):
+            yield from places(then, known)
+            yield from places(otherwise, known)
+        case Assign(target) | Increment(target):
+            yield from places(target, known)
+        case Comma(items):
+            yield from places(items[-1], known)
+        case Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call() | LocationTest() | Deadlock():
+            return
+
+
+def mentioned_cells(expressions: Iterable[Expression], known: Known) -> tuple[set[int], set[Cell]]:
+    """The processes whose locations are tested and the cells that occur, functions included."""
+    processes: set[int] = set()
+    cells: set[Cell] = set()
+    for expression in expressions:
+        its_processes, its_cells = _mentioned(expression, known)
+        processes |= its_processes
+        cells |= its_cells
+    return processes, cells
+
+
+@by_part
+def _mentioned(expression: Expression, known: Known) -> tuple[frozenset[int], frozenset[Cell]]:
+    processes: set[int] = set()
+    cells: set[Cell] = set()
+    pending = with_bodies([expression])
+    while pending:
+        match pending.pop():
+            case LocationTest(process):
+                processes.add(process)
+            case Index(Reference(), index) as place:
+                cells.update(places(place, known))
+                pending.append(index)
+            case Reference(variable):
+                cells.add((variable, None))
+            case node:
+                pending.extend(children(node))
+    return frozenset(processes), frozenset(cells)
+
+
+def written_cells(expressions: Iterable[Expression], known: Known) -> set[Cell]:
+    """The cells that evaluating the expressions may change, functions included.
+
+    A variable passed for a reference parameter counts only if the function changes that parameter.
+    """
+    return set().union(*(_written(expression, known) for expression in expressions))
+
+
+@by_part
+def _written(expression: Expression, known: Known) -> frozenset[Cell]:
+    written: set[Cell] = set()
+    calls: list[Call] = []
+    for outer in with_bodies([expression]):
+        for node in walk(outer):
+            if isinstance(node, Assign | Increment):
+                written.update(places(node.target, known))
+            elif isinstance(node, Call):
+                calls.append(node)
+    changed = True
+    while changed:
+        before = len(written)
+        variables = {variable for variable, _ in written}
+        for call in calls:
+            for parameter, argument in zip(call.function.parameters, call.arguments, strict=True):
+                if parameter.reference and parameter in variables:
+                    written.update(places(argument, known))
+        changed = len(written) > before
+    return frozenset(written)

@@ -1,0 +1,310 @@
+"""Constant folding that keeps every run-time error.
+
+An operation that would fail is left in place, so that it fails when the model runs, with the place in the text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from operator import is_
+from typing import Any, TypeVar, assert_never
+
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
+from tachk.base.records import dataclass
+from tachk.base.time_limit import check_time
+from tachk.model.cell_layout import default_cells
+from tachk.model.connectives import negation
+from tachk.model.expressions import (
+    BOOL,
+    Aggregate,
+    Assign,
+    Binary,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Expression,
+    Field,
+    Increment,
+    Index,
+    LocationTest,
+    Quantifier,
+    QuantifierKind,
+    Reference,
+    Unary,
+    Variable,
+    VariableKind,
+)
+from tachk.model.network import Network
+from tachk.model.remembered import MOST_RESULTS, by_network, by_part
+from tachk.model.traversal import process_expressions, walk, written_variables
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
+
+Node = TypeVar("Node", bound=Expression)
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is known before the model runs.
+
+    Attributes:
+        values: the cells of variables that nothing writes.
+        bound: the values of select, quantifier and iteration variables that are being expanded.
+    """
+
+    values: Mapping[Variable, tuple[int, ...]] = field(default_factory=dict)
+    bound: Mapping[Variable, int] = field(default_factory=dict)
+
+    def with_bound(self, variable: Variable, value: int) -> Known:
+        return replace(self, bound={**self.bound, variable: value})
+
+
+def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
+    """The integer variables of a network that neither it nor the predicates ever write."""
+    constants, written = _constants(network), written_variables(predicates)
+    if not written:
+        return constants
+    return Known({v: cells for v, cells in constants.values.items() if v not in written})
+
+
+@by_network
+def _constants(network: Network) -> Known:
+    written = written_variables(network_expressions(network))
+    return _shared(
+        Known(
+            {
+                v: v.initial or default_cells(v.type)
+                for v in network.all_variables()
+                if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
+            }
+        )
+    )
+
+
+_recent: list[Known] = []
+
+
+def _shared(known: Known) -> Known:
+    """One object for what is known of several networks, by which the parts that they share are found faster."""
+    if known not in _recent:
+        _recent[:] = [*_recent[-MOST_RESULTS + 1 :], known]
+    return _recent[_recent.index(known)]
+
+
+def network_expressions(network: Network) -> Iterator[Expression]:
+    """Every outermost expression of the processes, function bodies excluded, and what draws initial values."""
+    for process in network.processes:
+        yield from process_expressions(process)
+    yield from drawn_values(network)
+
+
+def drawn_values(network: Network) -> Iterator[Expression]:
+    """The updates that draw initial values, in the order of the variables."""
+    for variable in network.all_variables():
+        if variable.drawn is not None:
+            yield Assign(Reference(variable), variable.drawn, variable.type, span=variable.drawn.span)
+
+
+def is_integer(type_: Type) -> bool:
+    """Whether the type is a single cell that holds a number."""
+    return isinstance(type_, IntType | BoolType | ScalarType)
+
+
+def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
+    """The value of ``left operator right`` on numbers, None where that is a run-time error."""
+    try:
+        return operator.compute(left, right)
+    except OperandError:
+        return None
+
+
+def negate(expression: Expression) -> Expression:
+    """The logical negation, without double negations and with comparisons turned round."""
+    match expression:
+        case Constant(value):
+            return Constant(int(value == 0), BOOL, expression.span)
+        case Unary(UnaryOperator.NOT, operand):
+            return operand
+        case Binary(operator, left, right) if operator in COMPARISONS:
+            return Binary(operator.negated, left, right, BOOL, expression.span)
+    return negation(expression)
+
+
+def truth(expression: Expression) -> Expression:
+    """The expression as 0 or 1."""
+    if isinstance(expression, Constant):
+        return Constant(int(expression.value != 0), BOOL, expression.span)
+    if isinstance(expression, LocationTest | Deadlock) or isinstance(expression.type, BoolType):
+        return expression
+    return Binary(BinaryOperator.NOT_EQUAL, expression, Constant(0), BOOL, expression.span)
+
+
+def cannot_fail(expression: Expression) -> bool:
+    """Whether the expression has neither a run-time error nor an effect, whatever the state. Conservative."""
+    for node in walk(expression):
+        match node:
+            case Constant() | LocationTest() | Deadlock() | Field() | Conditional() | Aggregate() | Comma():
+                pass
+            case Reference(variable):
+                if variable.reference:
+                    return False
+            case Index(base, Constant(value)):
+                if not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
+                    return False
+            case Unary():
+                pass
+            case Binary(operator) if operator.total:
+                pass
+            case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS):
+                pass
+            case _:
+                return False
+    return True
+
+
+def known_cell(place: Expression) -> tuple[Variable, int] | None:
+    """The variable and cell a place denotes, if that does not depend on the state."""
+    match place:
+        case Reference(variable):
+            return None if variable.reference else (variable, 0)
+        case Field(base, name):
+            inner = known_cell(base)
+            if inner is None or not isinstance(base.type, RecordType):
+                return None
+            return inner[0], inner[1] + base.type.offset(name)
+        case Index(base, Constant(value)):
+            inner = known_cell(base)
+            if inner is None or not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
+                return None
+            return inner[0], inner[1] + (value - base.type.low) * cell_count(base.type.element)
+        case _:
+            pass
+    return None
+
+
+@by_part
+def fold(expression: Expression, known: Known) -> Expression:
+    """An equal expression in which everything that is known is a constant."""
+    return _fold(expression, known)
+
+
+@by_part
+def fold_place(place: Expression, known: Known) -> Expression:
+    """The same place, with its indices and conditions folded."""
+    return _fold_place(place, known)
+
+
+def _fold(expression: Expression, known: Known) -> Expression:
+    check_time()
+    match expression:
+        case Constant() | LocationTest() | Deadlock():
+            return expression
+        case Reference() | Index() | Field():
+            return _fold_read(_fold_place(expression, known), known)
+        case Aggregate(items):
+            return _with(expression, items=tuple(_fold(i, known) for i in items))
+        case Comma(items):
+            return _with(expression, items=tuple(_fold(i, known) for i in items))
+        case Unary(operator, operand):
+            inner = _fold(operand, known)
+            if not isinstance(inner, Constant):
+                return _with(expression, operand=inner)
+            match operator:
+                case UnaryOperator.NOT:
+                    return negate(inner)
+                case UnaryOperator.MINUS:
+                    return Constant(wrapped(-inner.value), expression.type, expression.span)
+                case _ as never:
+                    assert_never(never)
+        case Binary():
+            return _fold_binary(expression, known)
+        case Conditional(condition, then, otherwise):
+            test = _fold(condition, known)
+            if isinstance(test, Constant):
+                return _fold(then if test.value else otherwise, known)
+            return _with(expression, condition=test, then=_fold(then, known), otherwise=_fold(otherwise, known))
+        case Quantifier(kind, _, body):
+            inner = _fold(body, known)
+            if isinstance(inner, Constant) and kind is not QuantifierKind.SUM:
+                return truth(inner)
+            return _with(expression, body=inner)
+        case Assign(target, value):
+            return _with(expression, target=_fold_place(target, known), value=_fold(value, known))
+        case Increment(target):
+            return _with(expression, target=_fold_place(target, known))
+        case Call(function, arguments):
+            pairs = zip(function.parameters, arguments, strict=True)
+            return _with(
+                expression,
+                arguments=tuple(_fold_place(a, known) if p.reference else _fold(a, known) for p, a in pairs),
+            )
+
+
+def _fold_place(place: Expression, known: Known) -> Expression:
+    match place:
+        case Index(base, index):
+            return _with(place, base=_fold_place(base, known), index=_fold(index, known))
+        case Field(base):
+            return _with(place, base=_fold_place(base, known))
+        case Conditional(condition, then, otherwise):
+            test = _fold(condition, known)
+            if isinstance(test, Constant):
+                return _fold_place(then if test.value else otherwise, known)
+            return _with(place, condition=test, then=_fold_place(then, known), otherwise=_fold_place(otherwise, known))
+        case Reference():
+            return place
+        case _:
+            return _fold(place, known)
+
+
+def _with(expression: Node, **parts: Any) -> Node:
+    """The expression with these parts; the same object where it has them already, as what is known of parts of
+    networks is remembered by object."""
+    for name, part in parts.items():
+        old = getattr(expression, name)
+        if part is not old and not (isinstance(part, tuple) and all(map(is_, part, old))):
+            return replace(expression, **parts)
+    return expression
+
+
+def _fold_read(place: Expression, known: Known) -> Expression:
+    if not is_integer(place.type):
+        return place
+    if isinstance(place, Reference) and place.variable.kind is VariableKind.BOUND and place.variable in known.bound:
+        return Constant(known.bound[place.variable], place.type, place.span)
+    cell = known_cell(place)
+    if cell is not None and cell[0] in known.values:
+        return Constant(known.values[cell[0]][cell[1]], place.type, place.span)
+    return place
+
+
+def _fold_binary(expression: Binary, known: Known) -> Expression:
+    operator = expression.operator
+    left = _fold(expression.left, known)
+    right = _fold(expression.right, known)
+    if operator is BinaryOperator.IMPLY and isinstance(left, Constant):
+        operator, left = BinaryOperator.OR, negate(left)
+    if isinstance(left, Constant):
+        if isinstance(right, Constant):
+            value = apply_binary(operator, left.value, right.value)
+            if value is not None:
+                return Constant(value, expression.type, expression.span)
+        if operator is BinaryOperator.AND:
+            return truth(right) if left.value else Constant(0, BOOL, expression.span)
+        if operator is BinaryOperator.OR:
+            return Constant(1, BOOL, expression.span) if left.value else truth(right)
+    elif isinstance(right, Constant):
+        if operator in (BinaryOperator.AND, BinaryOperator.OR):
+            neutral = (right.value != 0) == (operator is BinaryOperator.AND)
+            if neutral:
+                return truth(left)
+            if cannot_fail(left):
+                return Constant(int(operator is BinaryOperator.OR), BOOL, expression.span)
+        if operator is BinaryOperator.IMPLY:
+            if right.value == 0:
+                return negate(left)
+            if cannot_fail(left):
+                return Constant(1, BOOL, expression.span)
+    return _with(expression, operator=operator, left=left, right=right)

@@ -1,0 +1,183 @@
+"""What a model can do by random runs, for scripts: `tachk.Model` has these methods."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.model.query import Query
+
+if TYPE_CHECKING:
+    from tachk.engine.options import Limits, Options
+    from tachk.frontend.loaded import LoadedModel
+    from tachk.simulation.statistics.answers import StatisticalAnswer
+    from tachk.simulation.statistics.estimate import Estimate, Settings
+    from tachk.verify.questions import Questions
+
+
+@dataclass(frozen=True, slots=True)
+class Estimates(Sequence["Estimate"]):
+    """Answers to statistical queries, in the order of the queries; also by the name of a query.
+
+    Attributes:
+        model: its name in reports.
+    """
+
+    model: str
+    answers: tuple[Estimate, ...]
+    settings: Settings = field(repr=False)
+
+    @overload
+    def __getitem__(self, index: int | str) -> Estimate: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Estimate]: ...
+    def __getitem__(self, index: int | str | slice) -> Estimate | Sequence[Estimate]:
+        """Raises KeyError for a name, and IndexError for a number, that there is not."""
+        if not isinstance(index, str):
+            return self.answers[index]
+        for answer in self.answers:
+            if answer.query.name == index:
+                return answer
+        raise KeyError(index)
+
+    def __len__(self) -> int:
+        return len(self.answers)
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return iter(self.answers)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As `tachk estimate --format json` writes it."""
+        from tachk.report.statistics.json import estimates_document
+
+        return estimates_document(self.model, self.answers, self.settings)
+
+    def to_text(self) -> str:
+        from tachk.report.statistics.text import answer_lines
+
+        return "".join(f"{line}\n" for each in self.answers for line in answer_lines(each, self.settings))
+
+
+class Estimable:
+    """A model of which probabilities and means can be asked.
+
+    Attributes:
+        path: where it was read from, or what reports call it.
+    """
+
+    path: str
+    loaded: LoadedModel
+
+    def estimate(
+        self,
+        *queries: str,
+        confidence: float = 0.95,
+        epsilon: float = 0.05,
+        runs: int | None = None,
+        seed: int = 0,
+        threads: int = 1,
+        max_steps: int | None = None,
+        fault: str | Iterable[str] = (),
+    ) -> Estimates:
+        """Answers statistical queries by random runs: docs/statistics.md says what an answer is worth.
+
+        Args:
+            queries: such as ``"Pr[<=100](<> P.a)"``; none: those of the model.
+            epsilon: half the width of the intervals of probabilities.
+            runs: how many are drawn; None: as many as it takes.
+            seed: the same seed gives the same answers, with any number of threads.
+            max_steps: a run with more transitions is given up and counts as unknown.
+            fault: orders such as ``"lost=0.01"``, see docs/faults.md.
+
+        Raises:
+            InputError: a query is wrong.
+            UsageError: there is no statistical query, or an argument has no meaning.
+            UnsupportedError: something cannot be simulated.
+        """
+        from tachk.simulation.orders import ordered, orders_of
+        from tachk.simulation.statistics.estimate import Settings, estimate
+        from tachk.simulation.statistics.sampling import Source
+
+        if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
+            raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
+        loaded = simulated(self.loaded, self.path)
+        orders = orders_of([fault] if isinstance(fault, str) else list(fault))
+        settings = Settings(Source(seed, 0, threads, max_steps), confidence, epsilon, runs)
+        asked = list(_asked(loaded, queries))
+        if not asked:
+            raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
+        found = [estimate(ordered(query.network or loaded.network, orders).network, query, settings) for query in asked]
+        return Estimates(self.path, tuple(found), settings)
+
+
+def share_of_searches(limits: Limits, formulas: Sequence[Query | UncheckedQuery]) -> Limits:
+    """The limits with the seconds that searches may take, so that the same share is left for each statistical query."""
+    searched = sum(isinstance(formula, Query) for formula in formulas)
+    drawn = sum(formula.family == "statistical" for formula in formulas if isinstance(formula, UncheckedQuery))
+    if limits.seconds is None or not drawn:
+        return limits
+    return replace(limits, seconds=limits.seconds * searched / (searched + drawn))
+
+
+def answers_among(
+    loaded: LoadedModel,
+    questions: Questions,
+    formulas: Sequence[Query | UncheckedQuery],
+    options: Options,
+    seconds: float | None,
+) -> dict[int, StatisticalAnswer | UncheckedQuery]:
+    """What comes of the statistical queries among those of a verification; as `answer_statistical`.
+
+    Args:
+        questions: what was asked about the model, from which the formulas come.
+        options: of the verification; its seed and its threads are those of the runs.
+
+    Raises InputError where a query that was typed is wrong.
+    """
+    from tachk.frontend.queries.queries import is_statistical
+
+    if not any(map(is_statistical, formulas)):
+        return {}
+    from tachk.simulation.statistics.answers import answer_statistical
+    from tachk.simulation.statistics.estimate import Settings
+    from tachk.simulation.statistics.sampling import Source
+
+    settings = Settings(Source(options.seed, 0, max(options.threads, 1)))
+    found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, seconds)
+    for number, formula in enumerate(formulas, 1):
+        query = found.get(number)
+        typed = formula.span.in_file.source in questions.typed
+        if typed and isinstance(query, UncheckedQuery) and query.is_wrong:
+            raise InputError(query.diagnostics)
+    return found
+
+
+def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
+    from tachk.base.span import Source
+    from tachk.frontend.queries.queries import is_statistical
+    from tachk.frontend.queries.statistical import read_statistical
+    from tachk.verify.questions import Questions
+
+    typed = tuple(Source("<query>", text) for text in queries)
+    formulas = Questions("", (), (), typed).about(loaded) if queries else loaded.formulas
+    for query in formulas:
+        if is_statistical(query):
+            yield read_statistical(query, loaded)
+
+
+def simulated(loaded: LoadedModel, path: str) -> LoadedModel:
+    """The model with the floating point variables and hybrid clocks that a search leaves out, if it was read."""
+    from tachk.base.span import Source
+    from tachk.formats.loading.load import load_model
+    from tachk.frontend.hybrid_clocks import hybrid_clocks
+
+    leaves_out = any(warning.code == "W0406" for warning in loaded.warnings) or bool(loaded.refusals)
+    if not leaves_out and not hybrid_clocks(loaded.items):
+        return loaded
+    constants = {name: value.span.text for name, value in loaded.overrides.items()}
+    written: str | Source = path if Path(path).is_file() else loaded.document.span.source
+    return load_model(written, constants, keeps_doubles=True)

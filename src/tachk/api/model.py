@@ -1,0 +1,532 @@
+"""The toolchain as a library.
+
+    import tachk
+
+    model = tachk.load("fischer.ta", N=5)
+    model.verify()["mutual_exclusion"].answer  # Answer.HOLDS
+
+`load` takes a file, `loads` a text, and `Model` a network that `tachk.model.builder` made.
+
+Wrong input raises `InputError` with every finding; a limit that is hit is an answer (`Answer.UNKNOWN`), not an error.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from tachk.api.estimating import Estimable, answers_among, share_of_searches
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
+from tachk.base.memory_limit import memory_limit
+from tachk.base.span import Source
+from tachk.base.time_limit import time_limit
+from tachk.engine.options import Engine, Extrapolation, Limits, Options, SearchOrder
+from tachk.formats.loading.load import load_model
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.report.answers import Report
+from tachk.report.record import NotChecked, RunRecord
+from tachk.syntax.source_files import read_source
+from tachk.verify.questions import Questions, checked, why_not
+from tachk.verify.verdict import Answer, Verdict
+
+if TYPE_CHECKING:
+    from tachk.engine.outcome import Statistics
+    from tachk.model.grid import Grid
+    from tachk.recordings.conformance.conform import Conformance
+    from tachk.report.campaign.table import Sweep
+    from tachk.report.drawing.svg import Picture
+    from tachk.report.region.synthesis import Synthesis
+    from tachk.simulation.statistics.estimate import Settings
+    from tachk.verify.campaign.job import Judge
+    from tachk.verify.campaign.run import Progress as CampaignProgress
+    from tachk.verify.scheduling.in_order import VerifyProgress
+    from tachk.verify.semantic_lint.findings import DeepCheck
+    from tachk.verify.synthesis.parameters import Parameter
+    from tachk.verify.times import Times
+
+__all__ = [
+    "Answer",
+    "Engine",
+    "Extrapolation",
+    "InputError",
+    "Limits",
+    "Model",
+    "Options",
+    "Report",
+    "SearchOrder",
+    "TachkError",
+    "UnsupportedError",
+    "UsageError",
+    "Verdict",
+    "conform",
+    "diff",
+    "draw",
+    "export",
+    "load",
+    "loads",
+    "random_network",
+]
+
+
+def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
+    """Reads and instantiates a model.
+
+    Args:
+        path: a file in tachk's language (``.ta``, ``.xta``) or UPPAAL's XML.
+        constants: other values for global constants of the model; a string is an expression of the language.
+
+    A model with constructs that tachk does not check is loaded too: see `Model.refusals`.
+
+    Raises:
+        InputError: the model is wrong; carries every finding.
+        UsageError: the file cannot be read, or there is no such constant.
+    """
+    return Model(load_model(path, constants), os.fspath(path), tuple(constants))
+
+
+def loads(text: str, /, **constants: int | bool | str) -> Model:
+    """Reads and instantiates a model from its text, in tachk's language or UPPAAL's XML.
+
+    Imports are relative to the current folder. Otherwise as `load`.
+    """
+    return Model(load_model(Source("<text>", text), constants), "<text>", tuple(constants))
+
+
+def conform(
+    model: Model | str | os.PathLike[str],
+    recording: str | os.PathLike[str],
+    tolerance: str | None = None,
+    late: str | None = None,
+    unit: str | None = None,
+    ports: Iterable[int] = (),
+    limits: Limits | None = None,
+    applications: Iterable[str | os.PathLike[str]] = (),
+    explain: str = "short",
+) -> Conformance:
+    """Whether a recording of the real system is a run of a model, which says in ``recording { ... }`` how to read it.
+
+    Args:
+        recording: a file of events, see docs/conformance.md.
+        tolerance, late: durations such as ``"5ms"``, in place of what the model says; the tolerance ``"auto"`` finds
+            the least one.
+        unit: of the recorded times, where the file does not say it.
+        ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
+        limits: of each search; the seconds are for all of them together.
+        applications: files of events that applications noted; beside a capture with times since 1970.
+        explain: what is told of a recording that is no run. ``"none"``: only that; ``"short"``: where it leaves the
+            model, and an edit that would make it a run if one is found in a few seconds; ``"full"``: all edits near
+            that place are tried.
+
+    Raises UsageError if the recording does not fit the model, or it says nothing of them, UnsupportedError.
+    """
+    from tachk.formats.loading.recorded_models import recorded_model
+    from tachk.recordings.conformance.asking import conform_file
+    from tachk.recordings.conformance.question import ExplanationDetail, Question
+
+    model = model if isinstance(model, Model) else load(model)
+    model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
+    if explain not in list(ExplanationDetail):
+        raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(ExplanationDetail)}")
+    logs = tuple(os.fspath(each) for each in applications)
+    asked = Question(tolerance, late, unit, tuple(ports), logs, ExplanationDetail(explain))
+    return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
+
+
+def diff(before: Model | str | os.PathLike[str], after: Model | str | os.PathLike[str]) -> str:
+    """What is different in the behaviour of two models, as `tachk diff` prints it; empty if nothing is. The values that
+    constants were given when the models were loaded count.
+
+    Raises UsageError for a model that cannot be written down, and what `load` raises for paths.
+    """
+    from tachk.formats.difference import least_difference, print_difference
+    from tachk.formats.plain.expansion import expand
+
+    models = (model if isinstance(model, Model) else load(model) for model in (before, after))
+    first, second = (expand(model._written, model.definitions, repair_names=False) for model in models)
+    return print_difference(least_difference(first, second))
+
+
+def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> Picture:
+    """The picture of one template of a model, or of all of them together; see `tachk.report.pictures`.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read, or has no such template.
+    """
+    from tachk.formats.layout_json import read_layout_beside
+    from tachk.report.pictures import draw as draw_path
+    from tachk.report.pictures import draw_document
+
+    if isinstance(model, Model):
+        loaded = model._written
+        return draw_document(loaded.items, loaded.layout or read_layout_beside(model.path), model.path, template)
+    return draw_path(model, template)
+
+
+def export(model: Model, format: str, observers: bool = True) -> str:
+    """A model as text for another program.
+
+    Args:
+        format: such as ``xml`` or ``tchecker``: the value of an `ExportFormat` of `tachk.formats.catalogue`.
+        observers: give temporal properties observer automata where the format has no formulas.
+
+    Raises:
+        UsageError: there is no such format.
+        UnsupportedError: something in the model cannot be said in it.
+    """
+    from tachk.formats.catalogue import ExportFormat, export_model
+    from tachk.formats.exported import Writing
+
+    try:
+        wanted = ExportFormat(format)
+    except ValueError:
+        raise UsageError(f"there is no format {format!r}", f"one of {', '.join(ExportFormat)}") from None
+    return export_model(model._written, wanted, Writing(model.definitions, observers=observers)).text
+
+
+def random_network(seed: int = 0) -> Model:
+    """A small random network, the same for the same seed: something to try a program on."""
+    from random import Random
+
+    from tachk.model.random_networks import random_case
+
+    return Model(random_case(Random(seed)).network, f"<random network {seed}>")
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Model(Estimable):
+    """An instantiated model with the properties it states.
+
+    Attributes:
+        path: where it was read from, as given; or what reports call it.
+        loaded: the network with everything else that was found in the text.
+        definitions: the names of the constants that were given another value.
+    """
+
+    path: str
+    loaded: LoadedModel = field(repr=False)
+    definitions: tuple[str, ...]
+
+    def __init__(
+        self, network: Network | LoadedModel, path: str = "<network>", definitions: tuple[str, ...] = ()
+    ) -> None:
+        """A model of a network that was made in Python, or of what was read from a text."""
+        if isinstance(network, Network):
+            from tachk.formats.network_document import network_model
+
+            loaded = network_model(network, path)
+        else:
+            loaded = network
+        for name, value in (("path", path), ("loaded", loaded), ("definitions", definitions)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def _written(self) -> LoadedModel:
+        """The model as far as it is or can be written down.
+
+        Raises:
+            UsageError: it was made in Python, and the language cannot say it.
+        """
+        if not self.loaded.items:
+            from tachk.formats.network_document import why_not_writable
+
+            reason = why_not_writable(self.network)
+            raise UsageError(f"{self.path} cannot be written as a model, only be checked", reason)
+        return self.loaded
+
+    @property
+    def network(self) -> Network:
+        """The processes and variables. Raises UnsupportedError where the model has refusals."""
+        return self.loaded.network
+
+    @property
+    def properties(self) -> tuple[Query, ...]:
+        """The properties that the model states, in order."""
+        return self.loaded.queries
+
+    @property
+    def constants(self) -> Mapping[str, int]:
+        """The global integer constants with their values."""
+        return dict(self.loaded.heading.constants)
+
+    @property
+    def warnings(self) -> tuple[Diagnostic, ...]:
+        return self.loaded.warnings
+
+    @property
+    def refusals(self) -> tuple[Diagnostic, ...]:
+        """The constructs that tachk does not check: with any, every answer about the model is unknown."""
+        return self.loaded.refusals
+
+    def verify(
+        self,
+        *queries: str,
+        property: str | Iterable[str] = (),
+        query_files: Iterable[str | os.PathLike[str]] = (),
+        non_zeno: bool = False,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        trace: bool = True,
+        progress: VerifyProgress | None = None,
+    ) -> Report:
+        """Checks the given queries and the named properties; without either, every property of the model.
+
+        Args:
+            queries: formulas such as ``"A[] not deadlock"``.
+            property: the name of a property of the model, or several.
+            query_files: files of formulas, each with its optional expectation.
+            non_zeno: a run with infinitely many transitions counts only if time diverges in it.
+            trace: compute the run that shows a violation or a witness.
+            progress: called now and then during a long search, with its statistics and the names of its queries.
+
+        Raises:
+            InputError: one of ``queries`` is wrong. A wrong query of a file is listed as not checked.
+            UsageError: there is no property of that name.
+            UnsupportedError: the model uses a feature that the query cannot be decided with.
+            OutOfTimeError: the limit on seconds was over before the queries were read.
+        """
+        from tachk.verify.answering import answers
+
+        started = monotonic()
+        options, limits = options or Options(), limits or Limits()
+        questions = Questions(
+            self.path,
+            (property,) if isinstance(property, str) else tuple(property),
+            tuple(read_source(path) for path in query_files),
+            tuple(Source("<query>", text) for text in queries),
+            non_zeno,
+            statistical=True,
+        )
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
+            formulas = questions.about(self.loaded)
+        symbolic = checked(formulas)
+        left = limits.after(monotonic() - started)
+        share = share_of_searches(left, formulas)
+        verdicts = answers(self.loaded, questions, symbolic, options, share, progress, trace)
+        found = answers_among(self.loaded, questions, formulas, options, limits.after(monotonic() - started).seconds)
+        record = RunRecord(
+            self.path,
+            self.loaded.heading if self.refusals else self.network,
+            verdicts,
+            _not_checked(found.get(number, formula) for number, formula in enumerate(formulas, 1)),
+            options,
+            limits,
+            self.definitions,
+            self.refusals,
+            trace,
+            tuple(each for each in found.values() if not isinstance(each, UncheckedQuery)),
+        )
+        return Report(record)
+
+    def time(
+        self,
+        start: str | None,
+        end: str,
+        last: bool = False,
+        best: bool = True,
+        worst: bool = True,
+        settled: bool = False,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        trace: bool = True,
+    ) -> Times:
+        """The least and the largest time from one event to the next occurrence of another one, over all runs.
+
+        Args:
+            start, end: conditions that become true (``"P.location"``, ``"n == 3"``), channels (``"c[1]!"``) or signals;
+                None for the start of the run.
+            last: from the last occurrence of the first event before the second one, not from the first.
+            best, worst: what is measured.
+            settled: conditions count only where no process is in a committed location.
+            trace: make the runs that take these times.
+
+        Raises:
+            InputError: an event is wrong.
+            UsageError: an event is about a channel that an edge computes.
+            UnsupportedError: the model uses a feature that cannot be checked.
+        """
+        from tachk.frontend.queries.events import read_event
+        from tachk.verify.times import BEST, WORST, times_between
+
+        network = self.network
+        first = None if start is None else read_event(self.loaded, start, "--from", settled)
+        second = read_event(self.loaded, end, "--to", settled)
+        asked = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
+        return times_between(network, first, second, last, options or Options(), limits or Limits(), asked, trace)
+
+    def check(
+        self,
+        limits: Limits | None = None,
+        options: Options | None = None,
+        progress: Callable[[Statistics], None] | None = None,
+    ) -> DeepCheck:
+        """Explores the states of the model and looks for what is odd about it although no property asks for it, as
+        `tachk check --deep` does: what no run reaches, time-locks, Zeno loops, names that nothing uses.
+
+        Raises:
+            InputError: the initial state violates an invariant.
+            UnsupportedError: the model has refusals.
+        """
+        from tachk.frontend.unused_names import unused_names
+        from tachk.verify.semantic_lint.deep_check import deep_check
+
+        loaded = self.loaded
+        unused = unused_names(loaded.items, loaded.document.items) if loaded.items else None
+        return deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits(), progress)
+
+    def synthesize(
+        self,
+        *query: str,
+        over: str | Iterable[str | Parameter] | Mapping[str, object] | Grid,
+        property: str | None = None,
+        answer: Answer = Answer.HOLDS,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        progress: VerifyProgress | None = None,
+        infer: bool = True,
+        reuse: bool = True,
+        certify: bool = False,
+    ) -> Synthesis:
+        """For which values of constants a property or a query has an answer.
+
+        Args:
+            query: a formula, in place of ``property``.
+            over: such as ``"PERIOD=1..50,DEADLINE=10..100:10"`` or ``{"PERIOD": range(1, 51)}``, or parameters.
+            property: the name of a property of the model.
+            limits: the one on seconds holds for all searches together, the others for each.
+            infer: let one answer stand for others where a constant is proved to be an upper or a lower bound only.
+            reuse: try the run, or the certificate, that was found with other values before a search.
+            certify: make a certificate of each answer that something is never reached; see `Synthesis.certificates`.
+
+        None of the last three changes an answer that is known. The answer for some values may be unknown.
+
+        Raises:
+            InputError: the query is wrong, or the model is with all values.
+            UsageError: there is no such property or constant, or not exactly one query.
+            UnsupportedError: the query cannot be decided.
+        """
+        from tachk.report.region.synthesis import Synthesis
+        from tachk.verify.synthesis.parameters import parameters_from
+        from tachk.verify.synthesis.synthesize import synthesize
+
+        names = () if property is None else (property,)
+        region = synthesize(
+            self._written,
+            Questions(self.path, names, (), tuple(Source("<query>", text) for text in query)),
+            parameters_from(over),
+            answer,
+            options or Options(),
+            limits or Limits(),
+            progress,
+            infer,
+            reuse,
+            certify,
+        )
+        return Synthesis(region, self.loaded.heading.time_unit)
+
+    def sweep(
+        self,
+        *queries: str,
+        over: str | Iterable[str] | Mapping[str, object] | Grid,
+        property: str | Iterable[str] = (),
+        non_zeno: bool = False,
+        store: str | os.PathLike[str] | None = None,
+        processes: int | None = None,
+        dask: Any = None,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        seconds: float | None = None,
+        progress: Callable[[CampaignProgress], None] | None = None,
+        settings: Settings | None = None,
+        judge: Judge | None = None,
+        part: tuple[int, int] = (1, 1),
+        merge: Iterable[str | os.PathLike[str]] = (),
+    ) -> Sweep:
+        """Checks queries and properties for every combination of values of some constants, several at a time.
+
+        Args:
+            queries, property, non_zeno: as for `verify`.
+            over: such as ``"LOSSES=0..5,SLICE=10,50"`` or ``{"LOSSES": range(6), "SLICE": [10, 50]}``.
+            store: an SQLite file for finished cells: a sweep that was stopped, or killed, goes on where it was.
+            processes: how many cells are computed at a time; None: as many as the machine has cores.
+            dask: a Dask cluster that computes in place of processes here: the address of its scheduler, or a
+                `distributed.Client`.
+            limits: of each cell.
+            seconds: the limit on everything together; what is not finished then is missing in the table.
+            progress: called after each cell.
+            settings: how sure the answers to statistical queries are to be.
+            judge: judges random runs of each cell; then properties of the model are checked only where they are named.
+            part: ``(3, 10)``: compute and tell every tenth cell, from the third one on, as one of ten jobs.
+            merge: files of the same sweep, such as parts have made, whose cells are taken over.
+
+        The processes import the program that calls this: a script needs ``if __name__ == "__main__":`` around it.
+
+        Raises:
+            InputError: a query is wrong.
+            UsageError: there is no such property or constant, or the file belongs to another sweep.
+        """
+        from tachk.model.grid import grid_of_values
+        from tachk.report.campaign.table import Sweep
+        from tachk.verify.campaign.job import verification
+        from tachk.verify.campaign.run import GridPart, computing, run_campaign
+
+        named = (property,) if isinstance(property, str) else tuple(property)
+        questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
+        grid = grid_of_values(over)
+        job = verification(
+            self._written, grid.names, questions, options or Options(), limits or Limits(), settings, judge
+        )
+        compute = computing(processes, dask)
+        return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, GridPart(*part), merge))
+
+    def zone_graph(self, limit: int = 10_000) -> Any:
+        """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.
+
+        Its nodes are `tachk.report.run.zone_view.ZoneState`; see `tachk.report.run.zone_view.as_networkx` for what
+        edges and the graph itself have. It is made in Python, for graphs that one can look at.
+
+        Args:
+            limit: of the number of nodes. If there are more, ``graph.graph["reason"]`` is ``"state limit"``.
+
+        Raises:
+            InputError: the initial state violates an invariant.
+            UnsupportedError: the model uses a feature that cannot be checked.
+        """
+        from tachk.engine.zone_graph import zone_graph
+        from tachk.meaning.discrete import prepare
+        from tachk.meaning.initial_state import check_initial_state
+        from tachk.model.selections import check_selections
+        from tachk.report.run.zone_view import as_networkx
+
+        check_selections(self.network)
+        check_initial_state(prepare(self.network))
+        return as_networkx(self.network, zone_graph(self.network, limit))
+
+    def __repr__(self) -> str:
+        set_ = "".join(f", {name}={self.constants[name]}" for name in self.definitions if name in self.constants)
+        return f"<Model {self.path}{set_}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        constants = ", ".join(f"{name} = {value}" for name, value in self.constants.items())
+        title = f"<p><b>{escape(self.path)}</b>{escape(f' — {constants}' if constants else '')}</p>"
+        try:
+            picture = draw(self).svg
+        except TachkError:
+            return title
+        return f"{title}\n{picture}"
+
+
+def _not_checked(formulas: Iterable[object]) -> tuple[NotChecked, ...]:
+    return tuple(
+        NotChecked(f.name, f.text, why_not(f), f.diagnostics, f.title, f.span, number)
+        for number, f in enumerate(formulas, 1)
+        if isinstance(f, UncheckedQuery)
+    )

@@ -1,0 +1,1 @@
+"""What every other package may use: diagnostics, places in texts, units of time, limits, data files."""

@@ -1,0 +1,57 @@
+"""The check of certificates in C++, for large ones: the twin of `tachk.meaning.judge.closed_set`.
+
+It shares with the engine the compiled program and the machine that evaluates expressions, and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from tachk import _core
+from tachk.base.time_limit import check_time
+from tachk.engine.compiler.program import Goal, Program
+from tachk.engine.core_search import transition_of
+from tachk.engine.program_image import encode
+from tachk.meaning.judge.certificate import Columns, MalformedCertificateError, Objection
+from tachk.model.run import DiscreteState
+
+_STATES_AT_ONCE = 100
+
+
+def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns]) -> Objection | None:
+    """What is wrong with a set of symbolic states as a proof that the goal cannot be reached; None if it is one.
+
+    Raises MalformedCertificateError for states that are none of the program.
+    """
+    never = Goal(())
+    return check_descent_natively(program, [never, goal], blocks)
+
+
+def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Columns]) -> Objection | None:
+    """What is wrong with ranked symbolic states as a proof that each run meets the first goal, from the initial state
+    or from each reachable state of the second goal on; None if they are one.
+
+    Raises MalformedCertificateError for states that are none of the program.
+    """
+    closed = _core.ClosedSet(encode(program, goals))
+    try:
+        for block in blocks:
+            check_time()
+            discretes = block.discretes(program.state_slots)
+            bounds = block.matrices(program.clocks + 1).ravel()
+            closed.add(discretes, block.zones, block.ranks, block.shapes, bounds)
+    except (ValueError, IndexError) as error:
+        raise MalformedCertificateError(str(error)) from None
+    while not closed.check(_STATES_AT_ONCE):
+        check_time()
+    found = closed.objection()
+    if found is None:
+        return None
+    reason, discrete, zone, edges = found
+    processes = len(program.locations)
+    return Objection(
+        reason,
+        DiscreteState(tuple(discrete[:processes]), tuple(discrete[processes:])) if discrete else None,
+        zone,
+        transition_of(program, edges) if edges else None,
+    )

@@ -1,0 +1,115 @@
+"""Where everything lives: slots of the discrete state, clock numbers, channel numbers, frame slots."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from tachk.analysis.fold import Known, known_cell
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
+from tachk.engine.compiler.program import ProgramChannel, Slot
+from tachk.model.cell_layout import default_value
+from tachk.model.expressions import Expression, Variable
+from tachk.model.network import Network
+from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
+
+
+class SlotLayout:
+    """The slots of a network; frame slots are added while code is generated.
+
+    Attributes:
+        processes: how many of the slots hold locations.
+        slots: all slots so far (`Program.slots`).
+        state_slots: how many of them are the state.
+        clock_names, channels: by number; clock number ``i`` is entry ``i - 1``.
+        starts: what each clock shows at first.
+    """
+
+    def __init__(self, network: Network, known: Known, tables: Collection[Variable] = ()) -> None:
+        """The variables in ``tables`` have no slots. Raises InputError for an initial value outside its variable's
+        range."""
+        self.processes = len(network.processes)
+        self.slots: list[Slot] = [
+            Slot(process.name, 0, max(len(process.locations) - 1, 0), process.initial) for process in network.processes
+        ]
+        self.clock_names: list[str] = []
+        self.starts: list[int] = []
+        self.channels: list[ProgramChannel] = []
+        self._first: dict[Variable, int] = {}
+        problems: list[Diagnostic] = []
+        for variable in network.all_variables():
+            if variable in tables:
+                continue
+            self._first[variable] = len(self.slots)
+            for i, (path, type_) in enumerate(leaves(variable.type)):
+                initial = variable.initial[i] if variable.initial else default_value(type_)
+                slot = self._cell(network, variable, i, path, type_, initial)
+                if variable in known.values and isinstance(type_, IntType):
+                    slot = Slot(slot.name, initial, initial, initial, slot.meta)
+                elif not slot.low <= slot.initial <= slot.high:
+                    problems.append(_initial_value_outside(slot, initial, variable))
+                self.slots.append(slot)
+        if problems:
+            raise InputError(problems)
+        self.state_slots = len(self.slots)
+
+    def _cell(self, network: Network, variable: Variable, i: int, path: str, type_: Type, initial: int) -> Slot:
+        name = variable.name + path
+        if isinstance(type_, ClockType):
+            self.clock_names.append(name)
+            self.starts.append(initial)
+            number = len(self.clock_names)
+            return Slot(name, number, number, number)
+        if isinstance(type_, ChannelType):
+            number = len(self.channels)
+            priority = variable.priorities[i] if variable.priorities else network.default_priority
+            self.channels.append(ProgramChannel(name, type_.broadcast, type_.urgent, priority))
+            return Slot(name, number, number, number)
+        low, high = cell_range(type_)
+        return Slot(name, low, high, initial, network.resets(variable))
+
+    def first_slot(self, variable: Variable) -> int:
+        """The first slot of a variable; a frame variable gets its slots when it is first asked for."""
+        if variable not in self._first:
+            self._first[variable] = len(self.slots)
+            if variable.reference:
+                self.slots.append(Slot(variable.name, CONSTANT_LOW, CONSTANT_HIGH, 0))
+            else:
+                self.block(variable.name, variable.type)
+        return self._first[variable]
+
+    def temporary(self, cells: int) -> int:
+        """The first of fresh frame slots without a range."""
+        first = len(self.slots)
+        self.slots.extend(Slot("", CONSTANT_LOW, CONSTANT_HIGH, 0) for _ in range(cells))
+        return first
+
+    def block(self, name: str, type_: Type) -> int:
+        """The first of fresh frame slots for a value of a type, with its ranges."""
+        first = len(self.slots)
+        self.slots.extend(Slot(name + path, *cell_range(t), default_value(t)) for path, t in leaves(type_))
+        return first
+
+    def known_slot(self, place: Expression) -> int | None:
+        """The slot a place denotes, if that does not depend on the state."""
+        cell = known_cell(place)
+        return None if cell is None else self.first_slot(cell[0]) + cell[1]
+
+    def is_state(self, slot: int) -> bool:
+        return slot < self.state_slots
+
+
+def cell_range(type_: Type) -> tuple[int, int]:
+    """The legal values of a cell; numbers of clocks and channels in a frame are not limited."""
+    if isinstance(type_, IntType | BoolType | ScalarType):
+        return bounds(type_)
+    return CONSTANT_LOW, CONSTANT_HIGH
+
+
+def _initial_value_outside(slot: Slot, initial: int, variable: Variable) -> Diagnostic:
+    return Diagnostic(
+        "E0701",
+        f"the initial value {initial} of `{slot.name}` is outside its range [{slot.low}, {slot.high}]",
+        variable.span,
+        "change the initial value or the declared range",
+    )

@@ -1,0 +1,249 @@
+"""From the path of an exploration to a run with exact rational delays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from tachk.base.records import dataclass
+from tachk.engine.exact.schedule import Moment, Phase, Requirement, any_solution, earliest, extreme_solution
+from tachk.meaning import dbm, symbolic
+from tachk.meaning.constraints import certain, conditional_constraints
+from tachk.meaning.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
+from tachk.meaning.discrete import (
+    PreparedNetwork,
+    clocks_after,
+    environment,
+    execute_updates,
+    initial_clocks,
+    initial_discrete,
+    may_delay,
+    stopped_clocks,
+)
+from tachk.model.expressions import Expression
+from tachk.model.fault import EvaluationFault
+from tachk.model.run import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
+from tachk.model.traversal import asks_deadlock
+
+
+def concretise(
+    model: PreparedNetwork, path: Sequence[Transition], predicate: Expression | None = None
+) -> TimedTrace | None:
+    """A run that takes the transitions of a path, early, and ends in a state of the predicate; None if there is none.
+
+    The predicate may ask for deadlock. There is no run either where evaluating something goes wrong. A delay after the
+    last transition is added where the predicate needs it. Raises ValueError if a transition cannot belong to the path
+    for its edges and values alone.
+    """
+    try:
+        states, phases, requirements = requirements_of(model, path, predicate)
+    except EvaluationFault:
+        return None
+    solve = any_solution if any(phase.stopped for phase in phases) else earliest
+    durations = solve(phases, requirements)
+    return None if durations is None else timed_trace(model, states, phases, path, durations)
+
+
+@dataclass(frozen=True, slots=True)
+class Paced:
+    """A run along a path that is as fast or as slow as possible.
+
+    Attributes:
+        total: how long the fastest run takes, or when the last transition of the slowest one fires; None where there is
+            no limit.
+        attained: the run is at the limit; otherwise runs come as close to it as one likes, and none is at it.
+    """
+
+    run: TimedTrace
+    total: Fraction | None
+    attained: bool
+
+
+def paced(
+    model: PreparedNetwork, path: Sequence[Transition], predicate: Expression, latest: bool, seconds: float | None
+) -> Paced | None:
+    """A run that takes the transitions of a path and ends in a state of the predicate; None if there is none.
+
+    Args:
+        latest: the one whose last transition is latest; otherwise the one that ends earliest.
+
+    Raises TimeoutError if that is not found in so many seconds.
+    """
+    try:
+        states, phases, requirements = requirements_of(model, path, predicate)
+    except EvaluationFault:
+        return None
+    found = extreme_solution(phases, requirements, latest, None if seconds is None else int(seconds * 1000))
+    if found is None:
+        return None
+    return Paced(timed_trace(model, states, phases, path, found.durations), found.total, found.attained)
+
+
+def requirements_of(
+    model: PreparedNetwork, path: Sequence[Transition], predicate: Expression | None
+) -> tuple[list[DiscreteState], list[Phase], list[Requirement]]:
+    """The discrete states and the phases of a path, and what its durations must satisfy. Raises EvaluationFault."""
+    states, phases = discrete_run(model, path)
+    requirements = [r for k, t in enumerate(path) for r in of_phase(model, states[k], k, t)]
+    requirements += of_phase(model, states[-1], len(path), None)
+    if predicate is not None:
+        requirements.append(at_end(len(path), _final(model, states, phases, path, predicate)))
+    return states, phases, requirements
+
+
+def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> tuple[list[DiscreteState], list[Phase]]:
+    """The discrete states of the path, and its phases. None stands for a moment at which nothing happens.
+
+    Behind the clocks of the model the phases have one more, which is 0 at the beginning of every phase.
+    """
+    states = [initial_discrete(model)]
+    resets = [(0, value) for value in (0, *model.layout.starts, 0)]
+    phases = [Phase(tuple(resets), stopped_clocks(model, states[0]))]
+    for number, transition in enumerate(path, start=1):
+        if transition is None:
+            resets[model.dimension] = (number, 0)
+            states.append(states[-1])
+            phases.append(Phase(tuple(resets), phases[-1].stopped))
+            continue
+        if any(model.edge(p).source != states[-1].locations[p.process] for p in transition.participants):
+            raise ValueError(f"transition {number} does not start in the state before it")
+        state, assigned = execute_updates(model, states[-1], transition)
+        before = [(number, 0), *resets[1:]]
+        for clock, source, more in assigned:
+            since, value = before[source]
+            resets[clock] = since, value + more
+        resets[model.dimension] = (number, 0)
+        states.append(state)
+        phases.append(Phase(tuple(resets), stopped_clocks(model, state)))
+    return states, phases
+
+
+def of_phase(
+    model: PreparedNetwork, discrete: DiscreteState, phase: int, leaves_by: Transition | None
+) -> Iterator[Requirement]:
+    """What must hold so that control can stay in a state for the phase and leave it by a transition."""
+    waiting = model.dimension
+    yield at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
+    if not may_delay(model, discrete):
+        yield at_end(phase, [((waiting, 0, LESS_EQUAL_ZERO),)])
+    scratch = environment(model, discrete)
+    for location in model.current(discrete):
+        if location.invariant is not None:
+            condition = conditional_constraints(location.invariant, scratch)
+            yield [tuple(Moment(phase, False, c) for c in conjunction) for conjunction in condition]
+            yield at_end(phase, condition)
+    if leaves_by is not None:
+        yield at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
+        if model.has_priorities:
+            yield at_end(phase, _unblocked(model, discrete, leaves_by))
+    if may_delay(model, discrete) and any(type_.urgent for type_, _ in model.channels):
+        here = symbolic.situation(model, discrete)
+        for zone in here.urgent:
+            yield _not_while_urgent(phase, zone, here, waiting)
+
+
+def at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement:
+    return [tuple(Moment(phase, True, c) for c in conjunction) for conjunction in condition]
+
+
+def _unblocked(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
+    """Where no transition of a higher priority is possible."""
+    here = symbolic.situation(model, discrete)
+    for move in here.moves:
+        if move.transition == transition:
+            return conditions(dbm.subtract_all([dbm.universe(model.dimension)], move.blockers))
+    return []
+
+
+def conditions(federation: Sequence[Zone]) -> list[tuple[Constraint, ...]]:
+    return [tuple(zone.constraints()) for zone in federation]
+
+
+def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting: int) -> Requirement:
+    """No time passes in the phase while the clocks are in a zone.
+
+    Either no time passes at all; or the phase begins outside because of an upper bound or a difference, which time does
+    not mend; or it ends before, or at, the moment a lower bound becomes true. With stopped clocks this is stricter than
+    it need be for differences of a running and a stopped clock.
+    """
+    options: Requirement = [(Moment(phase, True, (waiting, 0, LESS_EQUAL_ZERO)),)]
+    for constraint in zone.constraints():
+        i, j, raw = constraint
+        if here.invariant is not None and raw >= here.invariant[i, j]:
+            continue
+        if i == 0:
+            options.append((Moment(phase, True, (j, 0, raw_bound(-dbm.bound_value(raw), strict=False))),))
+        else:
+            options.append((Moment(phase, False, complement(constraint)),))
+    return options
+
+
+def reached(
+    model: PreparedNetwork, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition | None]
+) -> Zone:
+    """A zone that holds the clock values in which the path can end, and as a rule little more."""
+    zone = dbm.point(model.layout.starts)
+    for number, state in enumerate(states):
+        invariant = symbolic.invariant_zone(model, state)
+        needed: list[Iterable[Constraint]] = [] if invariant is None else [invariant.constraints()]
+        if may_delay(model, state):
+            zone = dbm.up(zone, phases[number].stopped)
+        transition = path[number] if number < len(path) else None
+        if transition is not None and len(guard := symbolic.guard_of(model, state, transition)) == 1:
+            needed.append(guard[0])
+        for condition in needed:
+            narrowed = dbm.constrain_all(zone, condition)
+            if narrowed is None:
+                return dbm.universe(model.dimension)
+            zone = narrowed
+        if number < len(path):
+            zone = dbm.assign(zone, () if transition is None else execute_updates(model, state, transition)[1])
+    return zone
+
+
+def _final(
+    model: PreparedNetwork,
+    states: Sequence[DiscreteState],
+    phases: Sequence[Phase],
+    path: Sequence[Transition],
+    predicate: Expression,
+) -> list[tuple[Constraint, ...]]:
+    """Where the predicate holds; where it asks for deadlock, as far as the reached zone goes.
+
+    What is left of all valuations without one action after the other falls into exponentially many pieces, most of them
+    out of reach.
+    """
+    if asks_deadlock(predicate):
+        here = symbolic.situation(model, states[-1])
+        if here.invariant is not None:
+            here = replace(here, invariant=dbm.intersect(here.invariant, reached(model, states, phases, path)))
+        return conditions(symbolic.where(model, here, predicate))
+    return certain(predicate, environment(model, states[-1]))
+
+
+def timed_trace(
+    model: PreparedNetwork,
+    states: Sequence[DiscreteState],
+    phases: Sequence[Phase],
+    path: Sequence[Transition | None],
+    durations: Sequence[Fraction],
+) -> TimedTrace:
+    """The run that takes the transitions of a path after these durations. None in the path ends no delay."""
+    zero = Fraction(0)
+    state = TimedState(states[0], initial_clocks(model), zero)
+    initial, steps, waited = state, [], zero
+    for phase, transition in enumerate([*path, None]):
+        wait, stopped = durations[phase], phases[phase].stopped
+        clocks = [v if n in stopped else v + wait for n, v in enumerate(state.clocks, start=1)]
+        waited += wait
+        if transition is not None:
+            _, resets = execute_updates(model, states[phase], transition)
+            state = TimedState(states[phase + 1], clocks_after(clocks, resets), state.time + wait)
+            steps.append(TimedStep(waited, transition, state))
+            waited = zero
+        else:
+            state = TimedState(states[phase], tuple(clocks), state.time + wait)
+    if waited > 0:
+        steps.append(TimedStep(waited, None, state))
+    return TimedTrace(initial, tuple(steps))

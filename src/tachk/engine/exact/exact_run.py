@@ -1,0 +1,59 @@
+"""Runs with exact times along long paths: the twin of `tachk.engine.exact.concretise` and `tachk.meaning.judge.replay`.
+
+Making and judging them are two pieces of C++. They share with the search the compiled program and the machine that
+evaluates expressions, and nothing else; each other they do not know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from tachk import _core
+from tachk.base.records import dataclass
+from tachk.engine.compiler.program import Goal, Program
+from tachk.engine.program_image import encode
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """When the transitions of a path happen.
+
+    Attributes:
+        ticks: of each transition, and of the end of the run, counted from its start.
+        unit: so many ticks are a unit of time.
+    """
+
+    ticks: tuple[int, ...]
+    unit: int
+
+    def __getitem__(self, number: int) -> Fraction:
+        """In units of time."""
+        return Fraction(self.ticks[number], self.unit)
+
+
+def exact_run(program: Program, goal: Goal, actions: Sequence[Sequence[int]]) -> tuple[Moments | None, str]:
+    """The earliest moments at which a path leads to a goal, if the judge accepts that run; else why there are none.
+
+    There are none where clocks stop, where there are priorities, or where urgent channels are used. Receivers of
+    broadcasts that would have to wait until they cannot receive make no run either, though there may be one.
+
+    Args:
+        actions: the numbers of the edges of each transition.
+    """
+    path = _core.PathOfRun(encode(program, [goal]), actions)
+    found = path.earliest()
+    if found is None:
+        return None, "no times were found"
+    unit, ticks = found
+    objection = path.objection(unit, ticks)
+    if objection is not None:
+        return None, f"step {objection[0]}: {objection[1]}"
+    return Moments(tuple(ticks.tolist()), unit), ""
+
+
+def end_of_path(program: Program, actions: Sequence[Sequence[int]]) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+    """The slots of the state in which a path ends, and the raw bounds of its clocks, row by row; none of them if clocks
+    do not allow the path. None where the core cannot tell."""
+    found = _core.PathOfRun(encode(program, []), actions).end()
+    return None if found is None else (tuple(found[0]), tuple(found[1]))

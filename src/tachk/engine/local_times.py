@@ -1,0 +1,148 @@
+"""Searches in which each process has a time of its own: where they are sound, where they pay, and what they find.
+
+An ordinary zone knows in which order independent things have happened. A zone over local times does not, so that it
+stands for all orders (Govind, Herbreteau, Srivathsan, Walukiewicz 2019). That saves states where processes seldom meet;
+elsewhere larger matrices only cost time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk import _core
+from tachk.base.memory_limit import OutOfMemoryError
+from tachk.base.time_limit import check_other_limit
+from tachk.engine.compiler.program import Goal, Program
+from tachk.engine.core_search import (
+    core_limits,
+    core_options,
+    run_in_slices,
+    statistics_of,
+    transitions_of,
+    user_seconds,
+)
+from tachk.engine.exchanged import with_exchanges
+from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options
+from tachk.engine.outcome import GoalOutcome, Outcome, Progress, Status
+from tachk.engine.program_image import encode
+
+_FIRST_LOOK = 500
+"""How many states both searches explore before one is chosen."""
+_STEP = 10
+_MUCH_MEMORY = 256 << 20
+"""A zone over the local times of 100 processes, of which all are kept that wait, takes hundreds of kilobytes."""
+_FEW_ZONES = 2.0
+"""With fewer zones for each discrete state there are few orders to be saved."""
+_WORTH_IT = 3.0
+"""How many times fewer zones for each discrete state pay for larger matrices. On the example families of TChecker the
+number is below 2.5 or above 5.8."""
+
+
+def obstacle(image: Sequence[int]) -> str | None:
+    """Why local times are not sound for a program with its goals, as `encode` writes them, or None."""
+    return _core.local_agents(image)[0]
+
+
+def explore_locally(
+    program: Program,
+    goals: Sequence[Goal],
+    ordinary: _core.Explorer,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> Outcome | None:
+    """Search over local times, where the options and the program allow it and it seems to pay.
+
+    Args:
+        ordinary: a search of the same that has not run; where this one is not made it may have explored some states.
+
+    Returns:
+        None where an ordinary search has to answer, also where this one met a run-time error or times out of range:
+        the order in which things happen counts for those.
+    """
+    start, user = time.perf_counter(), user_seconds()
+    search = _chosen(program, goals, ordinary, options, limits)
+    if search is None:
+        return None
+    status, reason = run_in_slices(search, start, limits, progress)
+    if status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT):
+        return None
+    outcomes = tuple(_goal_outcome(program, search, number, goal, status) for number, goal in enumerate(goals))
+    statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user, local_times=True)
+    return Outcome(outcomes, with_exchanges(statistics, program) if search.exchanges() else statistics, reason)
+
+
+def _chosen(
+    program: Program, goals: Sequence[Goal], ordinary: _core.Explorer, options: Options, limits: Limits
+) -> _core.LocalExplorer | None:
+    end = None if limits.seconds is None else time.perf_counter() + limits.seconds
+    counts_steps = options.shortest or limits.depth is not None
+    if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
+        return None
+    look = options.local_times is LocalTimes.AUTO
+    if look and _first_look(ordinary, end) is not _core.Status.RUNNING:
+        return None  # what stops it now stops it again when it goes on
+    image = encode(program, goals)
+    if obstacle(image) is not None:
+        return None
+    if look:
+        if ordinary.has_merged():  # which hides how many orders there are
+            ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
+            if _look_beside(ordinary, end) is not _core.Status.RUNNING:
+                return None
+        if _zones_each(ordinary) < _FEW_ZONES:
+            return None
+    if any(goal.asks_deadlock for goal in goals):
+        # With LU a state may be covered by others that can do more: it may be stuck where they are not.
+        options = replace(options, extrapolation=Extrapolation.MAX)
+    search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
+    if look:
+        status = _look_beside(search, end)
+        if status in _IMPATIENT:
+            return None
+        if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
+            return None
+    return search
+
+
+_IMPATIENT = (_core.Status.TIME_LIMIT, _core.Status.MEMORY_LIMIT)
+
+
+def _first_look(search: _core.Explorer | _core.LocalExplorer, end: float | None) -> _core.Status:
+    """The status behind a first look: RUNNING if there is more to explore, MEMORY_LIMIT also if that would take much
+    more memory than a search needs as a rule."""
+    status = _core.Status.RUNNING
+    for _ in range(_FIRST_LOOK // _STEP):
+        left = None if end is None else max(end - time.perf_counter(), 0.0)
+        status = search.run(_STEP, left, check_other_limit)
+        if status is not _core.Status.RUNNING:
+            return status
+        if search.statistics()[3] > _MUCH_MEMORY:
+            return _core.Status.MEMORY_LIMIT
+    return status
+
+
+def _look_beside(search: _core.Explorer | _core.LocalExplorer, end: float | None) -> _core.Status:
+    """A first look of a search without which another one goes on, with the memory that this one has taken."""
+    try:
+        return _first_look(search, end)
+    except (MemoryError, OutOfMemoryError):
+        return _core.Status.MEMORY_LIMIT
+
+
+def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:
+    """How many zones are stored for each discrete state."""
+    return search.statistics()[1] / max(search.discrete_states(), 1)
+
+
+def _goal_outcome(
+    program: Program, search: _core.LocalExplorer, number: int, goal: Goal, status: _core.Status
+) -> GoalOutcome:
+    actions = search.path_to_goal(number)
+    if actions is None:
+        return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)
+    if not goal.decides:
+        return GoalOutcome(Status.REACHED)
+    return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)

@@ -1,0 +1,226 @@
+"""How an exploration engine searches and when it gives up. Imports nothing heavy: command lines are made of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import StrEnum
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+
+
+class Engine(StrEnum):
+    """Which engine answers."""
+
+    ZONE = "zone"
+    SMT = "smt"
+    """z3, by bounded model checking and induction; see `tachk.engine.smt`."""
+    BOTH = "both"
+    """One after the other: that they contradict each other is an internal error."""
+
+
+class Pace(StrEnum):
+    """Which of the runs to a state is shown."""
+
+    EARLY = "early"
+    """One along the path that was found, early."""
+    FASTEST = "fastest"
+    """One that takes the least time of all runs."""
+    SLOWEST = "slowest"
+    """The one along the path that was found whose last transition is latest."""
+
+
+class SearchOrder(StrEnum):
+    AUTO = "auto"
+    """Breadth first; by progress from the moment on when most states that were explored turn out to be covered by
+    later ones."""
+    BFS = "bfs"
+    DFS = "dfs"
+    RANDOM_DFS = "rdfs"
+    PROGRESS = "progress"
+    """The states first that have come least far, counted in rounds and layers of the locations of each process."""
+
+    @property
+    def finds_shortest(self) -> bool:
+        """Whether a path that is found first can be asked to be a shortest one."""
+        return self in (SearchOrder.AUTO, SearchOrder.BFS)
+
+
+class Extrapolation(StrEnum):
+    LU = "lu"
+    """Extra+LU of Behrmann, Bouyer, Larsen, Pelánek 2006 (LU+). A deadlock found
+    with it is tried exactly, and MAX searches again where it proves not to be one."""
+    MAX = "max"
+    """The same operator with L = U = the larger of both: preserves enabledness (deadlock, priorities)."""
+    NONE = "none"
+
+
+class BoundScope(StrEnum):
+    LOCAL = "local"
+    """Clock bounds for each location."""
+    GLOBAL = "global"
+    """One bound for each clock in the whole model."""
+
+
+class LocalTimes(StrEnum):
+    """Whether each process has a time of its own in a search, where that is sound: `tachk.engine.local_times`."""
+
+    AUTO = "auto"
+    """Where the first states say that it saves many."""
+    ALWAYS = "always"
+    NEVER = "never"
+
+
+LARGEST_SEED = 2**32 - 1
+NEVER = 2**32 - 1
+"""`Options.proof_after` for no proof at all."""
+MOST_THREADS = 256
+PASSED_IN_A_ROW = 8
+"""`Options.passing` where a user only says that states with a committed location need not be stored."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to search. No option may change a verdict.
+
+    Attributes:
+        engine: which engine answers; all other options are of the zone engine.
+        order: which state is explored next; BFS gives short paths, and so does AUTO where it stays with it.
+        seed: for RANDOM_DFS, from 0 to 2**32 - 1.
+        extrapolation: the zone abstraction.
+        bounds: where the clock bounds of the abstraction come from.
+        subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
+        alu: drop a state also if a stored zone simulates its zone: the exact test for the abstraction aLU (Herbreteau,
+            Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks
+            of `deadlock` or of largest and smallest values, nor for runs that go on for ever.
+        merging: states that wait to be explored and differ in their zones only become one where these together are a
+            zone, as long as that often is so. Breadth first; not with `shortest`, `passing`, `partial_order`, a limit
+            on depth, nor for largest and smallest values or runs that go on for ever.
+        width: the least number of bits of a clock bound in a zone: 16, 32 or 64; constants that do not fit need more.
+        scale: count time in the largest unit of which every time in the model is a multiple.
+        vector: use the widest vector instructions of this machine; off: portable code.
+        reclaim: use the memory of zones again that no uncovered state has.
+        pack_clocks: zones of more clocks than this are stored without those that do not matter where the processes are.
+        passing: states in which one process is in a committed location are passed through without being stored, up to
+            so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
+            explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
+        partial_order: where time cannot pass, because of an urgent or committed location or an invariant, one order of
+            independent actions is explored, not each of them; off: only in an attempt (see there). Not with `shortest`,
+            `passing`, a limit on depth, priorities, clocks that stop, interchangeable processes, or where `deadlock` or
+            extreme values are asked for.
+        chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
+        rows_after: from how many different zones on their rows are held once each, if that takes less memory; 0:
+            always.
+        local_times: search over local times, which saves the orders in which independent transitions happen. Only where
+            that is sound, and not with `shortest` or a limit on depth.
+        proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
+            for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
+        attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
+            a run is found early; off: runs are looked for once all states are reached. For `E<>` and `A[]` with the
+            order `AUTO`: once 20,000 states are stored, up to 5,000 are explored as with `partial_order`, if that is of
+            use in a quarter of the first 256, and then 1,500 depth first with processes that keep their places, each in
+            a search of its own; not with `shortest`.
+        threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
+            their number, the states, their order and the runs are the same. One thread searches depth first, over local
+            times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
+        threads_after: how many states there must be before a search uses more than one thread.
+        processes: how many searches for different queries run at the same time, each in a process of its own, once a
+            second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
+        hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
+        drop_bystanders: first search without the processes that can only block others; off: search the whole network
+            at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
+        symmetry: search one state for all that differ by an exchange of interchangeable processes.
+        shortest: find paths of as few transitions as possible; with BFS only, which AUTO then is. It may take more
+            states: a state is dropped for a larger one only if that is not further from the initial state.
+        pace: which run to a state that was found is shown; FASTEST takes further searches.
+
+    Raises UsageError for a number out of its range and for `shortest` with another order than BFS.
+    """
+
+    order: SearchOrder = SearchOrder.AUTO
+    seed: int = 1
+    extrapolation: Extrapolation = Extrapolation.LU
+    bounds: BoundScope = BoundScope.LOCAL
+    subsumption: bool = True
+    alu: bool = True
+    merging: bool = True
+    width: int = 16
+    scale: bool = True
+    vector: bool = True
+    reclaim: bool = True
+    pack_clocks: int = 16
+    passing: int = 0
+    local_times: LocalTimes = LocalTimes.AUTO
+    partial_order: bool = False
+    chunk_words: int = 8
+    rows_after: int = 1024
+    proof_after: int = 2000
+    attempts: bool = True
+    threads: int = 1
+    threads_after: int = 4096
+    processes: int = 1
+    hold_spectators: bool = True
+    drop_bystanders: bool = True
+    symmetry: bool = True
+    shortest: bool = False
+    engine: Engine = Engine.ZONE
+    pace: Pace = Pace.EARLY
+
+    def __post_init__(self) -> None:
+        _check_range("seed", self.seed, 0, LARGEST_SEED)
+        _check_range("chunk_words", self.chunk_words, 0, 2**16)
+        _check_range("rows_after", self.rows_after, 0, 2**32 - 1)
+        _check_range("proof_after", self.proof_after, 0, NEVER)
+        _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
+        _check_range("passing", self.passing, 0, 64)
+        _check_range("threads", self.threads, 0, MOST_THREADS)
+        _check_range("processes", self.processes, 0, MOST_THREADS)
+        _check_range("threads_after", self.threads_after, 0, 2**32 - 1)
+        if self.width not in (16, 32, 64):
+            raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")
+        if self.shortest and not self.order.finds_shortest:
+            raise UsageError(
+                f"a shortest path needs the search order bfs, not {self.order.value}",
+                "breadth-first search is what makes the first path that is found a shortest one",
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When to give up; None means no limit.
+
+    Attributes:
+        states: stored states.
+        seconds: wall-clock seconds for everything together.
+        seconds_each: wall-clock seconds for each search; queries that look at the same clocks share one.
+        memory_bytes: bytes that what a search stores may take; and, with a tenth more, what the process grows by
+            meanwhile, where the system tells that.
+        depth: transitions from the initial state.
+
+    Raises UsageError for a negative limit.
+    """
+
+    states: int | None = None
+    seconds: float | None = None
+    memory_bytes: int | None = None
+    depth: int | None = None
+    seconds_each: float | None = None
+
+    def after(self, elapsed: float) -> Limits:
+        """The limits of what is left to do when so many seconds have passed."""
+        return self if self.seconds is None else replace(self, seconds=max(self.seconds - elapsed, 0.0))
+
+    def of_states(self, states: int) -> Limits:
+        """These limits, and that no more than so many states are stored."""
+        return replace(self, states=states if self.states is None else min(states, self.states))
+
+    def __post_init__(self) -> None:
+        for name in ("states", "seconds", "memory_bytes", "depth", "seconds_each"):
+            value = getattr(self, name)
+            if value is not None and not value >= 0:  # nan included
+                raise UsageError(f"the limit `{name}` is {value}, but it must be at least 0")
+
+
+def _check_range(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise UsageError(f"`{name}` is {value}, but it must lie in [{low}, {high}]")

@@ -1,0 +1,230 @@
+"""The simulator of the core: a program with its chances goes there, runs come back as arrays."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Sequence
+from enum import StrEnum
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk import _core
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.time_limit import OutOfTimeError, time_left
+from tachk.engine.compiler.program import Chances, Computed, HybridClocks, Program
+from tachk.engine.core_search import site_of, transition_of
+from tachk.engine.program_image import encode
+from tachk.engine.simulation.policy import Policy
+from tachk.model.fault import RuntimeErrorKind
+from tachk.model.run import Transition
+
+TICKS_PER_UNIT = _core.finest_ticks()
+"""How finely simulated time is counted, unless a run is too long for that."""
+LATEST_TICK = _core.latest_end()
+"""Runs end there, however long a tick is."""
+LATEST_END = Fraction(LATEST_TICK, _core.coarsest_ticks())
+"""The longest run, in units of time."""
+
+Numbers = NDArray[np.int64]
+_NONE: Numbers = np.empty(0, dtype=np.int64)
+
+
+class Ending(StrEnum):
+    """Why a run ends."""
+
+    HORIZON = "horizon"
+    """It is as long as it was to be."""
+    DEADLOCK = "deadlock"
+    """Nothing can happen, and time cannot pass."""
+    TIME_LOCK = "time-lock"
+    """An invariant ends, and nothing can happen."""
+    ZENO = "no time passes"
+    STEPS = "steps"
+    """It has as many transitions as it may have."""
+    FAULT = "run-time error"
+    INITIAL = "no initial state"
+    """The initial state violates an invariant."""
+    END_OF_TIME = "end of time"
+    """It has no bound on time, and lasts longer than can be counted."""
+
+
+_ENDINGS = {ending: Ending[ending.name] for ending in _core.Ending}
+
+
+@dataclass(frozen=True, slots=True)
+class Horizon:
+    """A time up to which runs go on.
+
+    Attributes:
+        ticks_per_unit: as many as fit, a power of ten: times are exact multiples of a tick.
+    """
+
+    ticks: int
+    ticks_per_unit: int
+
+
+def horizon(units: Fraction) -> Horizon:
+    """A time in the finest ticks in which it can be counted; it is at most `LATEST_END`."""
+    per_unit = TICKS_PER_UNIT
+    while units * per_unit > LATEST_TICK:
+        per_unit //= 10
+    return Horizon(int(units * per_unit), per_unit)
+
+
+@dataclass(frozen=True, slots=True)
+class Simulated:
+    """A run.
+
+    Attributes:
+        number: of the run; with the seed it determines the run.
+        ticks_per_unit: how finely its times are counted.
+        end: in ticks.
+        times: of the initial state and of the states after each transition, in ticks; empty if nothing was recorded.
+        observed: a row for each of these states; floating point numbers as their bits.
+        clocks: the same of the values of the clocks, in ticks.
+        fault: what went wrong and where, in a run that ends with a run-time error.
+        lasts: whether time can pass in the last state.
+    """
+
+    number: int
+    ticks_per_unit: int
+    ending: Ending
+    end: int
+    transitions: int
+    times: Numbers
+    observed: Numbers
+    clocks: Numbers
+    actions: tuple[Transition, ...] = ()
+    fault: tuple[RuntimeErrorKind, Span] | None = None
+    lasts: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What is recorded of runs beside how they end."""
+
+    actions: bool = False
+    observed: bool = False
+    clocks: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """Which runs are drawn.
+
+    Attributes:
+        until: when they end, in ticks.
+        ticks_per_unit: how finely times are counted, see `horizon`.
+        steps: how many transitions they may have; None: any number.
+        threads: they make no difference to the runs.
+    """
+
+    seed: int = 0
+    until: int = 100 * TICKS_PER_UNIT
+    policy: Policy = Policy.STOCHASTIC
+    steps: int | None = None
+    threads: int = 1
+    ticks_per_unit: int = TICKS_PER_UNIT
+
+
+class Simulator:
+    """Runs of a program."""
+
+    def __init__(self, program: Program, chances: Chances) -> None:
+        self._program = program
+        self._observed = len(chances.observed)
+        self._core = _core.Simulation(encode(program, ()), list(chances_image(chances)))
+
+    def runs(self, drawing: Drawing, numbers: range, recorded: Recorded) -> Iterator[Simulated]:
+        """The runs of these numbers, which follow one another. Raises OutOfTimeError."""
+        left = time_left()
+        found = self._core.run(
+            policy=_core.Policy[drawing.policy.name],
+            seed=drawing.seed,
+            first=numbers.start,
+            runs=len(numbers),
+            until=drawing.until,
+            ticks_per_unit=drawing.ticks_per_unit,
+            steps=2**63 if drawing.steps is None else drawing.steps,
+            threads=drawing.threads,
+            actions=recorded.actions,
+            observed=recorded.observed,
+            clocks=recorded.clocks,
+            seconds=-1 if left is None else left,
+        )
+        if not found and numbers:
+            raise OutOfTimeError
+        for number, record in zip(numbers, found, strict=True):
+            yield self._simulated(number, drawing.ticks_per_unit, record, recorded)
+
+    def _simulated(self, number: int, per_unit: int, record: _core.RunRecord, recorded: Recorded) -> Simulated:
+        ending = _ENDINGS[record.ending]
+        fault = None
+        if ending is Ending.FAULT:
+            kind, position = record.fault
+            fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
+        if not (recorded.actions or recorded.observed or recorded.clocks):
+            none = (_NONE, _NONE, _NONE)
+            return Simulated(number, per_unit, ending, record.end, record.transitions, *none, (), fault, record.lasts)
+        times = record.times()
+        return Simulated(
+            number,
+            per_unit,
+            ending,
+            record.end,
+            record.transitions,
+            times,
+            record.observed().reshape(len(times), self._observed if recorded.observed else 0),
+            record.clocks().reshape(len(times), self._program.clocks if recorded.clocks else 0),
+            tuple(self._actions(record)) if recorded.actions else (),
+            fault,
+            record.lasts,
+        )
+
+    def _actions(self, record: _core.RunRecord) -> Iterator[Transition]:
+        edges = record.edges().tolist()
+        first = 0
+        for size in record.sizes().tolist():
+            if size:
+                yield transition_of(self._program, edges[first : first + size])
+            first += size
+
+
+def chances_image(chances: Chances) -> Iterator[int]:
+    """The numbers that `src/core/flow/chances.cpp` reads."""
+    for rates in chances.rates:
+        yield from _numbers(rates)
+    for choice, weight in zip(chances.choices, chances.weights, strict=True):
+        yield choice
+        yield from _number(weight)
+    yield from _hybrid(chances.hybrid)
+    yield from (len(chances.starts), *chances.starts)
+    yield from _numbers(chances.observed)
+
+
+def _hybrid(clocks: HybridClocks) -> Iterator[int]:
+    yield from (len(clocks.slots), *clocks.slots)
+    if not clocks.slots:
+        return
+    for rates in (rates for process in clocks.rates for rates in process):
+        yield len(rates)
+        for rate in rates:
+            yield from (rate.clock, int(rate.varies), *_number(rate.rate))
+    yield from (len(clocks.reads), *clocks.reads)
+
+
+def _numbers(numbers: Sequence[Computed]) -> Iterator[int]:
+    for number in numbers:
+        yield from _number(number)
+
+
+def _number(number: Computed) -> tuple[int, int]:
+    if number.slot >= 0:
+        return 3, number.slot
+    if number.code >= 0:
+        return 2 if number.floating else 1, number.code
+    bits = struct.unpack("<q", struct.pack("<d", number.constant))[0]
+    return 0 if number.floating else 4, bits

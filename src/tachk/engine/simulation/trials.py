@@ -1,0 +1,139 @@
+"""Runs that are asked one thing, drawn by the core: each ends as soon as that is known."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk import _core
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.time_limit import OutOfTimeError, time_left
+from tachk.engine.compiler.program import Chances, Program
+from tachk.engine.core_search import site_of
+from tachk.engine.program_image import encode
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Ending, chances_image
+from tachk.model.fault import RuntimeErrorKind
+
+_ENDINGS = [Ending[ending.name] for ending in _core.Ending]
+_FAULT = _ENDINGS.index(Ending.FAULT)
+
+
+class Answered(IntEnum):
+    """What a run says about its goal."""
+
+    NO = 0
+    YES = 1
+    UNKNOWN = 2
+    """It ended too early: by a run-time error, too many transitions, a million of them at one instant, or where times
+    can no longer be counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """How far runs are looked at: up to a moment in ticks, a number of transitions, or a value of a clock in ticks.
+
+    Attributes:
+        ticks_per_unit: see `horizon`.
+    """
+
+    until: int | None = None
+    steps: int | None = None
+    clock: int = 0
+    value: int = 0
+    ticks_per_unit: int = TICKS_PER_UNIT
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What runs are asked, in numbers of the program.
+
+    Attributes:
+        goal: of `Chances.goals`: whether it is reached.
+        lost: where this one is reached first, the goal counts no more.
+        observed, clock: what is measured, a number of `Chances.observed` or of a clock.
+        largest: the largest value on the run is, or the least.
+    """
+
+    reach: Reach
+    goal: int = -1
+    lost: int = -1
+    observed: int = -1
+    clock: int = 0
+    largest: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Trials:
+    """What came of some runs, in their order.
+
+    Attributes:
+        answers: an `Answered` each.
+        ends: the moment at which the goal is reached, or up to which the run was looked at, in ticks.
+        measured: the extreme value of what is measured.
+        endings: how many runs end how, before their goal is reached.
+        fault: the first run-time error, if there is one.
+    """
+
+    answers: NDArray[np.int8]
+    ends: NDArray[np.int64]
+    transitions: int
+    measured: NDArray[np.float64]
+    endings: dict[Ending, int]
+    fault: tuple[RuntimeErrorKind, Span] | None
+
+
+class Trier:
+    """Runs of a program."""
+
+    def __init__(self, program: Program, chances: Chances) -> None:
+        self.program = program
+        self._core = _core.Simulation(encode(program, chances.goals), list(chances_image(chances)))
+
+    def trials(self, asked: Asked, seed: int, numbers: range, threads: int, most_steps: int | None) -> Trials:
+        """The runs of these numbers. Raises OutOfTimeError."""
+        left = time_left()
+        found = _core.trials(
+            self._core,
+            core_asked(asked),
+            policy=_core.Policy[Policy.STOCHASTIC.name],
+            seed=seed,
+            first=numbers.start,
+            runs=len(numbers),
+            threads=threads,
+            most_steps=2**63 if most_steps is None else most_steps,
+            seconds=-1 if left is None else left,
+        )
+        answers, endings = found.answers(), found.endings()
+        if len(answers) < len(numbers):
+            raise OutOfTimeError
+        counts = np.bincount(endings[answers != Answered.YES], minlength=len(_ENDINGS))
+        fault = None
+        if counts[_FAULT]:
+            kind, position = found.fault(int(np.argmax(endings == _FAULT)))
+            fault = RuntimeErrorKind[kind.name], site_of(self.program, position)
+        return Trials(
+            answers,
+            found.ends(),
+            int(found.transitions().sum()),
+            found.measured(),
+            {ending: int(count) for ending, count in zip(_ENDINGS, counts, strict=True) if count},
+            fault,
+        )
+
+
+def core_asked(asked: Asked) -> _core.Asked:
+    result = _core.Asked()
+    reach = asked.reach
+    if reach.until is not None:
+        result.until = reach.until
+    if reach.steps is not None:
+        result.steps = reach.steps
+    result.ticks_per_unit = reach.ticks_per_unit
+    result.bound_clock, result.bound_value = reach.clock, reach.value
+    result.goal, result.lost = asked.goal, asked.lost
+    result.observed, result.clock, result.largest = asked.observed, asked.clock, asked.largest
+    return result

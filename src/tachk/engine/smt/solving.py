@@ -1,0 +1,100 @@
+"""Asking z3 so that limits and Ctrl-C are obeyed meanwhile."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+import z3
+
+from tachk.base.records import dataclass
+from tachk.engine.outcome import TIME_LIMIT
+from tachk.engine.smt.terms import Formula
+
+_LOOK = 0.1
+"""Seconds between two looks at the keyboard while z3 works."""
+
+
+class GaveUpError(Exception):
+    """z3 has not answered; ``reason`` says why."""
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(reason)
+
+
+@dataclass(slots=True)
+class Asking:
+    """How z3 is asked.
+
+    Attributes:
+        deadline: on the clock of `time.monotonic`; None: no limit.
+        megabytes: the memory that z3 may take.
+        report: called now and then while z3 works.
+        asked: how many questions there were.
+    """
+
+    deadline: float | None = None
+    megabytes: int | None = None
+    report: Callable[[], None] | None = None
+    asked: int = 0
+
+    def solver(self) -> z3.Solver:
+        """A new solver. In a context that all share: whoever asks, asks one after the other."""
+        made = z3.Solver()
+        made.set("ctrl_c", False)  # Python hears Ctrl-C, not z3
+        return made
+
+    def is_satisfiable(self, solver: z3.Solver, *assumptions: Formula, deadline: float | None = None) -> bool:
+        """Whether there is a model of what the solver holds and of the assumptions.
+
+        Raises GaveUpError, and KeyboardInterrupt.
+        """
+        if any(formula is False for formula in assumptions):
+            return False
+        ends = [moment for moment in (self.deadline, deadline) if moment is not None]
+        left = min(ends) - time.monotonic() if ends else None
+        if left is not None and left <= 0:
+            raise GaveUpError(TIME_LIMIT)
+        solver.set("timeout", 2**32 - 1 if left is None else max(int(left * 1000), 1))
+        if self.megabytes is not None:
+            solver.set("max_memory", self.megabytes)
+        self.asked += 1
+        found: list[z3.CheckSatResult | BaseException] = []
+        terms = [formula for formula in assumptions if not isinstance(formula, bool)]
+
+        def ask() -> None:
+            try:
+                found.append(solver.check(*terms))
+            except BaseException as error:  # handed to the thread that waits
+                found.append(error)
+
+        thread = threading.Thread(target=ask, daemon=True)
+        thread.start()
+        try:
+            while thread.is_alive():
+                thread.join(_LOOK)
+                if thread.is_alive() and self.report is not None:
+                    self.report()
+        except BaseException:
+            while thread.is_alive():  # until it has heard
+                solver.interrupt()
+                thread.join(_LOOK / 10)
+            raise
+        answer = found[0]
+        if isinstance(answer, BaseException):
+            if isinstance(answer, z3.Z3Exception):
+                raise GaveUpError(_why(str(answer))) from None
+            raise answer
+        if answer == z3.unknown:
+            raise GaveUpError(_why(solver.reason_unknown()))
+        return bool(answer == z3.sat)
+
+
+def _why(reason: str) -> str:
+    if "timeout" in reason or "canceled" in reason:
+        return TIME_LIMIT
+    if "memory" in reason:
+        return "memory limit"
+    return f"z3: {reason}"

@@ -1,0 +1,47 @@
+"""What is searched for, in the terms of an encoding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tachk.base.records import dataclass
+from tachk.engine.smt.evaluator import PossibleFault
+from tachk.engine.smt.relation import Relation
+from tachk.engine.smt.terms import Formula, any_of, conj
+from tachk.model.expressions import Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Targets:
+    """Attributes:
+    goals: where each of them is reached.
+    wrong: for each goal what may go wrong in it.
+    undecided: where that leaves it open whether the goal is reached.
+    """
+
+    relation: Relation
+    goals: tuple[Formula, ...]
+    undecided: tuple[Formula, ...]
+    wrong: tuple[tuple[PossibleFault, ...], ...]
+
+    @staticmethod
+    def of(encoded: Relation, predicates: Sequence[Expression]) -> Targets:
+        found = [encoded.where(predicate) for predicate in predicates]
+        return Targets(
+            encoded,
+            tuple(yes for yes, _, _ in found),
+            tuple(undecided for _, undecided, _ in found),
+            tuple(tuple(wrong) for _, _, wrong in found),
+        )
+
+    def bad(self, goal: Formula) -> Formula:
+        """Where a goal is reached or something goes wrong, invariants behind the step excepted."""
+        encoded = self.relation
+        return any_of(
+            [
+                goal,
+                *self.undecided,
+                *(fault.condition for fault in encoded.state_faults),
+                conj(encoded.step_possible, any_of(fault.condition for fault in encoded.step_faults)),
+            ]
+        )

@@ -1,0 +1,58 @@
+"""What the text of a process says in each network that has this process, whatever stands beside it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Sequence
+from functools import partial
+
+from tachk.analysis.fold import Known
+from tachk.base.records import dataclass
+from tachk.engine.symmetry.kinds import Kinds
+from tachk.engine.symmetry.terms import Number, Reader
+from tachk.engine.symmetry.units import Unit, read_edge, read_location, without_names
+from tachk.model.network import Edge, Process
+from tachk.model.remembered import by_part
+
+
+@dataclass(frozen=True, slots=True)
+class _Alone:
+    kinds: Kinds
+    locations: Sequence[Unit]
+    edges: Sequence[Unit]
+
+
+@by_part
+def _read(process: Process, edges: tuple[Edge, ...], known: Known) -> _Alone:
+    reader = Reader(known)
+    locations = [read_location(reader, 0, location) for location in process.locations]
+    return _Alone(reader.kinds, locations, [read_edge(reader, 0, edge, rank=lambda _: 0) for edge in edges])
+
+
+@by_part
+def text_alone(process: Process, edges: tuple[Edge, ...], known: Known) -> Hashable:
+    """What the text of a process has in common with that of all processes that it may become.
+
+    A number that the text compares by its order, or computes with, is more than a name in each network: what two
+    processes do differently with such numbers tells them apart.
+
+    Args:
+        edges: those of the process that are taken.
+    """
+    alone = _read(process, edges, known)
+    told = partial(without_names, alone.kinds)
+    counted = Counter(unit.text(told) for unit in alone.edges)
+    return tuple(location.text(told) for location in alone.locations), frozenset(counted.items())
+
+
+@by_part
+def numbers_alone(
+    process: Process, edges: tuple[Edge, ...], known: Known
+) -> tuple[Sequence[tuple[Hashable, tuple[int, ...]]], Sequence[tuple[Hashable, tuple[int, ...]]]]:
+    """The outlines of locations and of edges, each with the numbers in it. Arguments as for `text_alone`."""
+    alone = _read(process, edges, known)
+    return [_numbers(unit) for unit in alone.locations], [_numbers(unit) for unit in alone.edges]
+
+
+def _numbers(unit: Unit) -> tuple[Hashable, tuple[int, ...]]:
+    return unit.outline, tuple(token.value for token in unit.every_token if isinstance(token, Number))

@@ -1,0 +1,380 @@
+"""Renamings of a network, and whether one maps the network onto itself.
+
+A renaming is a permutation of processes, variables and numbers of some kinds. It maps a network onto itself if the text
+of each process, renamed, is that of the process it is mapped to, up to the order of edges, and if constants, ranges,
+priorities and what is asked for are mapped onto themselves. Then it maps transitions to transitions: an automorphism.
+
+Initial values need not be mapped onto themselves. A state that is explored for others stands for those that exchanges
+make of it. Whatever is reached from it can be exchanged, step by step, into something that is reached from the initial
+state; and what is asked for is met by all that exchanges make of a state or by none.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Container, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
+
+from tachk.analysis.fold import Known
+from tachk.base.records import dataclass
+from tachk.engine.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
+from tachk.engine.symmetry.predicates import Junction, Term, flat, predicate_term
+from tachk.engine.symmetry.terms import Number, Place, Reader, Token, cell_nodes
+from tachk.engine.symmetry.units import Unit, read_edge, read_location, without_names
+from tachk.model.cell_layout import default_cells
+from tachk.model.expressions import Expression, Variable, VariableKind
+from tachk.model.network import Network
+from tachk.model.traversal import written_variables
+from tachk.model.types import ArrayType, Type, cell_count
+
+Atom = Variable | Place | tuple[int, int]
+"""What a renaming may move: a variable, a process, a number of a kind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """Attributes:
+    processes, variables: those that are moved.
+    values: for each kind, by the node that stands for it, the numbers that are moved.
+    """
+
+    processes: Mapping[int, int] = field(default_factory=dict)
+    variables: Mapping[Variable, Variable] = field(default_factory=dict)
+    values: Mapping[int, Mapping[int, int]] = field(default_factory=dict)
+
+    def value(self, kinds: Kinds, node: int, value: int) -> int:
+        """The image of a number at a node."""
+        root, shift = kinds.find(node)
+        moved = self.values.get(root)
+        return value if moved is None else moved.get(value - shift, value - shift) + shift
+
+
+@dataclass(slots=True)
+class Reading:
+    """A network and what is asked of it, as terms.
+
+    Attributes:
+        locations, edges: of each process. Edges with the same outline stand side by side.
+        colours: of processes (`tachk.engine.symmetry.colours`), once they are asked for.
+    """
+
+    network: Network
+    reader: Reader
+    locations: list[list[Unit]]
+    edges: list[list[Unit]]
+    predicates: list[Term]
+    colours: Sequence[int] | None = None
+    _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
+    _of_kind: dict[int, list[Variable]] = field(default_factory=dict)
+    _asked: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
+
+    @property
+    def kinds(self) -> Kinds:
+        return self.reader.kinds
+
+    def settle(self) -> None:
+        """Nothing more will be found to be of one kind."""
+        for process, (locations, edges) in enumerate(zip(self.locations, self.edges, strict=True)):
+            for is_edge, units in ((False, locations), (True, edges)):
+                for number, unit in enumerate(units):
+                    for atom in set(self.atoms(unit.every_token)):
+                        self._touched.setdefault(atom, []).append((process, is_edge, number))
+        self._note_predicates()
+        for variable, tree in self.reader.trees.items():
+            for root in {self.kinds.find(node)[0] for node in _all_nodes(tree)}:
+                self._of_kind.setdefault(root, []).append(variable)
+
+    def _note_predicates(self) -> None:
+        for term in self.predicates:
+            parts = term.parts if isinstance(term, Junction) else (term,)
+            mentioning: dict[Atom, list[int]] = {}
+            for number, part in enumerate(parts):
+                for atom in set(self.atoms(flat([part]))):
+                    mentioning.setdefault(atom, []).append(number)
+            self._asked.append((parts, mentioning))
+
+    def asking(self, predicates: Sequence[Expression]) -> Reading | None:
+        """The same network where this is asked of it; None if these predicates say more of the numbers in the network
+        than it says itself, or change a variable."""
+        if written_variables(predicates):
+            return None
+        reader = self.reader.copy()
+        roots = reader.kinds.roots()
+        terms = [predicate_term(reader, each) for each in predicates]
+        if any(reader.kinds.find(root)[0] != root for root in roots):
+            return None
+        asking = replace(self, reader=reader, predicates=terms, _asked=[])
+        asking._note_predicates()
+        return asking
+
+    def atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
+        for token in tokens:
+            if isinstance(token, Number):
+                root, shift = self.kinds.find(token.node)
+                yield root, token.value - shift
+            elif isinstance(token, Variable | Place):
+                yield token
+
+    # ---- images -----------------------------------------------------------------------------------------------------
+
+    def image(self, tokens: Iterable[Token], renaming: Renaming) -> tuple[Hashable, ...]:
+        """Renamed tokens, without the kinds of numbers."""
+        image: list[Hashable] = []
+        for token in tokens:
+            if isinstance(token, Number):
+                image.append(renaming.value(self.kinds, token.node, token.value))
+            elif isinstance(token, Variable):
+                image.append(renaming.variables.get(token, token))
+            elif isinstance(token, Place):
+                image.append(Place(renaming.processes.get(token.process, token.process)))
+            else:
+                image.append(token)
+        return tuple(image)
+
+    def text(self, unit: Unit, renaming: Renaming) -> Hashable:
+        """The renamed text of a location or an edge; updates in any order have none."""
+        loose = (Counter(self.image(update.tokens, renaming) for update in updates) for updates in unit.loose)
+        return (self.image(unit.tokens, renaming), *(frozenset(counted.items()) for counted in loose))
+
+    def outline(self, token: Token) -> Hashable:
+        """What a token has in common with all that it may become."""
+        return without_names(self.kinds, token)
+
+    def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
+        if isinstance(term, Junction):
+            parts = Counter(self._term_image(part, renaming) for part in term.parts)
+            return term.conjunctive, frozenset(parts.items())
+        return self.image(term, renaming)
+
+    def _moved_atoms(self, renaming: Renaming) -> set[Atom]:
+        return {
+            *renaming.variables,
+            *map(Place, renaming.processes),
+            *((root, value) for root, moved in renaming.values.items() for value in moved),
+        }
+
+    # ---- the proof --------------------------------------------------------------------------------------------------
+
+    def objection(self, renaming: Renaming) -> Refusal | None:
+        """Why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
+        moved = self._moved_atoms(renaming)
+        return (
+            self._kinds_objection(renaming)
+            or self._process_objection(renaming)
+            or self._variable_objection(renaming)
+            or self._text_objection(renaming, moved)
+            or self._predicate_objection(renaming, moved)
+        )
+
+    def objection_of_predicates(self, renaming: Renaming) -> Refusal | None:
+        """As `objection`, of a renaming that maps the network onto itself where nothing is asked of it."""
+        return self._kinds_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
+
+    def _kinds_objection(self, renaming: Renaming) -> Refusal | None:
+        for root in renaming.values:
+            refusal = self.no_name(root)
+            if refusal is not None:
+                return refusal
+        for limit in self.kinds.ranges:
+            root, shift = self.kinds.find(limit.node)
+            for value, image in renaming.values.get(root, {}).items():
+                if (limit.low <= value + shift <= limit.high) != (limit.low <= image + shift <= limit.high):
+                    reason = f"the range [{limit.low}, {limit.high}] holds the number of one and not that of another"
+                    return Refusal(reason, limit.span)
+        for cycle in self.kinds.cycles:
+            size = cycle.high + 1
+            images = [renaming.value(self.kinds, cycle.node, value) for value in range(size)]
+            if images != [(value + images[0]) % size for value in range(size)]:
+                return Refusal(f"the model counts round with them, modulo {size}", cycle.span)
+        for default in self.kinds.defaults:
+            if renaming.value(self.kinds, default.node, default.low) != default.low:
+                return Refusal(f"a variable begins with {default.low}, the number of one of them", default.span)
+        return None
+
+    def no_name(self, root: int) -> Refusal | None:
+        """Why numbers of a kind are not exchanged; None if they may be."""
+        plain = self.kinds.plain(root)
+        if plain is None:
+            return None
+        return Refusal(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
+
+    def _process_objection(self, renaming: Renaming) -> Refusal | None:
+        processes = self.network.processes
+        for one, other in renaming.processes.items():
+            first, second = processes[one], processes[other]
+            if first.priority != second.priority:
+                return Refusal("they have different priorities", second.span)
+            if first.initial != second.initial or len(first.locations) != len(second.locations):
+                return Refusal("they begin in different locations", second.span)
+        return None
+
+    def keeps_initial_values(self, renaming: Renaming) -> bool:
+        """Whether a renaming that maps the network onto itself maps the initial state onto itself."""
+        return all(self._keeps_values(variable, renaming) for variable in self.moved_variables(renaming))
+
+    def moved_variables(self, renaming: Renaming) -> Iterator[Variable]:
+        """Those that are moved, and those that may hold numbers that are, or are indexed by them."""
+        touched = dict.fromkeys(renaming.variables)
+        for root in renaming.values:
+            touched.update(dict.fromkeys(self._of_kind.get(root, ())))
+        return (variable for variable in touched if variable.kind not in (VariableKind.BOUND, VariableKind.FRAME))
+
+    def _keeps_values(self, variable: Variable, renaming: Renaming) -> bool:
+        """Whether what a variable begins with becomes that of its image."""
+        other = renaming.variables.get(variable, variable)
+        tree = self.reader.tree_of(variable)
+        nodes, images = cell_nodes(tree, variable.type), cell_images(self.kinds, tree, variable.type, renaming)
+        before, after = (each.initial or default_cells(each.type) for each in (variable, other))
+        return all(
+            after[image] == renaming.value(self.kinds, node, value)
+            for image, node, value in zip(images, nodes, before, strict=True)
+        )
+
+    def _variable_objection(self, renaming: Renaming) -> Refusal | None:
+        for variable in self.moved_variables(renaming):
+            objection = self._one_variable(variable, renaming)
+            if objection is not None:
+                return objection
+        return None
+
+    def _one_variable(self, variable: Variable, renaming: Renaming) -> Refusal | None:
+        other = renaming.variables.get(variable, variable)
+        tree, others_tree = self.reader.tree_of(variable), self.reader.tree_of(other)
+        nodes, of_other = cell_nodes(tree, variable.type), cell_nodes(others_tree, other.type)
+        if variable.type != other.type or self.network.resets(variable) != self.network.resets(other):
+            return Refusal(f"`{variable.name}` and `{other.name}` are declared differently", other.span)
+        if variable.carries is not None or other.carries is not None:
+            return Refusal(f"`{variable.name}` passes values through a channel", other.span)
+        if list(map(self.kinds.find, nodes)) != list(map(self.kinds.find, of_other)):
+            return Refusal(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
+        images = cell_images(self.kinds, tree, variable.type, renaming)
+        if (self.is_constant(variable) or self.is_constant(other)) and not self._keeps_values(variable, renaming):
+            return Refusal(f"the values of `{other.name}` tell them apart", other.span)
+        if variable.priorities or other.priorities:
+            default = (self.network.default_priority,) * len(images)
+            priority, others_priority = variable.priorities or default, other.priorities or default
+            if any(others_priority[image] != priority[cell] for cell, image in enumerate(images)):
+                return Refusal(f"the priorities of the channels `{other.name}` tell them apart", other.span)
+        return None
+
+    def is_constant(self, variable: Variable) -> bool:
+        """Whether every transition finds the initial value in it."""
+        return variable in self.reader.known.values or self.network.resets(variable)
+
+    def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
+        for one, other in renaming.processes.items():
+            locations = zip(self.locations[one], self.locations[other], strict=True)
+            odd = next((image for unit, image in locations if not self._becomes(unit, image, renaming)), None)
+            if odd is None:
+                number = self._without_image(self.edges[one], self.edges[other], renaming)
+                odd = None if number is None else self.edges[other][number]
+            if odd is not None:
+                return Refusal("their texts differ in more than their own numbers and variables", odd.span)
+        edges: dict[int, list[Unit]] = {}
+        for process, is_edge, number in sorted(set(self._places(moved))):
+            if process in renaming.processes:
+                continue
+            if is_edge:
+                edges.setdefault(process, []).append(self.edges[process][number])
+                continue
+            unit = self.locations[process][number]
+            if not self._becomes(unit, unit, renaming):
+                return Refusal(f"the process {self.network.processes[process].name} tells them apart here", unit.span)
+        for process, units in edges.items():
+            number = self._without_image(units, units, renaming)
+            if number is not None:
+                name = self.network.processes[process].name
+                return Refusal(f"the process {name} tells them apart here", units[number].span)
+        return None
+
+    def _becomes(self, unit: Unit, image: Unit, renaming: Renaming) -> bool:
+        return self.text(unit, renaming) == self.text(image, Renaming())
+
+    def _without_image(self, units: Sequence[Unit], images: Sequence[Unit], renaming: Renaming) -> int | None:
+        """The number of the first unit that becomes none of equally many images."""
+        same = Renaming()
+        present = Counter(self.text(image, same) for image in images)
+        for number, unit in enumerate(units):
+            renamed = self.text(unit, renaming)
+            present[renamed] -= 1
+            if present[renamed] < 0:
+                return number
+        return None
+
+    def _places(self, moved: Iterable[Atom]) -> Iterator[tuple[int, bool, int]]:
+        """Where something is mentioned: the process, whether by an edge or by a location, and its number."""
+        return (place for atom in moved for place in self._touched.get(atom, ()))
+
+    def edges_with(self, atoms: Iterable[Atom]) -> set[tuple[int, int]]:
+        """The edges that mention one of them: processes and numbers."""
+        return {(process, number) for process, is_edge, number in self._places(atoms) if is_edge}
+
+    def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
+        for parts, mentioning in self._asked:
+            numbers = sorted({number for atom in moved for number in mentioning.get(atom, ())})
+            touched = [parts[number] for number in numbers]
+            before = Counter(self._term_image(part, Renaming()) for part in touched)
+            if before != Counter(self._term_image(part, renaming) for part in touched):
+                return Refusal("what is asked for tells them apart")
+        return None
+
+
+def _is_verb(reason: str) -> bool:
+    return reason.startswith(("counts", "uses", "is used"))
+
+
+def _all_nodes(tree: Tree) -> Iterable[int]:
+    match tree:
+        case int():
+            yield tree
+        case ArrayTree(index, element):
+            yield index
+            yield from _all_nodes(element)
+        case RecordTree(fields):
+            for _, part in fields:
+                yield from _all_nodes(part)
+
+
+def cell_images(kinds: Kinds, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:
+    """For each cell of a variable the cell of its image that a renaming maps it to."""
+    match tree, type_:
+        case ArrayTree(index, element), ArrayType():
+            inner = cell_images(kinds, element, type_.element, renaming)
+            size = cell_count(type_.element)
+            images = []
+            for place in range(type_.size):
+                image = renaming.value(kinds, index, type_.low + place) - type_.low
+                images += [image * size + cell for cell in inner]
+            return images
+        case RecordTree(fields), _:
+            images, before = [], 0
+            for (_, part), (_, of_part) in zip(fields, type_.fields, strict=True):  # type: ignore[union-attr]
+                images += [before + cell for cell in cell_images(kinds, part, of_part, renaming)]
+                before += cell_count(of_part)
+            return images
+        case _:
+            return [0]
+
+
+def read(
+    network: Network, predicates: Iterable[Expression], known: Known, never: Container[tuple[int, int]]
+) -> Reading:
+    """The terms of a network and of what is asked of it.
+
+    Args:
+        never: edges that are never taken, by process and number.
+    """
+    reader = Reader(known)
+    for variable in network.all_variables():
+        reader.tree_of(variable)
+    outlines: dict[Hashable, int] = {}
+
+    def rank(unit: Unit) -> int:
+        return outlines.setdefault(unit.outline, len(outlines))
+
+    locations, edges = [], []
+    for number, process in enumerate(network.processes):
+        locations.append([read_location(reader, number, each) for each in process.locations])
+        taken = (edge for place, edge in enumerate(process.edges) if (number, place) not in never)
+        edges.append(sorted((read_edge(reader, number, each, rank) for each in taken), key=rank))
+    return Reading(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])

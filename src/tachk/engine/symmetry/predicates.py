@@ -1,0 +1,72 @@
+"""What is asked of a network, as terms whose parts have no order where that makes no difference."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tachk.analysis.failures import can_fail
+from tachk.analysis.fold import fold
+from tachk.base.operators import BinaryOperator, Group, UnaryOperator
+from tachk.base.records import dataclass
+from tachk.engine.symmetry.terms import Reader, Token
+from tachk.model.expressions import Binary, Expression, Unary
+
+
+@dataclass(frozen=True, slots=True)
+class Junction:
+    """A conjunction or disjunction, whose parts have no order."""
+
+    conjunctive: bool
+    parts: tuple[Term, ...]
+
+
+Term = tuple[Token, ...] | Junction
+
+
+def predicate_term(reader: Reader, predicate: Expression) -> Term:
+    """A predicate; where nothing in it can be a run-time error the order of its parts does not matter."""
+    folded = fold(predicate, reader.known)
+    reader.begin()
+    if can_fail(folded, reader.known):
+        tokens: list[Token] = []
+        reader.condition(folded, tokens)
+        return tuple(tokens)
+    return _term(reader, folded, True)
+
+
+def _term(reader: Reader, expression: Expression, positive: bool) -> Term:
+    conjunctive = _joins(expression, positive)
+    if conjunctive is None:
+        if isinstance(expression, Unary) and expression.operator is UnaryOperator.NOT:
+            return _term(reader, expression.operand, not positive)
+        tokens: list[Token] = [("positive", positive)]
+        reader.condition(expression, tokens)
+        return tuple(tokens)
+    parts: list[Term] = []
+    pending = [(expression, positive)]
+    while pending:
+        part, holds = pending.pop()
+        if isinstance(part, Unary) and part.operator is UnaryOperator.NOT:
+            pending.append((part.operand, not holds))
+        elif _joins(part, holds) is conjunctive and isinstance(part, Binary):
+            pending.append((part.right, holds))
+            pending.append((part.left, holds == (part.operator is not BinaryOperator.IMPLY)))
+        else:
+            parts.append(_term(reader, part, holds))
+    return Junction(conjunctive, tuple(parts))
+
+
+def _joins(expression: Expression, positive: bool) -> bool | None:
+    """Whether an expression, or its negation, is a conjunction (True) or a disjunction (False)."""
+    if not isinstance(expression, Binary) or expression.operator.group is not Group.CONNECTIVE:
+        return None
+    return (expression.operator is BinaryOperator.AND) == positive
+
+
+def flat(terms: Iterable[Term]) -> Iterable[Token]:
+    """All tokens of some terms."""
+    for term in terms:
+        if isinstance(term, Junction):
+            yield from flat(term.parts)
+        else:
+            yield from term

@@ -1,0 +1,1 @@
+"""Where the locations and edges of templates are drawn, for those that have no coordinates yet."""

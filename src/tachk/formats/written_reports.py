@@ -1,0 +1,99 @@
+"""Reports that tachk has written as JSON, read again.
+
+What is read is checked against the schema of the report (docs/schema) first, so that whoever uses it finds what it
+expects there.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.resources import schema_text
+
+_LARGEST = 2**64
+"""No count, seed or value of a report is as large."""
+
+_LONGEST = 160
+"""Of a message about what is wrong in a report."""
+
+_HALF_OF_A_PAIR = re.compile("[\ud800-\udfff]")
+
+
+def read_json(path: Path, how: str) -> Mapping[str, Any]:
+    """The object in a file, without numbers and characters that no report has. Raises UsageError.
+
+    Args:
+        how: what writes such files.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path} is no text in UTF-8: {error.reason} at byte {error.start}", how) from None
+    return json_object(text, str(path), how)
+
+
+def json_object(text: str, name: str, how: str) -> Mapping[str, Any]:
+    """The object that a text in JSON is, without numbers and characters that no report has. Raises UsageError.
+
+    Args:
+        name: of the file, for messages.
+        how: what writes such files.
+    """
+    try:
+        document = json.loads(text, parse_int=_integer, parse_float=_real, parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise UsageError(f"{name}: {reason}", how) from None
+    if not isinstance(document, dict):
+        raise UsageError(f"{name} is no result of tachk", how)
+    if "\\ud" in text.lower() and _HALF_OF_A_PAIR.search(json.dumps(document, ensure_ascii=False)):
+        raise UsageError(f"{name} has half of a pair of surrogates, which is no character", how)
+    return document
+
+
+def check_report(document: Mapping[str, Any], report: str, path: Path, how: str) -> None:
+    """Raises UsageError where a document is no report as the schema of this name describes it, with the place in the
+    document and what is wrong there."""
+    from jsonschema.exceptions import best_match
+
+    error = best_match(_validator(report).iter_errors(document))
+    if error is None:
+        return
+    message = error.message if len(error.message) <= _LONGEST else f"{error.message[:_LONGEST]}…"
+    raise UsageError(f"{path}: {error.json_path}: {message}", how)
+
+
+@cache
+def _validator(report: str) -> Any:
+    """Integers are integers here, whereas by JSON Schema 1e300 is one, too."""
+    from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
+
+    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
+    return extend(Draft202012Validator, type_checker=types)(json.loads(schema_text(report)))
+
+
+def _integer(text: str) -> int:
+    if len(text) > len(str(_LARGEST)) + 1 or abs(int(text)) > _LARGEST:
+        raise ValueError(f"the number {text[:20]}… is too large for a report")
+    return int(text)
+
+
+def _real(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"the number {text[:20]} is too large for a report")
+    return number
+
+
+def _no_number(text: str) -> float:
+    raise ValueError(f"{text} is no number of JSON")

@@ -1,0 +1,56 @@
+"""When a loop of transitions can be taken again with the same delays: which clocks have to return to their values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+
+from tachk.base.records import dataclass
+from tachk.meaning.clock_constants import clock_copies
+from tachk.meaning.dbm import INFINITY, bound_value
+from tachk.meaning.discrete import PreparedNetwork, stopped_clocks
+from tachk.meaning.step import constraints_in_sight
+from tachk.model.expressions import Expression
+from tachk.model.run import DiscreteState
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What the discrete states of a loop can tell about clocks.
+
+    Attributes:
+        largest: for each clock that is compared with constants the largest of these.
+        related: the clocks that are compared with other clocks, or stop, or that others may be set to.
+    """
+
+    largest: dict[int, int]
+    related: frozenset[int]
+
+    def same(self, clock: int, before: Fraction, after: Fraction) -> bool:
+        """Whether nothing can tell one value of a clock from the other, now or after the same delay: they are equal,
+        or the clock is compared with nothing, or both are larger than all it is compared with."""
+        if before == after:
+            return True
+        if clock in self.related:
+            return False
+        return clock not in self.largest or min(before, after) > self.largest[clock]
+
+
+def sight(model: PreparedNetwork, states: Iterable[DiscreteState], predicates: Sequence[Expression]) -> Sight:
+    """What the guards and invariants in sight of some discrete states, and the predicates there, compare clocks with.
+
+    A clock that is set in one of these states has from then on the same value in both rounds of a loop.
+    """
+    largest: dict[int, int] = {}
+    related = {clock for copy in clock_copies(model.network) for clock in copy.sources}
+    for state in set(states):
+        related |= stopped_clocks(model, state)
+        for i, j, raw in constraints_in_sight(model, state, tuple(predicates)):
+            if raw >= INFINITY:
+                continue
+            if i and j:
+                related |= {i, j}
+            else:
+                clock = i or j
+                largest[clock] = max(largest.get(clock, 0), abs(bound_value(raw)))
+    return Sight(largest, frozenset(related))

@@ -1,0 +1,120 @@
+"""A file of recorded events is held against a model that has been read."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from time import monotonic
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.time_limit import OutOfTimeError
+from tachk.engine.options import Limits
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.scope import ValueSymbol
+from tachk.model.expressions import Constant
+from tachk.recordings.conformance.application_logs import with_log
+from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.event_tables import read_events
+from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.nearby import SHORT_WORK, smallest_edit
+from tachk.recordings.conformance.question import ExplanationDetail, Question
+from tachk.recordings.conformance.queues import Constants
+from tachk.recordings.conformance.tolerances import duration, least
+from tachk.xrce.conformance.carried import BEST_EFFORT, most_pieces
+from tachk.xrce.conformance.packet_events import SUFFIXES, read_capture
+
+AUTO = "auto"
+CLIENT = "client"
+"""What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
+_STATES_OF_EDIT = 20_000
+_STATES_OF_EVENT = 20
+"""So many states at most, and so many more for each event, are stored when a recording is held against the model with
+an edit."""
+
+
+def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
+    """As `tachk.api.model.conform`. Raises UsageError, UnsupportedError."""
+    network, mapping = loaded.network, loaded.recording
+    if mapping is None:
+        raise UsageError(
+            f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
+        )
+
+    events = _read(Path(recording), asked)
+    constants = constants_of(loaded)
+    _check_room(events, constants)
+    started = monotonic()
+    lateness = None if asked.late is None else duration(asked.late, network.time_unit)
+
+    def ask(allowed: Fraction | None) -> Conformance:
+        left = limits.after(monotonic() - started)
+        explain = asked.explanation is not ExplanationDetail.NONE
+        return conform(network, mapping, events, constants, allowed, lateness, limits=left, explain=explain)
+
+    if asked.tolerance == AUTO:
+        return least(ask)
+    found = ask(None if asked.tolerance is None else duration(asked.tolerance, network.time_unit))
+    if found.accepted is not False or found.refusal is None or found.refusal.event is None:
+        return found
+
+    def left() -> Limits:
+        return limits.after(monotonic() - started)
+
+    def accepts(other: Recording) -> bool:
+        exact = found.tolerance, found.late
+        few = left().of_states(_STATES_OF_EDIT + _STATES_OF_EVENT * len(other.events))
+        tried = conform(network, mapping, other, constants, *exact, limits=few, run=False, explain=False)
+        return tried.accepted is True
+
+    try:
+        work = None if asked.explanation is ExplanationDetail.FULL else SHORT_WORK
+        search = smallest_edit(network, mapping, events, constants, found, left, accepts, work)
+        return replace(found, edit=search.edit, untried=search.untried)
+    except OutOfTimeError:
+        return replace(found, left_out="whether an edit of the recording would make it a run")
+
+
+def _read(path: Path, asked: Question) -> Recording:
+    """A capture of packets, or a file of events; with the logs of applications."""
+    if path.suffix not in SUFFIXES:
+        recording = read_events(path, asked.unit)
+    elif asked.unit is not None:
+        raise UsageError("a capture has its own times: it takes no unit")
+    else:
+        recording = read_capture(path, asked.ports)
+    for log in asked.applications:
+        recording = with_log(recording, read_events(Path(log)))
+    return recording
+
+
+def _check_room(recording: Recording, constants: Constants) -> None:
+    """Raises UsageError if a recording has more than the model has room for."""
+    own = [event.cells for event in recording.events if CLIENT in event.cells]
+    largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)
+    clients = len({str(cells[CLIENT]).strip() for cells in own})  # a log has text where a capture has numbers
+    best_effort = any(cells.get("kind") == BEST_EFFORT for cells in own)
+    for name, found, what in (
+        ("CLIENTS", clients, "clients (or sessions)"),
+        ("PIECES", most_pieces(recording), "pieces of one sample before its last one"),
+        ("LARGEST_WORD", largest, "as content of a message that carries several samples"),
+    ):
+        known = constants(name)
+        if known is not None and found > known:
+            raise UsageError(f"{recording.source} has {found} {what}, but the model {known}", f"set -D {name}={found}")
+    if best_effort and constants("BEST_EFFORT_STREAMS") == 0:
+        raise UsageError(
+            f"{recording.source} has messages of best-effort streams, but the model has no such streams",
+            "set -D BEST_EFFORT_STREAMS=true",
+        )
+
+
+def constants_of(loaded: LoadedModel) -> Constants:
+    """The values of the constants of a model, by name."""
+
+    def constant(name: str) -> int | None:
+        symbol = loaded.scope.lookup(name)
+        found = symbol.expression if isinstance(symbol, ValueSymbol) else None
+        return found.value if isinstance(found, Constant) else None
+
+    return constant

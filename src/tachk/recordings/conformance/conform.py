@@ -1,0 +1,337 @@
+"""Is a recording a run of a model? The search for that run, by the zone engine.
+
+Parts of the model that share nothing are searched one by one, each with its own events. That is exact: a part of which
+the events of others are forgotten has every run that it has in a run of the whole, so if it has none there is none; and
+runs of all parts that are apart are a run of the whole. Where neither says yes or no, the whole is searched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from math import ceil
+
+from tachk.base.records import dataclass
+from tachk.base.time_limit import OutOfTimeError
+from tachk.engine.compiler.lower import Measured, lower, lower_measures
+from tachk.engine.compiler.program import Goal, Program
+from tachk.engine.exact.exact_run import Moments
+from tachk.engine.measuring import Measurement, measure
+from tachk.engine.options import Limits, Options, SearchOrder
+from tachk.engine.outcome import GoalOutcome, Statistics, Status
+from tachk.engine.zone import explore
+from tachk.model.expressions import BOOL, Constant
+from tachk.model.network import Network
+from tachk.model.recording import RecordingMap
+from tachk.model.run import Transition
+from tachk.model.selections import check_selections
+from tachk.recordings.conformance.edits import Edit
+from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.exact_runs import moments_of_run
+from tachk.recordings.conformance.followers import Following, follow
+from tachk.recordings.conformance.parts import Part, can_be_apart, parts_of, restricted, set_apart
+from tachk.recordings.conformance.queues import Constants, Queues, make_queues
+from tachk.recordings.conformance.refusal import Offer, end_of, offers, state_text
+
+_TRUE = Constant(1, BOOL)
+_STATES_OF_EVENT = 20
+"""So many states for each event the short search stores at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Where the recording leaves the model, as far as any run goes along with it.
+
+    Attributes:
+        path: of a run that has as many events of the recording as possible.
+        happened: how many events of the recording happen before, in all parts of the model.
+        event: the number of the event that cannot come next; None if all have come and the model would not be silent.
+        state: the locations of that part of the model there.
+        offers: what it could do there.
+        offers_whole: it could do nothing else.
+    """
+
+    path: tuple[Transition, ...]
+    happened: int
+    event: int | None
+    state: str
+    offers: tuple[Offer, ...]
+    offers_whole: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run of a part of the model that goes along with its events.
+
+    Attributes:
+        path: its transitions in the network that follows the recording.
+        moments: when each of them happens, and when the run ends; None where that was not asked for.
+    """
+
+    following: Following
+    path: tuple[Transition, ...]
+    moments: Moments | None
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """A run of a part of the model that goes along with its events as far as any that was found.
+
+    Attributes:
+        queues: those of the part.
+        program: of the network that follows the recording.
+        actions: the path by the numbers of the edges of the program.
+    """
+
+    part: Part
+    following: Following
+    queues: Queues
+    program: Program
+    path: tuple[Transition, ...]
+    actions: Sequence[Sequence[int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Conformance:
+    """Attributes:
+    accepted: the recording is a run of the model; None where a limit was hit first.
+    tolerance, late: with which this was found, in units of the model.
+    time_unit: of the model.
+    runs: of all parts of the model, which show it.
+    refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
+    reached: how far each part goes along, where there is a refusal.
+    reason: why there is no answer; empty if there is one.
+    edit: of the recording, with which it would be a run; None where it is one, or none was found.
+    untried: how many edits near the event were not tried, since that would have taken too long.
+    left_out: what of the explanation the time limit left no time for, in words; empty if there is all of it.
+    """
+
+    accepted: bool | None
+    tolerance: Fraction
+    late: Fraction
+    time_unit: str
+    recording: Recording
+    queues: Queues
+    statistics: Statistics
+    runs: tuple[Run, ...] = ()
+    refusal: Refusal | None = None
+    reached: tuple[Reached, ...] = ()
+    reason: str = ""
+    edit: Edit | None = None
+    untried: int = 0
+    left_out: str = ""
+
+
+def conform(
+    network: Network,
+    mapping: RecordingMap,
+    recording: Recording,
+    constants: Constants,
+    tolerance: Fraction | None = None,
+    late: Fraction | None = None,
+    options: Options = Options(order=SearchOrder.DFS),
+    limits: Limits = Limits(),
+    run: bool = True,
+    explain: bool = True,
+    divide: bool = True,
+) -> Conformance:
+    """Whether a recording is a run of a model.
+
+    Args:
+        tolerance, late: in units of the model; None: as the model says.
+        run: give the run that shows it exact times, and judge it.
+        explain: find where the recording leaves the model.
+        divide: search parts that share nothing one by one; no verdict depends on it.
+
+    Raises UsageError for a recording that does not fit the model, UnsupportedError.
+    """
+    tolerance = mapping.tolerance if tolerance is None else tolerance
+    late = mapping.late if late is None else late
+    late = tolerance if late is None else late
+    queues = make_queues(network, mapping, recording, constants, tolerance, late)
+    kept = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
+    whole = Part(kept, tuple(range(len(queues.queues))))
+    parts = parts_of(network, mapping, queues) if divide else (whole,)
+    search = _Search(network, mapping, queues, options, limits, explain)
+    apart = len(parts) > 1 and can_be_apart(network, kept, queues)
+    answers = search.apart(parts, (0, ceil(tolerance))) if apart else None
+    if answers is None:
+        answers = [search.part(whole, queues)]
+    found = Conformance(
+        None, tolerance, late, network.time_unit, recording, queues, _total(a.statistics for a in search.answers)
+    )
+    refusing = [answer for answer in answers if answer.accepted is not True]
+    if not refusing:
+        return replace(found, accepted=True, runs=tuple(_run(answer, run) for answer in answers))
+    refused = [answer for answer in refusing if answer.accepted is False]
+    found = replace(found, accepted=False if refused else None, reason="" if refused else refusing[0].reason)
+    if not explain:
+        return found
+    try:
+        refusal = _earliest(search, refused or refusing)
+    except OutOfTimeError:
+        refusal = None
+    left_out = "where the recording leaves the model" if refused and refusal is None else ""
+    reached = tuple(one for answer in answers if (one := _reached(answer)) is not None)
+    return replace(found, refusal=refusal, reached=reached, left_out=left_out)
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """What one search has found, about a part or the whole.
+
+    Attributes:
+        furthest: the path that goes along with the recording as far as any; None where that was not asked for.
+    """
+
+    part: Part
+    accepted: bool | None
+    following: Following
+    queues: Queues
+    statistics: Statistics
+    program: Program
+    goal: Goal
+    found: GoalOutcome
+    reason: str
+    furthest: Measurement | None
+
+
+class _Search:
+    """Searches of the parts of one network for runs that go along with one recording."""
+
+    def __init__(
+        self, network: Network, mapping: RecordingMap, queues: Queues, options: Options, limits: Limits, explain: bool
+    ) -> None:
+        self.network = network
+        self.mapping = mapping
+        self.queues = queues
+        self.options = options
+        self.limits = limits
+        self.explain = explain
+        self.answers: list[_Answer] = []
+
+    def part(self, part: Part, queues: Queues, to_the_end: bool = False, states: int | None = None) -> _Answer:
+        own = restricted(queues, part)
+        following = follow(self.network, self.mapping, own, part.processes, to_the_end)
+        check_selections(following.network)
+        limits = self.left() if states is None else self.left().of_states(states)
+        furthest = None
+        if self.explain and not to_the_end:
+            measured = [Measured(_TRUE, following.progress, largest=True)]
+            program, goals, measures = lower_measures(following.network, measured, following.tables, [following.done])
+            outcome, (furthest,) = measure(program, goals, measures, self.options, limits)
+        else:
+            program, goals = lower(following.network, [following.done], following.tables)
+            outcome = explore(program, goals, self.options, limits)
+        found = outcome.goals[0]
+        accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
+        reason = "" if accepted is not None else outcome.reason or "unknown"
+        answer = _Answer(part, accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest)
+        self.answers.append(answer)
+        return answer
+
+    def apart(self, parts: Sequence[Part], delays: Sequence[int]) -> list[_Answer] | None:
+        """An answer for each part; None if these do not tell of the whole.
+
+        A short search for runs with cut windows comes first: most recordings that are runs need no other one.
+        """
+        states = _STATES_OF_EVENT * (1 + sum(len(queue.events) for queue in self.queues.queues))
+        quick = self._cut(parts, delays[0], states)
+        if len(quick) == len(parts) and quick[-1].accepted:
+            return quick
+        free: list[_Answer] = []
+        for part in parts:
+            try:
+                free.append(self.part(part, self.queues))
+            except OutOfTimeError:
+                if any(answer.accepted is False for answer in free):
+                    return free
+                raise
+            if free[-1].accepted is False and not self.explain:
+                return free
+        if any(answer.accepted is False for answer in free):
+            return free
+        settled = not quick or quick[-1].accepted is False
+        for delay in delays[1:] if settled else delays:
+            found = self._cut(parts, delay)
+            if len(found) == len(parts) and found[-1].accepted:
+                return found
+        return None
+
+    def _cut(self, parts: Sequence[Part], delay: int, states: int | None = None) -> list[_Answer]:
+        """Answers of parts up to the first that is not accepted, with windows cut so that nothing arrives before it is
+        sent. None of them if there is no room for that."""
+        cut = set_apart(self.queues, parts, delay)
+        if cut is None:
+            return []
+        found: list[_Answer] = []
+        for part in parts:
+            found.append(self.part(part, cut, to_the_end=True, states=states))
+            if not found[-1].accepted:
+                break
+        return found
+
+    def left(self) -> Limits:
+        """The limits of the next search."""
+        return self.limits.after(sum(answer.statistics.seconds for answer in self.answers))
+
+
+def _total(statistics: Iterable[Statistics]) -> Statistics:
+    first, *others = statistics
+    for other in others:
+        first = first.then(other)
+    return first
+
+
+def _reached(answer: _Answer) -> Reached | None:
+    found = answer.found if answer.accepted else answer.furthest
+    if found is None:
+        return None
+    path, actions = found.path or (), found.actions or ()
+    return Reached(answer.part, answer.following, answer.queues, answer.program, path, actions)
+
+
+def _run(answer: _Answer, exact: bool) -> Run:
+    found, path = answer.found, answer.found.path or ()
+    if not exact:
+        return Run(answer.following, path, None)
+    moments = moments_of_run(answer.following, answer.program, answer.goal, found.actions or (), path)
+    return Run(answer.following, path, moments)
+
+
+def _earliest(search: _Search, refusing: Sequence[_Answer]) -> Refusal | None:
+    """Where the recording leaves the model first, of all parts that do not go along with it."""
+    found = [refusal for answer in refusing if (refusal := _furthest(search, answer)) is not None]
+    return min(found, key=lambda each: (each.event is None, each.event or 0), default=None)
+
+
+def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
+    """A run of a part that goes along with the recording as far as any that was found."""
+    following, queues, program, found = answer.following, answer.queues, answer.program, answer.furthest
+    if found is None:
+        return None
+    happened = _happened(following, queues, found.path)
+    waiting = [
+        (queue.latest[count], queue.events[count])
+        for queue, count in zip(queues.queues, happened, strict=True)
+        if count < len(queue.events)
+    ]
+    event = min(waiting)[1] if waiting else None
+    own = {number for queue in queues.queues for number in queue.events}
+    others = [
+        n for queue in search.queues.queues for n in queue.events if n not in own and (event is None or n < event)
+    ]
+    end = end_of(following, program, found.path, found.actions)
+    allowed = offers(search.network, search.mapping, following, queues, happened, end)
+    count, state = sum(happened) + len(others), state_text(following, end)
+    return Refusal(found.path, count, event, state, allowed.offers, allowed.whole)
+
+
+def _happened(following: Following, queues: Queues, path: Sequence[Transition]) -> list[int]:
+    counts = [0] * len(queues.queues)
+    for transition in path:
+        queue = following.queue_of(transition)
+        if queue is not None and counts[queue] < len(queues.queues[queue].events):
+            counts[queue] += 1
+    return counts

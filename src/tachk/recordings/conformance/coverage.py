@@ -1,0 +1,54 @@
+"""Which edges of a model the runs that recordings show have taken."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from tachk.base.records import dataclass
+from tachk.model.network import Network
+from tachk.recordings.conformance.conform import Conformance
+
+
+@dataclass(frozen=True, slots=True)
+class Covered:
+    """Attributes:
+    process: its name.
+    template: the name of its template.
+    source, target: the names of the locations.
+    doc: what the edge does, in the words of the model.
+    times: how often it was taken.
+    """
+
+    process: str
+    template: str
+    source: str
+    target: str
+    doc: str
+    times: int
+
+
+def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, ...]:
+    """Each edge of the processes that no recording replaces. One run is counted for each accepted recording."""
+    taken: Counter[tuple[int, int]] = Counter()
+    kept: set[int] = set()
+    for run in (run for each in found for run in each.runs):
+        own = run.following.kept
+        kept.update(own)
+        first = len(run.following.network.processes) - len(own)
+        for transition in run.path:
+            for participant in transition.participants:
+                if participant.process >= first:
+                    taken[own[participant.process - first], participant.edge] += 1
+    return tuple(
+        Covered(
+            network.processes[number].name,
+            network.processes[number].template,
+            network.processes[number].locations[edge.source].name,
+            network.processes[number].locations[edge.target].name,
+            edge.doc,
+            taken[number, place],
+        )
+        for number in sorted(kept)
+        for place, edge in enumerate(network.processes[number].edges)
+    )

@@ -1,0 +1,138 @@
+"""The smallest edit of a recording that would make it a run: one event less, one more, one that says something else, or
+one at another time.
+
+A message and its arrivals are one event here: a message that was not sent did not arrive, and one that is put in
+arrives as one like it, or is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from tachk.base.exact_numbers import is_whole
+from tachk.base.records import dataclass
+from tachk.recordings.conformance.events import Event, Recording
+from tachk.recordings.conformance.refusal import Offer
+
+_NEAR = 6
+"""So many events before and behind the one that does not fit are tried."""
+_SHIFTS = tuple(sign * 2**n for n in range(11) for sign in (1, -1))
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Attributes:
+    event: the number of the event; of one that is put in the number of the one that it comes before.
+    what: ``lost``, ``doubled``, ``moved``, ``changed`` or ``added``.
+    by: how much later, in units of the model, if it was moved; of one that is put in how much later than that one.
+    name: of an event that is put in.
+    cells: what it says, or would say, if it was put in or changed.
+    arrives: one that is put in arrives.
+    """
+
+    event: int
+    what: str
+    by: int = 0
+    name: str = ""
+    cells: tuple[tuple[str, int], ...] = ()
+    arrives: bool = False
+
+
+def edits(
+    recording: Recording, event: int, offers: Sequence[Offer], origin: Fraction, scale: Fraction
+) -> Iterator[Edit]:
+    """The edits near an event, the smallest first: this event lost, doubled, moved to where the model would have it, or
+    in other words, another one put in; its neighbours lost or doubled; this one moved.
+
+    Args:
+        offers: what the model would have done there.
+        origin: the time of the recording at which the model starts.
+        scale: units of the model in a unit of the recording.
+    """
+    near = range(max(event - _NEAR, 0), min(event + _NEAR + 1, len(recording.events)))
+    around = sorted(near, key=lambda n: abs(n - event))
+    yield from (Edit(event, what) for what in ("lost", "doubled"))
+    now = (recording.events[event].time - origin) * scale
+    for offer in offers:
+        yield from _of_offer(recording, event, offer, round(now))
+    for what in ("lost", "doubled"):
+        yield from (Edit(n, what) for n in around[1:])
+    yield from (Edit(event, "moved", by) for by in _SHIFTS)
+
+
+def _of_offer(recording: Recording, event: int, offer: Offer, now: int) -> Iterator[Edit]:
+    """That the event was what the model would have done, or that this happened, too."""
+    here = recording.events[event]
+    shift = max(offer.earliest - now, 0) + min((now if offer.latest is None else offer.latest) - now, 0)
+    if here.name == offer.name:
+        if _says(recording, here, offer.cells):
+            yield from [Edit(event, "moved", shift)] if shift else []
+        elif not shift:
+            yield Edit(event, "changed", cells=offer.cells)
+    for arrives in (False, True) if _like(recording, event, offer.name, offer.cells) is not None else (False,):
+        yield Edit(event, "added", shift, offer.name, offer.cells, arrives)
+
+
+def edited(recording: Recording, edit: Edit, scale: Fraction) -> Recording:
+    """The recording after an edit, sorted by time."""
+    numbered: list[tuple[int, Event]] = list(enumerate(recording.events))
+    event = recording.events[edit.event]
+    match edit.what:
+        case "lost":
+            numbered = [(n, e) for n, e in numbered if n != edit.event and e.after != edit.event]
+        case "doubled":
+            numbered.insert(edit.event, (-1, event))
+        case "changed":
+            others = {n for n, e in numbered if n == edit.event or (e.after == edit.event and e.cells == event.cells)}
+            numbered = [(n, _saying(e, edit.cells) if n in others else e) for n, e in numbered]
+        case "added":
+            numbered[edit.event : edit.event] = _added(recording, edit, event.time + edit.by / scale)
+        case _:
+            numbered[edit.event] = (edit.event, replace(event, time=event.time + edit.by / scale))
+    numbered.sort(key=lambda pair: pair[1].time)
+    place = {old: new for new, (old, _) in enumerate(numbered)}
+    return replace(recording, events=_renumbered([event for _, event in numbered], place))
+
+
+def _added(recording: Recording, edit: Edit, time: Fraction) -> Iterator[tuple[int, Event]]:
+    """The event that is put in, and its arrival."""
+    number = len(recording.events)
+    yield number, Event(time, edit.name, dict(edit.cells), "put in")
+    like = _like(recording, edit.event, edit.name, edit.cells) if edit.arrives else None
+    if like is not None:
+        arrival = next(e for e in recording.events if e.after == like)
+        later = time + arrival.time - recording.events[like].time
+        yield number + 1, Event(later, arrival.name, dict(edit.cells), "put in", number)
+
+
+def _like(recording: Recording, event: int, name: str, cells: tuple[tuple[str, int], ...]) -> int | None:
+    """The number of an event near this one that arrived and is most like one that is put in; None if there is none."""
+    arrived = {e.after for e in recording.events if e.after is not None}
+    like = [n for n in arrived if recording.events[n].name == name]
+
+    def same(number: int) -> int:
+        return sum(_value(recording, name, recording.events[number].cells.get(name)) == cell for name, cell in cells)
+
+    return max(like, key=lambda n: (same(n), -abs(n - event)), default=None)
+
+
+def _says(recording: Recording, event: Event, cells: tuple[tuple[str, int], ...]) -> bool:
+    return all(_value(recording, name, event.cells.get(name)) == cell for name, cell in cells)
+
+
+def _value(recording: Recording, column: str, cell: object) -> object:
+    """What a cell says, as the model has it where that is known here: a number, or a word of the recording."""
+    if not isinstance(cell, str):
+        return cell
+    words = recording.words.get(column, ())
+    return words.index(cell) if cell in words else int(cell) if is_whole(cell.removeprefix("-")) else cell
+
+
+def _saying(event: Event, cells: tuple[tuple[str, int], ...]) -> Event:
+    return replace(event, cells={**event.cells, **dict(cells)})
+
+
+def _renumbered(events: Sequence[Event], place: dict[int, int]) -> tuple[Event, ...]:
+    return tuple(e if e.after is None else replace(e, after=place.get(e.after)) for e in events)

@@ -1,0 +1,135 @@
+"""Files of events: a table (CSV) with a row for each event, or JSON lines."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import exact_number
+from tachk.base.time_units import NANOSECONDS, SPELLINGS
+from tachk.recordings.conformance.events import Cell, Event, Recording
+
+TIME, NAME, ID, AFTER = "time", "event", "id", "after"
+"""The columns with a meaning of their own. All others are what events say."""
+_LONGEST = 100
+"""So many characters a time has at most."""
+"""Nothing that is measured has such a one, and numbers with it fill the memory."""
+
+
+def read_events(path: Path, unit: str | None = None) -> Recording:
+    """The events of a file; the system is started at time 0 of the file.
+
+    Args:
+        unit: of the times; None: as the header says, ``time [ms]``, else units of the model.
+
+    Raises UsageError, with the line, for what cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path} cannot be read: {error}") from None
+    rows = _json_rows(path, text) if path.suffix in (".jsonl", ".ndjson") else _csv_rows(path, text)
+    events: list[Event] = []
+    known: dict[str, int] = {}
+    for line, row in rows:
+        place = f"line {line}"
+        cells = {_bare(name)[0]: value for name, value in row.items()}
+        given = next((_bare(name)[1] for name in row if _bare(name)[0] == TIME), "")
+        unit = unit or given or None
+        time = _number(cells.pop(TIME, ""), path, place)
+        if events and time < events[-1].time:
+            raise UsageError(f"{path}, {place}: time goes backwards", "sort the events by time")
+        name = str(cells.pop(NAME, "")).strip()
+        if not name:
+            raise UsageError(f"{path}, {place}: the event has no name", f"the column `{NAME}` names what happened")
+        own, after = str(cells.pop(ID, "")).strip(), str(cells.pop(AFTER, "")).strip()
+        if after and after not in known:
+            raise UsageError(f"{path}, {place}: no event before this one has the id `{after}`")
+        if own:
+            known[own] = len(events)
+        events.append(Event(time, name, cells, place, known[after] if after else None))
+    end = events[-1].time if events else Fraction(0)
+    return Recording(str(path), tuple(events), _length(unit, path), Fraction(0), end)
+
+
+def _bare(name: str) -> tuple[str, str]:
+    """The name of a column, and the unit behind it: ``time [ms]``."""
+    head, bracket, unit = name.partition("[")
+    return head.strip(), unit.rstrip("] ").strip() if bracket else ""
+
+
+def _length(unit: str | None, path: Path) -> Fraction | None:
+    if unit is None:
+        return None
+    spelled = SPELLINGS.get(unit.lower())
+    if spelled is None:
+        raise UsageError(f"{path}: `{unit}` is no unit of time", f"one of {', '.join(NANOSECONDS)}")
+    return Fraction(NANOSECONDS[spelled])
+
+
+def _number(cell: Cell, path: Path, place: str) -> Fraction:
+    text = str(cell).strip()
+    try:
+        return exact_number(text)
+    except ValueError:
+        raise UsageError(
+            f"{path}, {place}: `{text[:_LONGEST]}` is no time", f"the column `{TIME}` has a number"
+        ) from None
+
+
+def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
+    reader = csv.reader(text.splitlines())
+    try:
+        yield from _rows(path, reader)
+    except csv.Error as error:
+        raise UsageError(f"{path}, line {reader.line_num}: {error}") from None
+
+
+def _rows(path: Path, reader: Any) -> Iterator[tuple[int, Mapping[str, Cell]]]:
+    header = next(reader, None)
+    if header is None or TIME not in [_bare(name)[0] for name in header]:
+        raise UsageError(f"{path} has no column `{TIME}`", f"the first line names the columns: {TIME},{NAME},...")
+    for row in reader:
+        if not row:
+            continue
+        if len(row) != len(header):
+            message = f"{path}, line {reader.line_num}: {len(row)} cells, but the header names {len(header)} columns"
+            raise UsageError(message)
+        yield reader.line_num, dict(zip(header, row, strict=True))
+
+
+def _json_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
+    for line, content in enumerate(text.splitlines(), start=1):
+        if not content.strip():
+            continue
+        try:
+            row = json.loads(content)
+        except json.JSONDecodeError as error:
+            raise UsageError(f"{path}, line {line}: this is no JSON: {error}") from None
+        except (ValueError, RecursionError):
+            message = f"{path}, line {line}: this has a number of too many digits, or too many brackets in each other"
+            raise UsageError(message) from None
+        if not isinstance(row, dict):
+            raise UsageError(f"{path}, line {line}: an event is an object with the names of its columns")
+        yield line, {name: _cell(value, path, line) for name, value in row.items()}
+
+
+def _cell(value: object, path: Path, line: int) -> Cell:
+    match value:
+        case None:
+            return ""
+        case bool():
+            return int(value)
+        case int() | str():
+            return value
+        case float():
+            return repr(value)
+        case _:
+            raise UsageError(f"{path}, line {line}: a column holds a number, a name or a truth value")

@@ -1,0 +1,75 @@
+"""What a recording is: events with the times at which they were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from fractions import Fraction
+
+from tachk.base.records import dataclass
+
+Cell = int | str
+"""A number, or the name of a constant of the model; ``true`` and ``false`` are 1 and 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Attributes:
+    time: since the start of the recording, in its unit.
+    name: what kind of event it is.
+    cells: what it says, by column.
+    place: where it stands in the file, for messages: ``line 5``, ``packet 17``.
+    after: the number of an event, from 0, that must have happened before: that a message was sent, if this is its
+        arrival. None if there is none.
+        optional: it may have happened or not: nobody has seen whether what was sent arrived.
+        inferred: it is known from what the model then did: though it comes from outside, it has happened before it was
+            recorded, as that has.
+        passes: the number of a place past which goes what a participant sends and what comes to it, so that this is
+            recorded in one order: it had sent what passed the place before this came by. None: nothing such is known.
+    """
+
+    time: Fraction
+    name: str
+    cells: Mapping[str, Cell]
+    place: str
+    after: int | None = None
+    optional: bool = False
+    inferred: bool = False
+    passes: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Closing:
+    """Events with a value in a column are recorded only up to a time.
+
+    Attributes:
+        by_sender: they end with one that their sender did itself, so whatever it did before has been recorded before.
+    """
+
+    column: str
+    value: int
+    time: Fraction
+    by_sender: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Attributes:
+    source: the name of the file.
+    events: in the order in which they were recorded; times do not decrease.
+    unit: nanoseconds of a unit of the times; None: they are in units of the model.
+    start: the time at which the system was started; None: shortly before the first event.
+    end: until when was recorded.
+    closings: of which events less was recorded.
+    epoch: nanoseconds since 1970 at time 0, where that is known.
+    words: by column, names of constants of the model that its cells may have, in this recording or not.
+    """
+
+    source: str
+    events: tuple[Event, ...]
+    unit: Fraction | None
+    start: Fraction | None
+    end: Fraction
+    closings: tuple[Closing, ...] = ()
+    epoch: int = 0
+    words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

@@ -1,0 +1,238 @@
+"""The network of a model and of processes that follow a recording.
+
+What the recording takes the place of is left out. For each queue there is a process with one location and a counter of
+the events that have happened. Of events that the model does it is the receiver: a step with an event that is not the
+next recorded one would break its invariant, so it is no step. Events from outside it sends. A clock that nothing resets
+is the time of the recording; the invariant keeps each event between its times, since time cannot pass the latest time
+of the next one, and is never before the earliest time of the last one.
+
+So the runs of this network that come to the end are the runs of the model that the recording shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
+from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
+from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
+from tachk.model.network import Edge, Network, Process, Synchronisation
+from tachk.model.recording import RecordingMap
+from tachk.model.run import Transition
+from tachk.model.traversal import process_expressions
+from tachk.model.types import ArrayType, ChannelType, IntType, element_type
+from tachk.recordings.conformance.queue_processes import QueueProcess, is_broadcast, patient, speaking
+from tachk.recordings.conformance.queues import Queues, channel_variable, index_range
+from tachk.transform.cone_of_influence import mentioned
+
+_ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """Attributes:
+    network: a process for what is hidden, if there is any, those that follow the recording, and those of the model that
+        are left, in their order. The search tries first what the last of them do.
+    kept: the numbers in the model of those that are left.
+    first: the number of the first process that follows the recording.
+    now: the clock that nothing resets.
+    positions: for each queue, how many of its events have happened.
+    tables: the constant arrays that hold the recording.
+    done: all events have happened, and it is so late that silence is known.
+    """
+
+    network: Network
+    kept: tuple[int, ...]
+    first: int
+    now: Variable
+    positions: tuple[Variable, ...]
+    tables: frozenset[Variable]
+    done: Expression
+    progress: Expression
+
+    def queue_of(self, transition: Transition) -> int | None:
+        """The queue whose event a transition is; None if it is none."""
+        for participant in transition.participants:
+            number = participant.process - self.first
+            if 0 <= number < len(self.positions):
+                return number
+        return None
+
+    def lenient(self, queues: Queues) -> tuple[Network, tuple[tuple[tuple[str, Variable], ...], ...]]:
+        """The network in which the model may do any event, and for each queue the variables that then hold what it
+        says."""
+        processes = list(self.network.processes)
+        variables: list[Variable] = []
+        said: list[tuple[tuple[str, Variable], ...]] = []
+        for number, queue in enumerate(queues.queues):
+            own = tuple(
+                (name, Variable(f"said[{number}].{name}", _ANYTHING, VariableKind.GLOBAL, (0,)))
+                for name, _ in queue.visible.columns
+            )
+            said.append(own)
+            place = self.first + number
+            if queue.outputs:
+                processes[place] = speaking(processes[place], queue, dict(own))
+                variables += [variable for _, variable in own]
+            else:
+                processes[place] = patient(processes[place], queue, self.positions[number])
+        return replace(
+            self.network, processes=tuple(processes), variables=(*self.network.variables, *variables)
+        ), tuple(said)
+
+
+def follow(
+    network: Network, mapping: RecordingMap, queues: Queues, kept: tuple[int, ...], to_the_end: bool = False
+) -> Following:
+    """The network that follows a recording.
+
+    Args:
+        kept: the numbers of the processes that are left.
+        to_the_end: it is done only when no event of the recording can happen any more.
+
+    Raises UsageError for what the model does not allow to be followed.
+    """
+    if network.has_priorities:
+        raise UsageError("a model with priorities cannot be held against a recording", "leave out the priorities")
+    processes = tuple(network.processes[n] for n in kept)
+    builder = NetworkBuilder("recording.", VariableKind.GLOBAL)
+    now = builder.clock("now")
+    positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(queues.queues)]
+    _check_hearable(queues, processes)
+    following = [QueueProcess(builder, queues, n, now, positions) for n in range(len(queues.queues))]
+    followers = [each.build() for each in following]
+    hidden = _outsider(builder, mapping, processes)
+    released = _released(mapping, queues, processes)
+    done = now >= (queues.horizon - 1 if to_the_end else queues.quiet_until)
+    progress: Term | int = 0
+    for position, queue, each in zip(positions, queues.queues, following, strict=True):
+        done = done & (position == len(queue.events) if each.ended is None else each.ended)
+        progress = position + progress
+    made = [*hidden, *followers]
+    whole = replace(
+        network,
+        processes=tuple(_with_channels(p, released) for p in (*made, *processes)),
+        variables=(*(released.get(v, v) for v in _mentioned(network, processes, queues)), *builder.variables),
+        signals=(),
+        hidden=(*network.hidden, *(p.name for p in made)),
+    )
+    variables = tuple(p.expression.variable for p in positions if isinstance(p.expression, Reference))
+    total = progress.expression if isinstance(progress, Term) else Constant(0)
+    assert isinstance(now.expression, Reference)
+    tables = frozenset(v for v in builder.variables if isinstance(v.type, ArrayType))
+    return Following(whole, kept, len(hidden), now.expression.variable, variables, tables, done.expression, total)
+
+
+def _mentioned(network: Network, processes: Sequence[Process], queues: Queues) -> Iterator[Variable]:
+    """The variables of the network that these processes and queues speak of."""
+    columns = [column for queue in queues.queues for _, column in queue.visible.columns]
+    channels = [queue.visible.channel for queue in queues.queues]
+    _, found = mentioned([*(e for p in processes for e in process_expressions(p)), *columns, *channels])
+    return (variable for variable in network.variables if variable in found)
+
+
+def _check_hearable(queues: Queues, processes: Sequence[Process]) -> None:
+    """Raises UsageError where the model itself receives what the recording would have to receive."""
+    for queue in queues.queues:
+        if queue.outputs and not is_broadcast(queue):
+            variable = channel_variable(queue.visible.channel)
+            if any(s.direction is Direction.RECEIVE for s in _synchronisations(variable, processes)):
+                raise UsageError(
+                    f"`{variable.name}` joins two processes that are both left in the model",
+                    "make it a broadcast channel, so that it can be heard, or replace the process that receives",
+                )
+
+
+def _synchronisations(channel: Variable, processes: Sequence[Process]) -> Iterator[Synchronisation]:
+    for process in processes:
+        for edge in process.edges:
+            if edge.synchronisation is not None and channel_variable(edge.synchronisation.channel) is channel:
+                yield edge.synchronisation
+
+
+# ---- what is outside ------------------------------------------------------------------------------------------------
+
+
+def _outsider(builder: NetworkBuilder, mapping: RecordingMap, processes: Sequence[Process]) -> list[Process]:
+    """A process that synchronises whenever it likes on the hidden channels; none if there are none."""
+    if not mapping.hidden:
+        return []
+    process = ProcessBuilder("outside.", VariableKind.LOCAL, name="outside")
+    here = process.location("outside")
+    for channel in mapping.hidden:
+        variable = channel_variable(channel)
+        directions = {s.direction for s in _synchronisations(variable, processes)}
+        if len(directions) > 1:
+            raise UsageError(
+                f"the hidden channel `{variable.name}` joins processes that are left in the model",
+                "leave it out of `hidden`: nothing outside takes part in it",
+            )
+        for each in _elements(channel):
+            if Direction.RECEIVE in directions:
+                process.edge(here, here, send=Term(each))
+            elif Direction.SEND in directions and not _is_heard_by_nobody(channel):
+                process.edge(here, here, receive=Term(each))
+    return [process.build()]
+
+
+def _is_heard_by_nobody(channel: Expression) -> bool:
+    """Whether it can be sent on without a receiver."""
+    type_ = element_type(channel.type)
+    return isinstance(type_, ChannelType) and type_.broadcast
+
+
+def _elements(channel: Expression) -> Iterator[Expression]:
+    if not isinstance(channel.type, ArrayType):
+        yield channel
+        return
+    for number in index_range(channel.type.index):
+        yield from _elements(Index(channel, Constant(number), channel.type.element))
+
+
+def _released(mapping: RecordingMap, queues: Queues, processes: Sequence[Process]) -> dict[Variable, Variable]:
+    """Urgent channels on which the outside takes part, and what they are without urgency: it need not be ready."""
+    found: dict[Variable, Variable] = {}
+    joined = [queue.visible.channel for queue in queues.queues] + list(mapping.hidden)
+    for channel in joined:
+        variable = channel_variable(channel)
+        type_ = element_type(variable.type)
+        sends = any(s.direction is Direction.SEND for s in _synchronisations(variable, processes))
+        if isinstance(type_, ChannelType) and type_.urgent and not (type_.broadcast and sends):
+            found[variable] = replace(variable, type=_calm(variable.type))
+    return found
+
+
+def _calm(type_: object) -> ArrayType | ChannelType:
+    if isinstance(type_, ArrayType):
+        return replace(type_, element=_calm(type_.element))
+    assert isinstance(type_, ChannelType)
+    return replace(type_, urgent=False)
+
+
+def _with_channels(process: Process, others: Mapping[Variable, Variable]) -> Process:
+    """The process with other variables for some channels."""
+    if not others:
+        return process
+    return replace(process, edges=tuple(_edge_with_channels(edge, others) for edge in process.edges))
+
+
+def _edge_with_channels(edge: Edge, others: Mapping[Variable, Variable]) -> Edge:
+    sync = edge.synchronisation
+    if sync is None or channel_variable(sync.channel) not in others:
+        return edge
+    return replace(edge, synchronisation=replace(sync, channel=_renamed(sync.channel, others)))
+
+
+def _renamed(channel: Expression, others: Mapping[Variable, Variable]) -> Expression:
+    match channel:
+        case Index(base, _, type_):
+            assert isinstance(type_, ArrayType | ChannelType)
+            return replace(channel, base=_renamed(base, others), type=_calm(type_))
+        case Reference(variable):
+            return replace(channel, variable=others[variable])
+        case _:
+            return channel

@@ -1,0 +1,203 @@
+"""Edits of a recording near an event are tried on what is near, from where runs of the parts of the model were before.
+
+A long recording takes seconds to be held against a model, and there are some hundred edits to try. So each part of the
+model goes on from a state in which a run of it was shortly before the event, and only to shortly behind it. Parts whose
+events an edit leaves alone are not searched again. What is found so is only likely: whether the whole recording is a
+run with an edit is asked afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from tachk.base.records import dataclass
+from tachk.base.time_limit import OutOfTimeError
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, Options, SearchOrder
+from tachk.engine.outcome import Status
+from tachk.engine.zone import explore
+from tachk.model.network import Network
+from tachk.model.recording import RecordingMap
+from tachk.recordings.conformance.conform import Conformance, Reached
+from tachk.recordings.conformance.edits import Edit, edited, edits
+from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.followers import Following, follow
+from tachk.recordings.conformance.parts import restricted
+from tachk.recordings.conformance.queues import Constants, Queues, make_queues
+from tachk.recordings.conformance.refusal import End, end_of
+from tachk.recordings.conformance.resumed import resumed
+
+_BEFORE = 60
+"""So many events before the one that does not fit the parts go on from where they were."""
+_BEHIND = range(40, 160)
+"""So many events behind it are looked at: up to the longest silence there."""
+_STATES = 20_000
+"""So many states at most are stored for each edit and part."""
+SHORT_WORK = 12_000
+"""How much work a short search for an edit may be, in edges that are compiled and states that are explored; a few
+seconds."""
+_STATES_OF_EDGE = 5
+"""So many states are explored in the time in which one edge is compiled."""
+
+
+@dataclass(frozen=True, slots=True)
+class EditSearch:
+    """What a search for an edit has come to.
+
+    Attributes:
+        edit: the first that makes the recording a run.
+        untried: how many there are that were not tried; 0 where there is an edit.
+    """
+
+    edit: Edit | None
+    untried: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """Where a part of the model goes on.
+
+    Attributes:
+        reached: the run along which it has come there.
+        end: the state; None: the part begins at its beginning.
+    """
+
+    reached: Reached
+    end: End | None
+
+
+def smallest_edit(
+    network: Network,
+    mapping: RecordingMap,
+    recording: Recording,
+    constants: Constants,
+    found: Conformance,
+    left: Callable[[], Limits],
+    accepts: Callable[[Recording], bool],
+    work: int | None = None,
+) -> EditSearch:
+    """The first edit near the event where a recording leaves a model that makes it a run.
+
+    Args:
+        found: says where it leaves the model.
+        left: the limits of what is still to do.
+        accepts: whether a whole recording is a run.
+        work: no further edit is tried after so many edges have been compiled; None: all are tried.
+
+    Raises OutOfTimeError.
+    """
+    refusal = found.refusal
+    if refusal is None or refusal.event is None:
+        return EditSearch(None)
+    near = Near(network, mapping, recording, constants, found, left)
+    origin, scale = found.queues.origin, found.queues.scale
+    place = near.numbers.index(refusal.event)
+    likely = list(edits(near.recording, place, refusal.offers, origin, scale))
+    for number, edit in enumerate(likely):
+        if work is not None and near.work >= work:
+            return EditSearch(None, len(likely) - number)
+        if near.accepts(edited(near.recording, edit, scale)):
+            whole = replace(edit, event=near.numbers[edit.event])
+            if accepts(edited(recording, whole, scale)):
+                return EditSearch(whole)
+    return EditSearch(None)
+
+
+class Near:
+    """Attributes:
+    numbers: of the events of the recording that are near.
+    recording: these events.
+    work: how many edges have been compiled; states that were explored count as edges, too.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        mapping: RecordingMap,
+        recording: Recording,
+        constants: Constants,
+        found: Conformance,
+        left: Callable[[], Limits],
+    ) -> None:
+        assert found.refusal is not None and found.refusal.event is not None
+        self.network, self.mapping, self.constants = network, mapping, constants
+        self.exact = found.tolerance, found.late
+        self.left = left
+        self.work = 0
+        self.known: list[dict[object, bool]] = [{} for _ in found.reached]
+        base = max(found.refusal.event - _BEFORE, 0)
+        begun = [_start(reached, base) for reached in found.reached]
+        self.starts = [start for start, _ in begun]
+        happened = set(range(base)).difference(*(missing for _, missing in begun))
+        top = _top(recording, found.refusal.event)
+        self.numbers = [number for number in range(top) if number not in happened]
+        self.recording = replace(_cut(recording, self.numbers, top), start=found.queues.origin)
+
+    def accepts(self, recording: Recording) -> bool:
+        """Whether each part of the model has a run along these events."""
+        queues = make_queues(self.network, self.mapping, recording, self.constants, *self.exact)
+        return all(self._part(start, known, queues) for start, known in zip(self.starts, self.known, strict=True))
+
+    def _part(self, start: _Start, known: dict[object, bool], queues: Queues) -> bool:
+        part = start.reached.part
+        own = restricted(queues, part)
+        key = tuple((q.values, q.earliest, q.latest, q.needed, q.optional, q.quiet_until) for q in own.queues)
+        if key not in known:
+            following = follow(self.network, self.mapping, own, part.processes)
+            later = following if start.end is None else resumed(following, start.reached.following, start.end)
+            known[key] = later is None or self._reaches(later)
+        return known[key]
+
+    def _reaches(self, following: Following) -> bool:
+        limits = self.left().of_states(_STATES)
+        if limits.seconds is not None and limits.seconds <= 0:
+            raise OutOfTimeError
+        program, goals = lower(following.network, [following.done], following.tables)
+        outcome = explore(program, goals, Options(order=SearchOrder.DFS), limits)
+        self.work += sum(len(process.edges) for process in following.network.processes)
+        self.work += outcome.statistics.states_explored // _STATES_OF_EDGE
+        return outcome.goals[0].status is Status.REACHED
+
+
+def _start(reached: Reached, base: int) -> tuple[_Start, set[int]]:
+    """Where a part goes on: before it has done any event from a number on. And the events with smaller numbers that it
+    has not done by then."""
+    queues = reached.queues.queues
+    counts = [0] * len(queues)
+    length = 0
+    for transition in reached.path:
+        queue = reached.following.queue_of(transition)
+        if queue is not None and counts[queue] < len(queues[queue].events):
+            if queues[queue].events[counts[queue]] >= base:
+                break
+            counts[queue] += 1
+        length += 1
+    missing = {
+        number for queue, count in zip(queues, counts, strict=True) for number in queue.events[count:] if number < base
+    }
+    if not length:
+        return _Start(reached, None), missing
+    path, actions = reached.path[:length], reached.actions[:length]
+    return _Start(reached, end_of(reached.following, reached.program, path, actions)), missing
+
+
+def _top(recording: Recording, event: int) -> int:
+    """The number of the event before which the recording is cut: behind the longest silence shortly behind an event."""
+    events = recording.events
+    if event + _BEHIND.stop >= len(events):
+        return len(events)
+    return max((event + n for n in _BEHIND), key=lambda n: events[n].time - events[n - 1].time)
+
+
+def _cut(recording: Recording, numbers: Sequence[int], top: int) -> Recording:
+    """The recording with these events alone, as far as before an event."""
+    place = {number: n for n, number in enumerate(numbers)}
+    events = [recording.events[number] for number in numbers]
+    end = recording.end if top == len(recording.events) else recording.events[top - 1].time
+    return replace(
+        recording,
+        events=tuple(e if e.after is None else replace(e, after=place.get(e.after)) for e in events),
+        end=end,
+        closings=tuple(closing for closing in recording.closings if closing.time <= end),
+    )

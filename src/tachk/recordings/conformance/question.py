@@ -1,0 +1,30 @@
+"""What is asked about a recording. Imports nothing heavy: command lines are made of it."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from tachk.base.records import dataclass
+
+
+class ExplanationDetail(StrEnum):
+    """How much the report explains about a recording that does not conform."""
+
+    NONE = "none"
+    """Only that it is none."""
+    SHORT = "short"
+    """Where it leaves the model, and an edit that would make it a run if one is found in a few seconds."""
+    FULL = "full"
+    """The same, and all edits near that place are tried."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """How a recording is to be read, as `tachk.api.model.conform` says."""
+
+    tolerance: str | None = None
+    late: str | None = None
+    unit: str | None = None
+    ports: tuple[int, ...] = ()
+    applications: tuple[str, ...] = ()
+    explanation: ExplanationDetail = ExplanationDetail.SHORT

@@ -1,0 +1,453 @@
+"""Which synchronisations of a model recorded events are, and when they may have happened.
+
+Nobody records in one order what happens in several places, so events are in queues: within a queue they happen in their
+recorded order, across queues as their times allow.
+
+An event of the model that is recorded at t has happened in [t - late, t + tolerance]: what leaves a program is seen a
+little later. An event from outside that is recorded at t happens to the model in [t - tolerance, t + late]. Times are
+rounded outwards to whole units of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import accumulate, product
+from math import floor, lcm
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
+from tachk.base.records import dataclass
+from tachk.base.time_units import length_of
+from tachk.base.words import Direction
+from tachk.frontend.expressions.folded_expressions import substitute
+from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
+from tachk.model.network import Network, Process
+from tachk.model.recording import RecordingMap, VisibleEvents
+from tachk.model.types import ArrayType, IntType, ScalarType
+from tachk.recordings.conformance.events import Closing, Event, Recording
+
+_SHOWN = 30
+"""So many characters of a cell are shown."""
+
+Constants = Callable[[str], int | None]
+"""The value of a constant of the model, by its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Queue:
+    """Events that happen in their recorded order.
+
+    Attributes:
+        visible: what they are.
+        outputs: the model does them; otherwise they come from outside.
+        common: the values of the indices that its events have in common.
+        events: the numbers of its events in the recording.
+        values: for each event what its columns say; None where a cell is empty.
+        earliest, latest: for each event between which times it happens; neither decreases.
+        recorded: for each event when it was recorded.
+        needed: for each event, how many events of other queues must have happened before: pairs (queue, how many).
+        optional: for each event, whether it may be left out.
+        quiet_until: what happens until then has been recorded.
+        ends_itself: the recording ends with an event of the same sender, before which it has finished what it did.
+    """
+
+    visible: VisibleEvents
+    outputs: bool
+    common: Mapping[Variable, int]
+    events: tuple[int, ...]
+    values: tuple[tuple[int | None, ...], ...]
+    earliest: tuple[int, ...]
+    latest: tuple[int, ...]
+    recorded: tuple[int, ...] = ()
+    needed: tuple[tuple[tuple[int, int], ...], ...] = ()
+    optional: tuple[bool, ...] = ()
+    quiet_until: int = 0
+    ends_itself: bool = False
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        common = ", ".join(f"{variable.name} = {value}" for variable, value in self.common.items())
+        return f"{self.visible.event}({common})" if common else self.visible.event
+
+
+@dataclass(frozen=True, slots=True)
+class Queues:
+    """Attributes:
+    quiet_until: what happens until then has been recorded.
+    horizon: no event happens later.
+    other: how many events of the recording are of no visible kind.
+    origin: the time of the recording at which the model starts.
+    scale: units of the model in a unit of the recording.
+    names: by column, what recordings call values.
+    """
+
+    queues: tuple[Queue, ...]
+    quiet_until: int
+    horizon: int
+    other: int
+    origin: Fraction
+    scale: Fraction
+    names: Mapping[str, Mapping[int, str]]
+
+
+def make_queues(
+    network: Network,
+    mapping: RecordingMap,
+    recording: Recording,
+    constants: Constants,
+    tolerance: Fraction,
+    late: Fraction,
+) -> Queues:
+    """The queues of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
+    for its clocks."""
+    scale = _scale(network, recording)
+    first = recording.events[0].time if recording.events else Fraction(0)
+    spread = max(tolerance, late)
+    origin = first - spread / scale if recording.start is None else recording.start
+    kept = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
+    reader = _Reader(mapping, recording, constants)
+    entries = reader.entries()
+    outgoing = [_is_output(visible, kept) for visible, _, _ in entries]
+    place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
+    passed = _passed(recording, place, outgoing)
+    clock = _Clock.of(recording, origin, scale, (tolerance, late))
+    queues = []
+    for (visible, common, found), outputs in zip(entries, outgoing, strict=True):
+        events = [recording.events[number] for number, _ in found]
+        seen = outputs or any(event.inferred for event in events)
+        before, behind = (late, tolerance) if seen else (tolerance, late)
+        times = clock.ticks(event.time for event in events)
+        closing = _closing(recording, visible, common)
+        end = recording.end if closing is None else min(closing.time, recording.end)
+        pairs = zip(found, events, strict=True)
+        queues.append(
+            Queue(
+                visible,
+                outputs,
+                common,
+                tuple(number for number, _ in found),
+                tuple(values for _, values in found),
+                tuple(accumulate(clock.floors(times, -before), max, initial=0))[1:],
+                tuple(accumulate(reversed(clock.ceilings(times, behind)), min))[::-1],
+                tuple(clock.floors(times, Fraction(0))),
+                tuple(_sent(place, event.after) + passed.get(number, ()) for (number, _), event in pairs),
+                tuple(event.optional for event in events),
+                max(floor((end - origin) * scale - late), 0),
+                outputs and closing is not None and closing.by_sender,
+            )
+        )
+    quiet = max([queue.quiet_until for queue in queues], default=0)
+    horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
+    if horizon > CONSTANT_HIGH:
+        last = f"the last event of {recording.source}, {recording.events[-1].place}," if recording.events else "the end"
+        raise UsageError(
+            f"{last} may happen more than {CONSTANT_HIGH} units of the model after its start, beyond its clocks",
+            "cut the recording, give the model a larger time unit, or allow less lateness",
+        )
+    return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale, reader.names)
+
+
+def _passed(
+    recording: Recording, place: Mapping[int, tuple[int, int]], outgoing: Sequence[bool]
+) -> dict[int, tuple[tuple[int, int], ...]]:
+    """For each event from outside how many events of the model passed the same place before it, by queue.
+
+    One observer has seen both: what was sent before it passed has happened before what came later reached its receiver.
+    """
+    sent: dict[int, dict[int, int]] = {}
+    found: dict[int, tuple[tuple[int, int], ...]] = {}
+    for number, event in enumerate(recording.events):
+        if event.passes is None or number not in place:
+            continue
+        queue, position = place[number]
+        if outgoing[queue]:
+            sent.setdefault(event.passes, {})[queue] = position + 1
+        elif event.passes in sent:
+            found[number] = tuple(sent[event.passes].items())
+    return found
+
+
+def around(queues: Queues, happened: Sequence[int]) -> Queues:
+    """Of each queue the last event that has happened, if there is one, and the next one."""
+    bases = [max(count - 1, 0) for count in happened]
+    near = []
+    for queue, base, count in zip(queues.queues, bases, happened, strict=True):
+        part = slice(base, count + 1)
+        near.append(
+            replace(
+                queue,
+                events=queue.events[part],
+                values=queue.values[part],
+                earliest=queue.earliest[part],
+                latest=queue.latest[part],
+                recorded=queue.recorded[part],
+                needed=tuple(
+                    tuple((other, number - bases[other]) for other, number in needs if number > bases[other])
+                    for needs in queue.needed[part]
+                ),
+                optional=queue.optional[part],
+            )
+        )
+    return replace(queues, queues=tuple(near))
+
+
+def _scale(network: Network, recording: Recording) -> Fraction:
+    """Units of the model in a unit of the recording."""
+    if recording.unit is None:
+        return Fraction(1)
+    length = length_of(network.time_unit) if network.time_unit else None
+    if length is None:
+        raise UsageError(
+            f"the times of {recording.source} have a unit, but the model does not say how long its time unit is",
+            "write `time_unit = 1 ms;` into the model",
+        )
+    return recording.unit / length
+
+
+def _closing(recording: Recording, visible: VisibleEvents, common: Mapping[Variable, int]) -> Closing | None:
+    """The first closing that ends the recording of a queue."""
+    found = [
+        closing
+        for name, expression in visible.columns
+        for closing in recording.closings
+        if closing.column == name and _value_in(expression, common) == closing.value
+    ]
+    return min(found, key=lambda closing: closing.time, default=None)
+
+
+def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | None:
+    """The value that a column has for all events of a queue; None if there is none."""
+    found = substitute(expression, {variable: Constant(value) for variable, value in common.items()}, set())
+    return found.value if isinstance(found, Constant) else None
+
+
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    """Times since the model starts as whole numbers, since there are many of them.
+
+    Attributes:
+        parts: of which a unit of the model has so many.
+        factor: how many of them are a unit of the recording.
+        origin: the start of the model.
+    """
+
+    parts: int
+    factor: Fraction
+    origin: int
+
+    @staticmethod
+    def of(recording: Recording, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _Clock:
+        """In which all times of a recording, and others in units of the model, are whole."""
+        different = {event.time.denominator for event in recording.events}
+        parts = lcm(lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others))
+        return _Clock(parts, scale * parts, int(origin * scale * parts))
+
+    def ticks(self, times: Iterable[Fraction]) -> list[int]:
+        """The parts at times of the recording."""
+        of_time, of_one = self.factor.as_integer_ratio()
+        ratios = [time.as_integer_ratio() for time in times]
+        return [numerator * of_time // (denominator * of_one) - self.origin for numerator, denominator in ratios]
+
+    def floors(self, ticks: Iterable[int], shift: Fraction) -> list[int]:
+        """In units of the model, so much later, rounded down."""
+        by, parts = int(shift * self.parts), self.parts
+        return [(time + by) // parts for time in ticks]
+
+    def ceilings(self, ticks: Iterable[int], shift: Fraction) -> list[int]:
+        """The same, rounded up."""
+        by, parts = int(shift * self.parts), self.parts
+        return [-((-time - by) // parts) for time in ticks]
+
+
+def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tuple[int, int], ...]:
+    """That an event of a queue has happened, if it is in one."""
+    if after is None or after not in place:
+        return ()
+    queue, position = place[after]
+    return ((queue, position + 1),)
+
+
+def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:
+    """Whether what is left of the model sends these events, and not what is outside."""
+    if visible.direction is not None:
+        return visible.direction is Direction.SEND
+    variable = channel_variable(visible.channel)
+    return any(
+        edge.synchronisation is not None
+        and edge.synchronisation.direction is Direction.SEND
+        and channel_variable(edge.synchronisation.channel) is variable
+        for process in kept
+        for edge in process.edges
+    )
+
+
+def channel_variable(channel: Expression) -> Variable:
+    while isinstance(channel, Index):
+        channel = channel.base
+    assert isinstance(channel, Reference)
+    return channel.variable
+
+
+def index_range(type_: IntType | ScalarType) -> range:
+    return range(type_.low, type_.high + 1) if isinstance(type_, IntType) else range(type_.size)
+
+
+_Values = tuple[int | None, ...]
+_Entry = tuple[VisibleEvents, dict[Variable, int], list[tuple[int, _Values]]]
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """What the events of a clause may say in a column.
+
+    Attributes:
+        wanted: only this number, or nothing.
+        index, values: one of the values of this index of the channel.
+    """
+
+    name: str
+    wanted: int | None
+    index: Variable | None
+    values: range | None
+
+    def miss(self, event: Event, value: int | None) -> str | None:
+        """Why an event cannot be of the clause; None if it can."""
+        if self.wanted is not None and value is not None and value != self.wanted:
+            return f"no event `{event.name}` of the model has {self.name} = {event.cells[self.name]}"
+        if self.index is None or self.values is None:
+            return None
+        if value is None:
+            return f"the event does not say its {self.name}"
+        if value not in self.values:
+            return f"{self.name} = {event.cells[self.name]} is outside the range of `{self.index.name}`"
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Clause:
+    """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, and the
+    places of those that tell what a queue has in common."""
+
+    number: int
+    names: tuple[str, ...]
+    limited: tuple[tuple[int, _Column], ...]
+    per: tuple[int, ...]
+
+
+def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
+    limited = []
+    for place, (name, expression) in enumerate(visible.columns):
+        match expression:
+            case Constant(wanted):
+                limited.append((place, _Column(name, wanted, None, None)))
+            case Reference(variable) if variable in visible.indices:
+                limited.append((place, _Column(name, None, variable, index_range(index_type(variable)))))
+            case _:
+                pass
+    place_of = {column.index: place for place, column in limited}
+    names = tuple(name for name, _ in visible.columns)
+    return _Clause(number, names, tuple(limited), tuple(place_of[variable] for variable in visible.per))
+
+
+class _Reader:
+    """Sorts the events of a recording into queues."""
+
+    def __init__(self, mapping: RecordingMap, recording: Recording, constants: Constants) -> None:
+        self.mapping = mapping
+        self.recording = recording
+        self.constants = constants
+        self.other = 0
+        self.names: dict[str, dict[int, str]] = {}
+        self.read: dict[tuple[str, str], int | None] = {}
+        for column, words in recording.words.items():
+            for word in words:
+                self._name(column, word, constants(word))
+
+    def entries(self) -> list[_Entry]:
+        entries: dict[tuple[int, tuple[int | None, ...]], _Entry] = {}
+        named: dict[str, list[_Clause]] = {}
+        for number, visible in enumerate(self.mapping.visible):
+            for values in product(*(index_range(index_type(v)) for v in visible.per)):
+                entries[number, values] = (visible, dict(zip(visible.per, values, strict=True)), [])
+            named.setdefault(visible.event, []).append(_clause_of(number, visible))
+        for position, event in enumerate(self.recording.events):
+            if event.name not in named:
+                self.other += 1
+                continue
+            clause, said = self._clause(event, named[event.name])
+            entries[clause.number, tuple([said[n] for n in clause.per])][2].append((position, said))
+        return list(entries.values())
+
+    def _clause(self, event: Event, clauses: Sequence[_Clause]) -> tuple[_Clause, _Values]:
+        """The clause that the event belongs to, and what its columns say."""
+        misses: list[str] = []
+        for clause in clauses:
+            values = tuple([self._value(event, name) for name in clause.names])
+            for place, column in clause.limited:
+                miss = column.miss(event, values[place])
+                if miss is not None:
+                    misses.append(miss)
+                    break
+            else:
+                return clause, values
+        raise UsageError(f"{self.recording.source}, {event.place}: {misses[0]}")
+
+    def _value(self, event: Event, name: str) -> int | None:
+        cell = event.cells.get(name, "")
+        if isinstance(cell, int):
+            return self._bounded(event, name, int(cell))
+        known = (name, cell)
+        if known not in self.read:
+            self.read[known] = self._bounded(event, name, self._number(event, name, cell.strip()))
+        return self.read[known]
+
+    def _bounded(self, event: Event, name: str, value: int | None) -> int | None:
+        if value is None or CONSTANT_LOW <= value <= CONSTANT_HIGH:
+            return value
+        raise UsageError(
+            f"{self.recording.source}, {event.place}: {name} is {_begun(event.cells[name])}, which no model can say",
+            f"numbers of a model lie between {CONSTANT_LOW} and {CONSTANT_HIGH}",
+        )
+
+    def _number(self, event: Event, name: str, text: str) -> int | None:
+        if not text:
+            return None
+        if text in ("true", "false"):
+            return int(text == "true")
+        value = self.constants(text)
+        self._name(name, text, value)
+        if value is None:
+            try:
+                return int(text, 0)
+            except ValueError:
+                raise UsageError(
+                    f"{self.recording.source}, {event.place}: {name} is `{_begun(text)}`, which is neither a "
+                    "number nor a constant of the model"
+                ) from None
+        return value
+
+    def _name(self, column: str, text: str, value: int | None) -> None:
+        if value is not None:
+            self.names.setdefault(column, {})[value] = text
+
+
+def _begun(cell: object) -> str:
+    """A cell as messages show it: of a long one the beginning."""
+    text = str(cell).strip()
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def index_type(variable: Variable) -> IntType | ScalarType:
+    assert isinstance(variable.type, IntType | ScalarType)
+    return variable.type
+
+
+def element(channel: Expression, indices: Sequence[Expression]) -> Expression:
+    """The channel with these indices."""
+    for index in indices:
+        assert isinstance(channel.type, ArrayType)
+        channel = Index(channel, index, channel.type.element)
+    return channel

@@ -1,0 +1,208 @@
+"""Where a recording leaves a model, and what the model would have done there.
+
+From the state in which the longest run ends, the model goes on by all steps that no recording shows. On the way, every
+event that it could do is an offer, whether it was recorded or not, with the time window in which it could come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import isqrt
+
+from tachk.base.records import dataclass
+from tachk.base.time_limit import check_time
+from tachk.engine.compiler.program import Program
+from tachk.engine.exact.concretise import discrete_run
+from tachk.engine.exact.exact_run import end_of_path
+from tachk.meaning import dbm, symbolic
+from tachk.meaning.constraints import TooManyConjunctionsError
+from tachk.meaning.dbm import INFINITY, Zone
+from tachk.meaning.discrete import PreparedNetwork, execute_updates, may_delay, prepare
+from tachk.model.expressions import Variable
+from tachk.model.network import Network
+from tachk.model.recording import RecordingMap
+from tachk.model.run import DiscreteState, Transition
+from tachk.model.types import cell_count
+from tachk.recordings.conformance.followers import Following, follow
+from tachk.recordings.conformance.queues import Queues, around
+
+_STATES = 200
+"""At most so many states behind the longest run are looked at."""
+_CASES = 1_000
+"""States are not looked at whose steps have guards that are disjunctions of more conjunctions than this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """An event that the model could do.
+
+    Attributes:
+        cells: what it would say.
+        earliest, latest: when, in units of the model from its start; None: at any time.
+    """
+
+    name: str
+    cells: tuple[tuple[str, int], ...]
+    earliest: int
+    latest: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class AllowedEvents:
+    """Attributes:
+    offers: by the earliest time.
+    whole: there are no others.
+    """
+
+    offers: tuple[Offer, ...]
+    whole: bool
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The state in which a run ends.
+
+    Attributes:
+        locations: one for each process of the network that follows the recording.
+        values: the cells of its variables.
+        zones: the clock valuations with which it does.
+    """
+
+    locations: tuple[int, ...]
+    values: Mapping[Variable, tuple[int, ...]]
+    zones: tuple[Zone, ...]
+
+
+def end_of(following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]) -> End:
+    """The state in which a path ends; found by the core, or by the reference where the core cannot tell.
+
+    Args:
+        program: of the network that follows the recording; it has the recording's tables in its code.
+        actions: the path by the numbers of the edges of the program.
+    """
+    found = end_of_path(program, actions)
+    return end_by_reference(following, path) if found is None else _end_in_slots(following, *found)
+
+
+def _end_in_slots(following: Following, slots: tuple[int, ...], bounds: tuple[int, ...]) -> End:
+    place = processes = len(following.network.processes)
+    values = {}
+    for variable in following.network.all_variables():
+        if variable not in following.tables:
+            count = cell_count(variable.type)
+            values[variable] = slots[place : place + count]
+            place += count
+    return End(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
+
+
+def end_by_reference(following: Following, path: Sequence[Transition]) -> End:
+    """The same by the meaning of the network."""
+    model = prepare(following.network)
+    discrete, zones = _end(model, path)
+    layout = model.layout
+    values = {v: discrete.values[n : n + cell_count(v.type)] for v, n in layout.first.items()}
+    return End(discrete.locations, values, tuple(zones))
+
+
+def offers(
+    network: Network, mapping: RecordingMap, following: Following, queues: Queues, happened: Sequence[int], end: End
+) -> AllowedEvents:
+    """What the model could do behind a run.
+
+    Of the recording only what is next matters, so that a long one takes no longer than a short one.
+
+    Args:
+        network, mapping: of which the other network was made.
+        happened: how many events of each queue have happened.
+    """
+    near = around(queues, happened)
+    following = follow(network, mapping, near, following.kept)
+    lenient, said = following.lenient(near)
+    model = replace(prepare(lenient), most_cases=_CASES)
+    start, zones = _start(model, following, happened, end), list(end.zones)
+    clock = model.layout.initial[model.layout.first[following.now]]
+    found: dict[tuple[int, tuple[tuple[str, int], ...]], tuple[int, int]] = {}
+    pending: list[tuple[DiscreteState, list[Zone]]] = [(start, zones)]
+    seen: dict[DiscreteState, list[Zone]] = {}
+    looked_at, whole = 0, True
+    while pending and looked_at < _STATES:
+        check_time()
+        looked_at += 1
+        discrete, arrived = pending.pop(0)
+        try:
+            here = symbolic.situation(model, discrete)
+        except TooManyConjunctionsError:
+            whole = False
+            continue
+        passed = seen.setdefault(discrete, [])
+        fresh = [z for z in symbolic.elapse(here, arrived) if not any(dbm.includes(p, z) for p in passed)]
+        if not fresh:
+            continue
+        passed += fresh
+        for move in here.moves:
+            after = symbolic.fire(here, fresh, move)
+            if not after or move.target is None:
+                continue
+            queue = following.queue_of(move.transition)
+            if queue is None:
+                pending.append((move.target, after))
+                continue
+            if not queues.queues[queue].outputs:
+                continue
+            key = (queue, tuple(_cells(model, move.target, said[queue])))
+            for zone in after:
+                window = (-dbm.bound_value(zone[0, clock]), zone[clock, 0])
+                before = found.get(key, window)
+                found[key] = (min(window[0], before[0]), max(window[1], before[1]))
+    allowed = tuple(
+        Offer(queues.queues[queue].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
+        for (queue, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
+    )
+    return AllowedEvents(allowed, whole and not pending)
+
+
+def state_text(following: Following, end: End) -> str:
+    """The locations of the processes of the model."""
+    processes = zip(following.network.processes, end.locations, strict=True)
+    named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
+    return ", ".join(named[-len(following.kept) :] if following.kept else [])
+
+
+def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteState, list[Zone]]:
+    """The state in which a run ends, and the clock valuations with which it does; of a guard with several parts the
+    first that is possible counts."""
+    states, phases = discrete_run(model, path)
+    zone: Zone | None = dbm.origin(model.dimension)
+    for number, state in enumerate(states):
+        invariant = symbolic.invariant_zone(model, state)
+        assert zone is not None and invariant is not None
+        zone = dbm.intersect(zone, invariant)
+        if number == len(path) or zone is None:
+            break
+        if may_delay(model, state):
+            zone = dbm.intersect(dbm.up(zone, phases[number].stopped), invariant)
+        guards = symbolic.guard_of(model, state, path[number])
+        possible = (zone and dbm.constrain_all(zone, guard) for guard in guards)
+        zone = next((narrowed for narrowed in possible if narrowed is not None), None)
+        if zone is not None:
+            zone = dbm.assign(zone, execute_updates(model, state, path[number])[1])
+    return states[-1], [] if zone is None else [zone]
+
+
+def _start(model: PreparedNetwork, following: Following, happened: Sequence[int], end: End) -> DiscreteState:
+    """The state of the network that knows of each queue only what is near."""
+    values = list(model.layout.initial)
+    for variable, first in model.layout.first.items():
+        if variable in end.values and variable not in following.tables:
+            values[first : first + cell_count(variable.type)] = end.values[variable]
+    for position, count in zip(following.positions, happened, strict=True):
+        values[model.layout.first[position]] = min(count, 1)
+    return DiscreteState(end.locations, tuple(values))
+
+
+def _cells(
+    model: PreparedNetwork, discrete: DiscreteState, said: Sequence[tuple[str, Variable]]
+) -> Iterator[tuple[str, int]]:
+    for name, variable in said:
+        yield name, discrete.values[model.layout.first[variable]]

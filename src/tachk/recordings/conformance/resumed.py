@@ -1,0 +1,160 @@
+"""The network that follows a recording from a state on in which it may be already.
+
+Every process sleeps until one that is added wakes them all. What is added sets the clocks before: it sets them back
+to 0 one by one, that first which has run longest, when they differ by what they differ in the state. When all of them
+are as late as there, it gives the variables their values, and all processes are where they are. So the runs behind that
+are the runs from the state on, and nothing but a network is needed to have them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from tachk.base.words import Direction
+from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Zone, bound_value, is_strict
+from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
+from tachk.model.cell_layout import default_cells
+from tachk.model.expressions import Reference, Variable, VariableKind
+from tachk.model.network import Edge, Location, Network, Process, Synchronisation
+from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, clock_count
+from tachk.recordings.conformance.followers import Following
+from tachk.recordings.conformance.refusal import End
+
+_FOLLOWERS = "recording."
+"""So the names of variables begin that belong to the processes which follow a recording."""
+
+
+def resumed(following: Following, before: Following, end: End) -> Following | None:
+    """The network that follows what is left of a recording, from the state on in which a run along its beginning ends.
+
+    Args:
+        following: follows what is left, with processes that are those of `before` one by one.
+        before: follows what the run goes along with.
+        end: of that run.
+
+    None where that state has no clock valuation, or clocks of which nobody knows which has run longer.
+    """
+    if len(following.network.processes) != len(before.network.processes) or not end.zones:
+        return None
+    clocks = [_renamed(clock, before, following) for clock in _clocks(before.network)]
+    zone = end.zones[0]
+    order = _oldest_first(zone)
+    if order is None:
+        return None
+    builder = NetworkBuilder("resumed.", VariableKind.GLOBAL)
+    wake = builder.channel("wake", broadcast=True)
+    processes = [
+        _sleeping(process, location, wake)
+        for process, location in zip(following.network.processes, end.locations, strict=True)
+    ]
+    values = _values(following, before, end)
+    processes.append(_setter(clocks, zone, order, wake, values))
+    network = replace(
+        following.network,
+        processes=tuple(processes),
+        variables=(*following.network.variables, *builder.variables),
+        hidden=(*following.network.hidden, processes[-1].name),
+    )
+    return replace(following, network=network)
+
+
+def _sleeping(process: Process, location: int, wake: Term) -> Process:
+    """The process with one more location, where it waits for the beginning."""
+    asleep = len(process.locations)
+    waking = Edge(asleep, location, synchronisation=Synchronisation(wake.expression, Direction.RECEIVE))
+    locations = (*process.locations, Location("asleep"))
+    return replace(process, locations=locations, edges=(*process.edges, waking), initial=asleep)
+
+
+def _setter(clocks: Sequence[Term], zone: Zone, order: Sequence[int], wake: Term, values: Sequence[Term]) -> Process:
+    """The process that sets clocks and variables, and wakes the others."""
+    process = ProcessBuilder("setter.", VariableKind.LOCAL, name="setter")
+    here = process.location("setting")
+    for place, clock in enumerate(order):
+        there = process.location("setting")
+        guard = _joined(
+            bound
+            for older in order[:place]
+            for bound in _within(clocks[older - 1], zone[clock, older], zone[older, clock])
+        )
+        process.edge(here, there, guard=guard, updates=[clocks[clock - 1].assign(0)])
+        here = there
+    guard = _joined(bound for clock in order for bound in _within(clocks[clock - 1], zone[0, clock], zone[clock, 0]))
+    process.edge(here, process.location("awake"), guard=guard, send=wake, updates=values)
+    return process.build()
+
+
+def _within(clock: Term, lower: int, upper: int) -> Iterator[Term]:
+    """The bounds of a clock, of which the raw bounds of its negative value and of its value are given."""
+    if lower != LESS_EQUAL_ZERO:
+        least = -bound_value(lower)
+        yield clock > least if is_strict(lower) else clock >= least
+    if upper < INFINITY:
+        yield clock < bound_value(upper) if is_strict(upper) else clock <= bound_value(upper)
+
+
+def _joined(bounds: Iterator[Term]) -> Term | None:
+    whole = next(bounds, None)
+    for bound in bounds:
+        assert whole is not None
+        whole = whole & bound
+    return whole
+
+
+def _oldest_first(zone: Zone) -> list[int] | None:
+    """The clocks, so that none has run longer than one before it; None if the zone does not say."""
+    clocks = range(1, zone.dimension)
+    order = sorted(clocks, key=lambda x: sum(zone[y, x] <= LESS_EQUAL_ZERO for y in clocks), reverse=True)
+    known = all(zone[y, x] <= LESS_EQUAL_ZERO for place, x in enumerate(order) for y in order[place + 1 :])
+    return order if known else None
+
+
+def _renamed(clock: Term, before: Following, following: Following) -> Term:
+    """A clock of the one network in the other: they share all but the one that nothing resets."""
+    own = isinstance(clock.expression, Reference) and clock.expression.variable is before.now
+    return Term(Reference(following.now)) if own else clock
+
+
+def _clocks(network: Network) -> Iterator[Term]:
+    """By their numbers."""
+    for variable in network.all_variables():
+        if clock_count(variable.type):
+            yield from (cell for cell, leaf in _cells(Term(Reference(variable))) if isinstance(leaf, ClockType))
+
+
+def _cells(whole: Term) -> Iterator[tuple[Term, Type]]:
+    """The cells of a variable in their order, with their types."""
+    match whole.expression.type:
+        case ArrayType() as type_:
+            for index in range(type_.low, type_.low + type_.size):
+                yield from _cells(whole[index])
+        case RecordType() as type_:
+            for name, _ in type_.fields:
+                yield from _cells(whole.field(name))
+        case type_:
+            yield whole, type_
+
+
+def _values(following: Following, before: Following, end: End) -> list[Term]:
+    """What gives the variables their values. The positions begin anew."""
+    own = {variable.name: variable for variable in following.network.variables if variable.name.startswith(_FOLLOWERS)}
+    positions = {id(position) for position in before.positions}
+    found: list[Term] = []
+    for variable, values in end.values.items():
+        if id(variable) in positions or variable in before.tables or before.network.resets(variable):
+            continue
+        target = own.get(variable.name) if variable.name.startswith(_FOLLOWERS) else variable
+        if target is not None:
+            found += _assignments(target, values)
+    return found
+
+
+def _assignments(variable: Variable, values: Sequence[int]) -> Iterator[Term]:
+    """Where a variable begins with other values."""
+    initial = variable.initial or default_cells(variable.type)
+    if tuple(initial) == tuple(values):
+        return
+    for (cell, leaf), value, first in zip(_cells(Term(Reference(variable))), values, initial, strict=True):
+        if value != first and not isinstance(leaf, ClockType | ChannelType):
+            yield cell.assign(value)

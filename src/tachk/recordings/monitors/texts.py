@@ -1,0 +1,120 @@
+"""What formulas say of columns that hold texts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.operators import BinaryOperator
+from tachk.recordings.traces.logs.labels import Labels, texts_in
+from tachk.recordings.traces.trace import Trace
+from tachk.syntax import ast
+from tachk.syntax.formula import Formula
+from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.walk import nodes_of_kind
+
+_TEXTS_TOLD = 8
+_NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
+
+
+@dataclass(frozen=True, slots=True)
+class Texts:
+    """Attributes:
+    columns: that hold texts, as the places of these in ``labels``.
+    """
+
+    columns: frozenset[str]
+    labels: tuple[str, ...]
+
+
+def text_columns(formula: Formula) -> frozenset[str]:
+    """The columns that a formula compares with texts, or with such columns."""
+    pairs = [
+        (comparison.left, comparison.right)
+        for comparison in nodes_of_kind(formula, ast.BinaryExpression)
+        if comparison.operator in (BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)
+    ]
+    found: set[str] = set()
+    while True:
+        more = {
+            _name(side)
+            for pair in pairs
+            for side, other in (pair, pair[::-1])
+            if isinstance(side, _NAMES)
+            and (isinstance(other, ast.StringLiteral) or (isinstance(other, _NAMES) and _name(other) in found))
+        }
+        if more <= found:
+            return frozenset(found)
+        found |= more
+
+
+def unmet_texts(formula: Formula, trace: Trace) -> Iterator[str]:
+    """A warning for each text that a formula compares with a column which has it in no row."""
+    for comparison in nodes_of_kind(formula, ast.BinaryExpression):
+        for side, other in ((comparison.left, comparison.right), (comparison.right, comparison.left)):
+            if not (isinstance(side, _NAMES) and isinstance(other, ast.StringLiteral)):
+                continue
+            column = _name(side)
+            if column not in trace.texts:
+                continue
+            met = [trace.labels[int(number)] for number in np.unique(trace.columns[column])]
+            if other.value not in met:
+                more = "" if len(met) <= _TEXTS_TOLD else f" and {len(met) - _TEXTS_TOLD} others"
+                known = ", ".join(f'"{each}"' for each in met[:_TEXTS_TOLD])
+                yield f'{trace.name}: no row of `{column}` has the text "{other.value}"; it has {known}{more}'
+
+
+def texts_of(formula: Formula) -> tuple[str, ...]:
+    """The texts that stand in a formula."""
+    return tuple(dict.fromkeys(literal.value for literal in nodes_of_kind(formula, ast.StringLiteral)))
+
+
+def _name(expression: ast.Expression) -> str:
+    return expression.name if isinstance(expression, ast.NameExpression) else print_expression(expression)
+
+
+class TextNumbers:
+    """The texts on a trace that grows: numbered when they are met, those of the formulas first.
+
+    Attributes:
+        columns: that hold texts, because a formula compares them with one.
+    """
+
+    def __init__(self, formulas: Sequence[Formula]) -> None:
+        self.columns = frozenset(name for formula in formulas for name in text_columns(formula))
+        self._labels = Labels()
+        for formula in formulas:
+            for text in texts_of(formula):
+                self._labels.number(text)
+        self.known = Texts(self.columns, self._labels.known)
+
+    def in_row(self, values: Mapping[str, Any], row: int) -> dict[str, Any]:
+        """The values of a row with numbers in place of texts. Raises UsageError for what is no text in its column."""
+        numbered = dict(values)
+        for name in self.columns & numbered.keys():
+            value = numbered[name]
+            if isinstance(value, str):
+                numbered[name] = self._labels.number(value)
+            elif not (value is None or value != value):
+                raise UsageError(
+                    f"row {row}: the value {value!r} of column {name!r} is no text", "a formula says it is"
+                )
+        return numbered
+
+    def in_rows(self, columns: Mapping[str, Any], name: str) -> dict[str, Any]:
+        """The same of columns."""
+        numbered = dict(columns)
+        for column in self.columns & numbered.keys():
+            words = texts_in(numbered[column])
+            if words is None:
+                raise UsageError(f"{name}: column {column!r} holds no texts", "a formula says it does")
+            numbered[column] = self._labels.codes(words, column, name)
+        return numbered
+
+    def on(self, trace: Trace) -> Trace:
+        """A trace with numbers in place of texts that knows these."""
+        return replace(trace, texts=self.columns, labels=self._labels.known) if self.columns else trace

@@ -1,0 +1,144 @@
+"""What the first lines of comma-separated values tell: the columns, separators of cells, how numbers are written."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.span import Source, Span
+from tachk.recordings.traces.logs.dates import is_date
+from tachk.recordings.traces.trace_header import Header, agreed_unit, read_header
+
+_SEPARATORS = ",;\t"
+_LONGEST_HEADER = 1 << 24
+_SAMPLE = 1 << 16
+"""Bytes behind the header that tell how numbers are written."""
+
+_TOLD_SEPARATOR = re.compile(r"sep=(?P<separator>[,;\t])", re.IGNORECASE)
+"""By which spreadsheets are told what separates cells, in a line above the header."""
+
+_WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
+_WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+")
+
+_ENDS_OF_LINES = "end lines with a line feed, and put names with other control characters between double quotes"
+
+
+class ByteStream(Protocol):
+    """What is asked of a file or pipe; `io.BufferedReader` has it."""
+
+    def readline(self, size: int = -1, /) -> bytes: ...
+    def read1(self, size: int = -1, /) -> bytes:
+        """What is there already, or waits for something; empty at the end."""
+        ...
+
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True, slots=True)
+class CsvBeginning:
+    """Attributes:
+    line: the number of the first line behind the header.
+    read: what was read behind the header.
+    point: what stands before the decimals of numbers, a comma or a point.
+    dates: the times are dates.
+    """
+
+    header: Header
+    separator: str
+    line: int
+    read: bytes
+    point: str
+    dates: bool
+
+
+def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | None, waiting: bool) -> CsvBeginning:
+    """Reads the header, and some rows.
+
+    Args:
+        waiting: the stream may wait for more, so one row has to be enough.
+
+    Raises InputError and UsageError.
+    """
+    header, separator, line = _header(stream, name, time, unit)
+    begin = _first_row(stream)
+    row = begin.rstrip(b"\r\n").rpartition(b"\n")[2].decode("utf-8", "replace").replace("\0", "")
+    cells = _cells(row, separator)
+    dates = header.time < len(cells) and is_date(cells[header.time])
+    if dates:
+        header = replace(header, unit=agreed_unit("s", header.unit or unit, name))
+    sample = begin if waiting else begin + stream.read1(_SAMPLE)
+    return CsvBeginning(header, separator, line, sample, _point(sample, separator), dates)
+
+
+def _first_row(stream: ByteStream) -> bytes:
+    """The lines up to the first row, included."""
+    lines = b""
+    while line := stream.readline(_LONGEST_HEADER):
+        lines += line
+        if line.strip() and not line.lstrip().startswith(b"#"):
+            break
+    return lines
+
+
+def _cells(row: str, separator: str) -> Sequence[str]:
+    try:
+        return next(csv.reader([row], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:  # whoever reads the row will tell
+        return ()
+
+
+def _point(sample: bytes, separator: str) -> str:
+    """A comma where it cannot be anything else: it separates no cells, some number can be read with a decimal comma
+    only, and none has a decimal point."""
+    if separator == "," or b"," not in sample:
+        return "."
+    lines = sample.decode("utf-8", "replace").splitlines()
+    cells = [cell.strip().strip('"') for line in lines if not line.startswith("#") for cell in line.split(separator)]
+    commas = [cell for cell in cells if _WITH_COMMA.fullmatch(cell)]
+    if all(_THOUSANDS.fullmatch(cell) for cell in commas) or any(_WITH_POINT.fullmatch(cell) for cell in cells):
+        return "."
+    return ","
+
+
+def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[Header, str, int]:
+    """The header, the separator, and the number of the line behind."""
+    number = 0
+    told = None
+    while True:
+        line = stream.readline(_LONGEST_HEADER)
+        number += 1
+        if not line:
+            raise UsageError(f"{name} is empty", "its first line should name the columns: time,speed,alarm")
+        try:
+            text = line.decode("utf-8-sig" if number == 1 else "utf-8").strip("\r\n")
+        except UnicodeDecodeError:
+            raise UsageError(f"{name} is not text in UTF-8", "save it with the encoding UTF-8") from None
+        if number == 1 and (told := _TOLD_SEPARATOR.fullmatch(text.strip(" "))) is not None:
+            continue
+        if text.strip() and not text.lstrip().startswith("#"):
+            break
+    if "\0" in text:
+        raise UsageError(f"{name} is not a text file", "text in UTF-8, VCD and Parquet files can be read")
+    separator = told["separator"] if told is not None else max(_SEPARATORS, key=text.count)
+    try:
+        cells = next(csv.reader([text], delimiter=separator))
+    except csv.Error:
+        raise UsageError(f"the names of the columns of {name} cannot be read", _ENDS_OF_LINES) from None
+    if all(_is_number(cell) for cell in cells):
+        span = Span(Source(name, text, first_line=number), 0, len(text))
+        help = "the first line should name them: time,speed,alarm"
+        raise InputError([Diagnostic("E0916", "the columns have no names", span, help)])
+    return read_header(cells, time, unit, name), separator, number + 1
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,29 @@
+"""What is the same for all files that other libraries read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tachk.base.diagnostics.diagnostic import TachkError, UsageError
+from tachk.base.time_limit import OutOfTimeError
+
+
+def not_installed(what: str, library: str, extra: str) -> UsageError:
+    """The error about a library that is not there, and the extra of tachk that brings it."""
+    return UsageError(f"{what} are read by {library}, which is not installed", f"pip install 'tachk[{extra}]'")
+
+
+@contextmanager
+def reading(path: Path, what: str) -> Iterator[None]:
+    """Turns what a library raises about a damaged file, which can be anything, into a UsageError."""
+    if not path.exists():
+        raise UsageError(f"there is no file {path}")
+    try:
+        yield
+    except (TachkError, OutOfTimeError, MemoryError):
+        raise
+    except Exception as error:
+        reason = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
+        raise UsageError(f"{path} is not a readable {what}: {reason}") from None

@@ -1,0 +1,160 @@
+"""Traces in HDF5 files, read by h5py: data sets of one dimension, named with dots after the groups that they are in.
+
+The time of a data set is the one called ``time``, ``t`` or ``timestamp`` in its group, or in the next group above that
+has one. A data set of two dimensions with a row for each time gives a column for each place in a row, ``force[2]``, and
+one of records a column for each field.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.traces.arrivals import arriving
+from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.joined import JoinedRecording
+from tachk.recordings.traces.logs.messages import MOST_ELEMENTS
+from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace_arrays import TableRecording
+from tachk.recordings.traces.trace_header import TIME_NAMES, Header, agreed_unit, known_unit, no_such_column
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A data set, and what of it: a field of its records, a column of its rows, or all."""
+
+    path: str
+    part: str | int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hdf5Table:
+    """The data sets of a group that have the same times."""
+
+    name: str
+    unit: str
+    time: _Place = field(repr=False)
+    places: Mapping[str, _Place] = field(repr=False)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self.places)
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        arrivals = arriving(columns or (), self.columns)
+        parts = [part for parts in arrivals.values() for part in parts]
+        asked = self.columns if columns is None else (*columns, *parts)
+        wanted = tuple(dict.fromkeys(name for name in asked if name not in arrivals))
+        for name in wanted:
+            if name not in self.places:
+                raise no_such_column(name, self.columns, self.name)
+        with _reading(Path(self.name)) as file:
+            cells = [_values(file, place) for place in (self.time, *(self.places[name] for name in wanted))]
+        header = Header(("time", *wanted), 0, self.unit)
+        return TableRecording(self.name, header, cells).read(wanted if columns is None else columns)
+
+    def enumerations(self) -> Mapping[str, Mapping[str, int]]:
+        """Of each column of an enumeration the names of its values."""
+        import h5py
+
+        found: dict[str, Mapping[str, int]] = {}
+        with _reading(Path(self.name)) as file:
+            for name, place in self.places.items():
+                dtype = file[place.path].dtype
+                dtype = dtype[place.part] if isinstance(place.part, str) else dtype
+                if known := h5py.check_enum_dtype(dtype):
+                    found[name] = {key: int(value) for key, value in known.items()}
+        return found
+
+
+def open_hdf5(path: Path, time: str | None, unit: str | None) -> Recording:
+    """Finds out what a file holds. Raises UsageError, also where h5py is not installed."""
+    try:
+        import h5py  # noqa: F401
+    except ModuleNotFoundError:
+        raise not_installed("HDF5 files", "h5py", "hdf5") from None
+    with _reading(path) as file:
+        tables = list(_tables(file, "", None, time, unit, str(path)))
+    if not tables:
+        names = f"called {time!r}" if time else f"called {', '.join(TIME_NAMES[:-1])} or {TIME_NAMES[-1]}"
+        raise UsageError(
+            f"{path} has no data set {names} with others of its length", "say which one is the time with --time NAME"
+        )
+    places = {column: (number, column) for number, table in enumerate(tables) for column in table.columns}
+    return JoinedRecording(str(path), tuple(tables), places) if len(tables) > 1 else tables[0]
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[Any]:
+    import h5py
+
+    with reading(path, "HDF5 file"), h5py.File(path, "r") as file:
+        yield file
+
+
+def _tables(
+    group: Any, prefix: str, above: tuple[_Place, int, str] | None, time: str | None, unit: str | None, name: str
+) -> Iterator[Hdf5Table]:
+    """One for each group with data sets as long as the time that counts there.
+
+    Args:
+        above: the time of the groups above, its length and its unit.
+    """
+    sets = {key: item for key, item in group.items() if hasattr(item, "shape") and item.shape}
+    places: dict[str, tuple[_Place, int]] = {}
+    for key, item in sets.items():
+        places |= {f"{prefix}{column}": (place, item.shape[0]) for column, place in _places(key, item)}
+    clock, chosen = above, None
+    for column, (place, length) in places.items():
+        last = column.rpartition(".")[2]
+        if (last.lower() in TIME_NAMES) if time is None else time in (column, last, place.path.lstrip("/")):
+            clock, chosen = (place, length, _unit_of(group.file[place.path])), column
+            break
+    if clock is not None:
+        own = agreed_unit(known_unit(clock[2]), unit, name)
+        columns = {col: place for col, (place, length) in places.items() if length == clock[1] and col != chosen}
+        if columns:
+            yield Hdf5Table(name, own, clock[0], columns)
+    for key, item in group.items():
+        if not hasattr(item, "shape"):
+            yield from _tables(item, f"{prefix}{key}.", clock, time, unit, name)
+
+
+def _places(key: str, item: Any) -> Iterator[tuple[str, _Place]]:
+    if item.ndim == 1 and item.dtype.names:
+        yield from ((f"{key}.{part}", _Place(item.name, part)) for part in item.dtype.names)
+    elif item.ndim == 1:
+        yield key, _Place(item.name)
+    elif item.ndim == 2 and item.shape[1] <= MOST_ELEMENTS:
+        yield from ((f"{key}[{number}]", _Place(item.name, number)) for number in range(item.shape[1]))
+
+
+def _unit_of(item: Any) -> str:
+    """What an attribute of a time says, such as ``ms``, or the ``seconds since 1970-01-01`` of netCDF."""
+    told = next((item.attrs[key] for key in ("units", "unit", "Units", "Unit") if key in item.attrs), "")
+    text = told.decode("utf-8", "replace") if isinstance(told, bytes) else str(told)
+    return text.partition(" since ")[0].strip()
+
+
+def _values(file: Any, place: _Place) -> Any:
+    item = file[place.path]
+    values = item[:, place.part] if isinstance(place.part, int) else item[()]
+    if isinstance(place.part, str):
+        values = values[place.part]
+    return plain_texts(values)
+
+
+def plain_texts(values: Any) -> Any:
+    """Texts of bytes as texts."""
+    if values.dtype.kind == "S":
+        return np.char.decode(values, "utf-8", "replace").astype(object)
+    if values.dtype.kind == "O":
+        texts = [value.decode("utf-8", "replace") if isinstance(value, bytes) else value for value in values]
+        return np.array(texts, dtype=object)
+    return values

@@ -1,0 +1,242 @@
+"""Traces in MCAP files, read by mcap; messages are JSON, those of ROS, which rosbags decodes, or protocol buffers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from io import BufferedReader, BytesIO, FileIO
+from itertools import islice
+from os import fstat
+from pathlib import Path
+from typing import IO, Any
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.traces.compressed import is_compressed, open_bytes
+from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.mcap_salvage import is_whole, salvaged
+from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, MessageRecording, WithSummary
+from tachk.recordings.traces.logs.trace_rosbag import constants_of
+from tachk.recordings.traces.trace import cut_off_warning
+from tachk.recordings.traces.trace_header import agreed_unit
+
+PUBLISH_TIME = "publish_time"
+"""The time when a message was sent, in place of the name of a field."""
+
+Message = tuple[Any, Any, Any]
+"""Schema, channel and message, as mcap has them."""
+
+
+_LARGE = 1 << 20
+
+
+class _Careful(BufferedReader):
+    """A file of which nobody can ask for more than is there: a damaged one claims to have records of any length, for
+    which memory would be taken."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        if size is not None and size > _LARGE:
+            size = min(size, max(0, fstat(self.fileno()).st_size - self.tell()))
+        return super().read(size)
+
+
+@dataclass(frozen=True, eq=False)
+class McapMessages(WithSummary[dict[str, bool]]):
+    """Attributes:
+    published: times are those when messages were sent, not when they were recorded.
+    """
+
+    path: Path
+    published: bool
+    _decoders: dict[int, Callable[[bytes], Any]] = field(default_factory=dict, repr=False)
+
+    def _read_summary(self) -> tuple[dict[str, bool], int | None]:
+        """The topics, whether their messages can be decoded, and the time of the last message."""
+        from mcap.reader import make_reader
+
+        with self._opened() as stream:
+            summary = make_reader(stream).get_summary() if self._is_whole else None
+            if summary is not None and summary.statistics is not None:
+                channels = [(each, summary.schemas.get(each.schema_id)) for each in summary.channels.values()]
+                end = None if self.published else summary.statistics.message_end_time
+                return {channel.topic: _is_known(channel, schema) for channel, schema in channels}, end
+        # The recorder was stopped before it wrote what the file holds.
+        known = {channel.id: (channel, schema) for schema, channel, _ in self._messages(None)}
+        if not known and not self._is_whole:
+            raise UsageError(f"{self.path} is cut off before its first message")
+        return {channel.topic: _is_known(channel, schema) for channel, schema in known.values()}, None
+
+    def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
+        for schema, channel, message in self._messages(list(topics)):
+            time = message.publish_time if self.published else message.log_time
+            with reading(self.path, "MCAP file"):
+                content = self._decoder(channel, schema)(message.data)
+            yield channel.topic, time, content
+
+    def samples(self) -> Iterator[tuple[str, Any]]:
+        for topic, known in self._summary[0].items():
+            with suppress(UsageError):  # whoever asks for the topic will be told
+                messages = self.decoded([topic]) if known else iter(())
+                yield from ((topic, content) for _, _, content in islice(messages, SAMPLES))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """That the file is cut off."""
+        if self._is_whole:
+            return ()
+        return (cut_off_warning(str(self.path), "what follows its last whole message is left out"),)
+
+    def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
+        found: dict[str, Mapping[str, int | float | str]] = {}
+        for topic, (encoding, schema) in self._types.items():
+            if (encoding, schema.encoding) in _ROS:
+                with reading(self.path, "MCAP file"):
+                    store, name = _typestore(schema)
+                    found[topic] = constants_of(store, name)
+        return found
+
+    @cached_property
+    def _types(self) -> dict[str, tuple[str, Any]]:
+        """The encoding of the messages of each topic, and their schema."""
+        from mcap.reader import make_reader
+
+        with self._opened() as stream:
+            summary = make_reader(stream).get_summary() if self._is_whole else None
+            if summary is not None:
+                channels = [(each, summary.schemas.get(each.schema_id)) for each in summary.channels.values()]
+            else:
+                channels = list({channel.id: (channel, schema) for schema, channel, _ in self._messages(None)}.values())
+        return {channel.topic: (channel.message_encoding, schema) for channel, schema in channels if schema is not None}
+
+    def _messages(self, topics: Collection[str] | None) -> Iterator[Message]:
+        from mcap.reader import make_reader
+
+        with self._opened() as stream:
+            if self._is_whole:
+                yield from make_reader(stream).iter_messages(topics=topics)
+            else:
+                yield from salvaged(stream, topics)
+
+    @cached_property
+    def _is_whole(self) -> bool:
+        """Whether the file ends as it should."""
+        with self._opened() as stream:
+            return is_whole(stream)
+
+    @cached_property
+    def _content(self) -> bytes:
+        """Of a compressed file, in which nobody can go back."""
+        with open_bytes(self.path) as stream:
+            return stream.read()
+
+    @contextmanager
+    def _opened(self) -> Iterator[IO[bytes]]:
+        with (
+            reading(self.path, "MCAP file"),
+            BytesIO(self._content) if is_compressed(self.path) else _Careful(FileIO(self.path)) as stream,
+        ):
+            try:
+                yield stream
+            except MemoryError:
+                raise UsageError(f"{self.path} has a chunk that claims to be larger than the memory") from None
+
+    def _decoder(self, channel: Any, schema: Any) -> Callable[[bytes], Any]:
+        if channel.id not in self._decoders:
+            self._decoders[channel.id] = _decoder(channel, schema, f"{self.path}: {channel.topic}")
+        return self._decoders[channel.id]
+
+
+def open_mcap(path: Path, time: str | None, unit: str | None) -> MessageRecording:
+    """Opens a file. Raises UsageError, also where mcap is not installed.
+
+    Args:
+        time: ``log_time``, which is what None means, ``publish_time``, or a field such as ``header.stamp``.
+    """
+    try:
+        import mcap.reader  # noqa: F401
+    except ModuleNotFoundError:
+        raise not_installed("MCAP files", "mcap", "mcap") from None
+    agreed_unit("s", unit, str(path))
+    return MessageRecording(
+        str(path), McapMessages(path, time == PUBLISH_TIME), None if time in (LOG_TIME, PUBLISH_TIME) else time
+    )
+
+
+def _is_known(channel: Any, schema: Any) -> bool:
+    encodings = (channel.message_encoding, None if schema is None else schema.encoding)
+    return channel.message_encoding == "json" or encodings in _ROS or encodings == _PROTOBUF
+
+
+_ROS = {("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg")}
+"""How messages of ROS and their schemas are encoded."""
+
+_PROTOBUF = ("protobuf", "protobuf")
+
+
+def _decoder(channel: Any, schema: Any, what: str) -> Callable[[bytes], Any]:
+    if channel.message_encoding == "json":
+        return json.loads
+    if not _is_known(channel, schema):
+        raise UsageError(
+            f"{what} has messages in the encoding {channel.message_encoding!r}",
+            "JSON, messages of ROS and protocol buffers are read",
+        )
+    if channel.message_encoding == "protobuf":
+        return _protobuf_decoder(channel, schema)
+    store, name = _typestore(schema)
+    read = store.deserialize_ros1 if channel.message_encoding == "ros1" else store.deserialize_cdr
+    return lambda data: read(data, name)
+
+
+def _typestore(schema: Any) -> tuple[Any, str]:
+    """What rosbags knows of the type of a schema, and the name of the type."""
+    try:
+        from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+    except ModuleNotFoundError:
+        raise not_installed("messages of ROS", "rosbags", "mcap") from None
+    store = get_typestore(Stores.EMPTY)
+    name = schema.name if schema.name.count("/") == 2 else schema.name.replace("/", "/msg/")
+    text = schema.data.decode()
+    store.register(get_types_from_idl(text) if schema.encoding == "ros2idl" else get_types_from_msg(text, name))
+    return store, name
+
+
+def _protobuf_decoder(channel: Any, schema: Any) -> Callable[[bytes], Any]:
+    try:
+        from mcap_protobuf.decoder import DecoderFactory
+    except ModuleNotFoundError:
+        raise not_installed("protocol buffers", "mcap-protobuf-support", "mcap") from None
+    read = DecoderFactory().decoder_for(channel.message_encoding, schema)
+    assert read is not None
+    return lambda data: _fields(read(data))
+
+
+def _fields(message: Any) -> dict[str, Any]:
+    """The fields of a protocol buffer: values of enumerations as their names, what is not there is left out."""
+    found: dict[str, Any] = {}
+    for each in message.DESCRIPTOR.fields:
+        value = getattr(message, each.name)
+        if each.message_type is not None and each.message_type.GetOptions().map_entry:
+            inner = each.message_type.fields_by_name["value"]
+            found[each.name] = {str(key): _field(inner, element) for key, element in value.items()}
+        elif _is_repeated(each):
+            found[each.name] = [_field(each, element) for element in value]
+        elif not each.has_presence or message.HasField(each.name):
+            found[each.name] = _field(each, value)
+    return found
+
+
+def _is_repeated(field: Any) -> bool:
+    told = getattr(field, "is_repeated", None)  # a property of protobuf 6
+    return bool(field.label == field.LABEL_REPEATED if told is None else told)
+
+
+def _field(field: Any, value: Any) -> Any:
+    if field.message_type is not None:
+        return _fields(value)
+    if field.enum_type is not None:
+        known = field.enum_type.values_by_number.get(value)
+        return value if known is None else known.name
+    return value

@@ -1,0 +1,136 @@
+"""Traces in MDF files (ASAM measurement data, ``.mf4``), read by asammdf. Channels have rates of their own."""
+
+from __future__ import annotations
+
+import gc
+import sys
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from traceback import clear_frames
+from typing import Any, Final
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.joined import JoinedRecording
+from tachk.recordings.traces.logs.trace_hdf5 import plain_texts
+from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace_arrays import TableRecording
+from tachk.recordings.traces.trace_header import Header, agreed_unit, no_such_column
+
+_LARGEST_RATIO: Final = 1100
+"""No byte of deflate stands for more bytes than this."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MdfRecording:
+    """Attributes:
+    channels: the group and the number there of each channel.
+    """
+
+    name: str
+    channels: Mapping[str, tuple[int, int]] = field(repr=False)
+
+    @property
+    def unit(self) -> str:
+        return "s"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self.channels)
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        wanted = self.columns if columns is None else tuple(columns)
+        for name in wanted:
+            if name not in self.channels:
+                raise no_such_column(name, self.columns, self.name)
+        tables: list[Recording] = []
+        with _reading(Path(self.name)) as file:
+            for name in wanted:
+                group, number = self.channels[name]
+                signal = file.get(group=group, index=number)
+                if not len(signal.timestamps):
+                    raise UsageError(f"{self.name}: channel {name!r} never has a value")
+                cells = (signal.timestamps, plain_texts(signal.samples))
+                tables.append(TableRecording(self.name, Header(("time", name), 0, "s"), cells))
+            masters = [file.get_master(group) for group in range(len(file.groups))]
+        ends = [float(times[-1]) for times in masters if len(times)]
+        if not ends:
+            raise UsageError(f"{self.name} has no samples", "the verdict needs at least the state at the beginning")
+        if not tables:
+            first = min(float(times[0]) for times in masters if len(times))
+            return TableRecording(self.name, Header(("time",), 0, "s"), ([first, max(ends)],)).read()
+        tables.append(TableRecording(self.name, Header(("time",), 0, "s"), ([max(ends)],)))
+        return JoinedRecording(
+            self.name, tuple(tables), {name: (place, name) for place, name in enumerate(wanted)}
+        ).read()
+
+
+def open_mdf(path: Path, unit: str | None) -> Recording:
+    """Lists the channels of a file; times are in seconds. Raises UsageError, also where asammdf is not installed.
+
+    A channel whose name another one has too is called after its group, ``speed_2``.
+    """
+    try:
+        import asammdf  # noqa: F401
+    except ModuleNotFoundError:
+        raise not_installed("MDF files", "asammdf", "mdf") from None
+    agreed_unit("s", unit, str(path))
+    channels: dict[str, tuple[int, int]] = {}
+    with _reading(path) as file:
+        for number, group in enumerate(file.groups):
+            for index, channel in enumerate(group.channels):
+                if index != file.masters_db.get(number):
+                    name = channel.name if channel.name not in channels else f"{channel.name}_{number}"
+                    channels[name] = number, index
+    if not channels:
+        raise UsageError(f"{path} has no channels with values")
+    return MdfRecording(str(path), channels)
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[Any]:
+    with reading(path, "MDF file"), _opened(path) as file:
+        _check_places(file, path)
+        yield file
+
+
+def _check_places(file: Any, path: Path) -> None:
+    """Raises UsageError for a channel that lies behind the end of its records, or a block of records behind the end of
+    the file: a file is damaged so, and asammdf would read memory that is not its own."""
+    size = path.stat().st_size
+    for group in file.groups:
+        for block in group.data_blocks:
+            end = block.address + block.compressed_size
+            if not 0 <= end <= size or not 0 <= block.original_size <= _LARGEST_RATIO * size:
+                raise UsageError(f"{path}: a block of records lies behind the end of the file", "the file is damaged")
+        bits = 8 * group.channel_group.samples_byte_nr
+        for channel in group.channels:
+            if hasattr(channel, "start_offset"):  # MDF 3
+                end = channel.start_offset + 8 * channel.additional_byte_offset + channel.bit_count
+            else:
+                end = 8 * channel.byte_offset + channel.bit_offset + channel.bit_count
+            if channel.bit_count and end > bits:
+                raise UsageError(
+                    f"{path}: channel {channel.name!r} lies behind the end of its records", "the file is damaged"
+                )
+
+
+def _opened(path: Path) -> Any:
+    """The file. asammdf's destructor of what could not be read prints an error of its own, which says nothing new."""
+    from asammdf import MDF
+
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda _: None
+    try:
+        return MDF(path)
+    except Exception as error:
+        reason: BaseException | None = error
+        while reason is not None:
+            clear_frames(reason.__traceback__)
+            reason = reason.__context__
+        gc.collect()
+        raise
+    finally:
+        sys.unraisablehook = hook

@@ -1,0 +1,94 @@
+"""Traces in ROS bags, read by rosbags: folders of ROS 2 with ``metadata.yaml``, and ``.bag`` files of ROS 1."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, MessageRecording, WithSummary
+from tachk.recordings.traces.trace_header import agreed_unit
+
+
+@dataclass(frozen=True, eq=False)
+class BagMessages(WithSummary[Collection[str]]):
+    """The messages of a bag."""
+
+    path: Path
+
+    def _read_summary(self) -> tuple[Collection[str], int | None]:
+        with self._reading() as reader:
+            return tuple(reader.topics), reader.end_time - 1 if reader.message_count else None
+
+    def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
+        with self._reading() as reader:
+            for connection, time, raw in reader.messages([each for each in reader.connections if each.topic in topics]):
+                yield connection.topic, time, reader.deserialize(raw, connection.msgtype)
+
+    def samples(self) -> Iterator[tuple[str, Any]]:
+        with self._reading() as reader:
+            for connection in list(reader.connections):
+                for _, _, raw in islice(reader.messages([connection]), SAMPLES):
+                    yield connection.topic, reader.deserialize(raw, connection.msgtype)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        return ()
+
+    def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
+        with self._reading() as reader:
+            return {each.topic: constants_of(reader.typestore, each.msgtype) for each in reader.connections}
+
+    @contextmanager
+    def _reading(self) -> Iterator[Any]:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+
+        with (
+            reading(self.path, "ROS bag"),
+            AnyReader([self.path], default_typestore=get_typestore(Stores.LATEST)) as reader,
+        ):
+            yield reader
+
+
+def constants_of(store: Any, name: str) -> dict[str, int | float | str]:
+    """The constants of a message type of ROS, and of the types of its fields."""
+    found: dict[str, int | float | str] = {}
+    waiting, seen = [name], set()
+    while waiting:
+        kind = waiting.pop()
+        if kind in seen or kind not in store.fielddefs:
+            continue
+        seen.add(kind)
+        constants, fields = store.fielddefs[kind]
+        for constant, _, value in constants:
+            found.setdefault(constant, value)
+        waiting += [each for _, field in fields for each in _types_in(field)]
+    return found
+
+
+def _types_in(field: Any) -> Iterator[str]:
+    """The names of message types in the description of a field by rosbags: pairs of a kind and what belongs to it."""
+    if isinstance(field, str):
+        yield field
+    elif isinstance(field, tuple):
+        for part in field:
+            yield from _types_in(part)
+
+
+def open_bag(path: Path, time: str | None, unit: str | None) -> MessageRecording:
+    """Opens a bag. Raises UsageError, also where rosbags is not installed.
+
+    Args:
+        time: ``log_time``, which is what None means, or a field such as ``header.stamp``.
+    """
+    try:
+        import rosbags.highlevel  # noqa: F401
+    except ModuleNotFoundError:
+        raise not_installed("ROS bags", "rosbags", "mcap") from None
+    agreed_unit("s", unit, str(path))
+    return MessageRecording(str(path), BagMessages(path), None if time == LOG_TIME else time)

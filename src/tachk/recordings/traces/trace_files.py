@@ -1,0 +1,224 @@
+"""The formats of recorded traces, one row each, and nobody else lists them; opens a trace, whatever it is kept in.
+
+A format is loaded when a trace of it is opened: the command line names all of them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.traces.compressed import COMPRESSED_SUFFIXES, is_compressed, plain_suffix
+
+if TYPE_CHECKING:
+    from tachk.recordings.traces.trace import Recording, Trace
+
+
+def _csv(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.trace_csv import open_csv
+
+    return open_csv(path, time, unit)
+
+
+def _parquet(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.trace_parquet import open_parquet
+
+    return open_parquet(path, time, unit)
+
+
+def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.trace_vcd import open_vcd
+
+    if time is not None:
+        raise UsageError("a value change dump has no time column to choose")
+    return open_vcd(path, unit)
+
+
+def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.xrce.traces.trace_packets import open_packets
+
+    return open_packets(path, time, unit, ports)
+
+
+def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.logs.trace_jsonl import open_jsonl
+
+    return open_jsonl(path, time, unit)
+
+
+def _mcap(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.logs.trace_mcap import open_mcap
+
+    return open_mcap(path, time, unit)
+
+
+def _bag(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.logs.trace_rosbag import open_bag
+
+    return open_bag(path, time, unit)
+
+
+def _hdf5(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.logs.trace_hdf5 import open_hdf5
+
+    return open_hdf5(path, time, unit)
+
+
+def _mdf(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.logs.trace_mdf import open_mdf
+
+    if time is not None:
+        raise UsageError("channels of an MDF file have times of their own, none to choose")
+    return open_mdf(path, unit)
+
+
+class TraceFormat(NamedTuple):
+    """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told.
+
+    Attributes:
+        compressed: a file of it is also read compressed, with the ending of `COMPRESSED_SUFFIXES` behind its own.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    open: Callable[[Path, str | None, str | None, Sequence[int]], Recording]
+    compressed: bool = False
+
+
+CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv, compressed=True)
+"""A file without an ending is read as CSV too."""
+
+PACKETS = TraceFormat("pcap", (".pcap", ".pcapng"), _packets)
+"""A capture of a network."""
+
+JSON_LINES = TraceFormat("JSON lines", (".jsonl", ".ndjson"), _jsonl, compressed=True)
+"""An object for each line."""
+
+FORMATS = (
+    CSV,
+    JSON_LINES,
+    TraceFormat("Parquet", (".parquet", ".pq"), _parquet),
+    TraceFormat("VCD", (".vcd",), _vcd, compressed=True),
+    PACKETS,
+    TraceFormat("MCAP", (".mcap",), _mcap, compressed=True),
+    TraceFormat("ROS bag", (".bag", ".db3"), _bag),
+    TraceFormat("HDF5", (".h5", ".hdf5"), _hdf5),
+    TraceFormat("MDF", (".mf4", ".mdf"), _mdf),
+)
+
+TRACE_SUFFIXES = tuple(
+    suffix + packed
+    for known in FORMATS
+    for packed in ("", *(COMPRESSED_SUFFIXES if known.compressed else ()))
+    for suffix in known.suffixes
+)
+"""By which a file is known to be a trace."""
+
+
+def is_csv(path: Path) -> bool:
+    """Whether a file of this name is read as comma-separated values."""
+    return plain_suffix(path) in (*CSV.suffixes, "")
+
+
+class _Ready:
+    """A trace that has been read."""
+
+    def __init__(self, trace: Trace) -> None:
+        self._trace = trace
+
+    @property
+    def name(self) -> str:
+        return self._trace.name
+
+    @property
+    def unit(self) -> str:
+        return self._trace.unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self._trace.columns)
+
+    def read(self, columns: object = None) -> Trace:
+        return self._trace
+
+
+def open_trace(
+    source: Any,
+    time: str | None = None,
+    unit: str | None = None,
+    ports: Sequence[int] = (),
+    run: int | None = None,
+) -> Recording:
+    """Opens a file by its ending, a data frame, a mapping from names to arrays, a `Trace`, or several of these as one.
+
+    Args:
+        time: the name of the time column; without it ``time``, ``t`` or ``timestamp``.
+        unit: of the times, such as ``ms``; without it what the file says.
+        ports: of a capture of packets, those of Agents.
+        run: the number of the one that is meant in a file of several runs; None: `SeveralRuns` stands for all.
+
+    Raises:
+        InputError: something in the file is wrong.
+        UsageError: it cannot be read, or is not a trace.
+    """
+    recording = _opened(source, time, unit, ports)
+    if run is None and "run" not in recording.columns:
+        return recording
+    from tachk.recordings.traces.logs.several_runs import one_run
+
+    return one_run(recording, run)
+
+
+def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.recordings.traces.trace import Trace
+    from tachk.recordings.traces.trace_arrays import open_table
+
+    if isinstance(source, (list, tuple)) and source and not any(isinstance(row, Mapping) for row in source):
+        from tachk.recordings.traces.logs.joined import join
+
+        return join([open_trace(each, time, unit, ports) for each in source])
+    path = None if isinstance(source, Trace) or not isinstance(source, (str, os.PathLike)) else Path(source)
+    if ports and (path is None or path.suffix.lower() not in PACKETS.suffixes):
+        raise UsageError(
+            "a port says something of captures of packets only", f"these end with {' or '.join(PACKETS.suffixes)}"
+        )
+    if isinstance(source, Trace):
+        return _Ready(source)
+    if path is None:
+        return open_table(source, time, unit)
+    if os.path.isdir(path):  # unlike Path.is_dir false for a name that is too long
+        if (path / "metadata.yaml").is_file():
+            return _bag(path, time, unit, ports)
+        return _bag_without_metadata(path, time, unit, ports)
+    known = _format_of(path)
+    if known is not None:
+        return known.open(path, time, unit, ports)
+    if not path.suffix or not os.path.isfile(path):
+        return CSV.open(path, time, unit, ports)
+    raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")
+
+
+def _bag_without_metadata(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    """The file of a bag whose recorder was stopped before it wrote `metadata.yaml`. Raises UsageError."""
+    parts = sorted(each for suffix in (".mcap", ".db3") for each in path.glob(f"*{suffix}"))
+    if not parts:
+        raise UsageError(f"{path} is a folder, not a trace", "a bag of ROS 2 is one with metadata.yaml")
+    if len(parts) > 1:
+        raise UsageError(
+            f"{path} is a bag of several files without metadata.yaml", f"make that with: ros2 bag reindex {path}"
+        )
+    return _opened(parts[0], time, unit, ports)
+
+
+def _format_of(path: Path) -> TraceFormat | None:
+    """By the ending of a file; None for one that is not known. Raises UsageError for what is not read compressed."""
+    known = next((each for each in FORMATS if plain_suffix(path) in each.suffixes), None)
+    if known is not None and is_compressed(path) and not known.compressed:
+        names = [each.name for each in FORMATS if each.compressed]
+        raise UsageError(
+            f"{path}: {known.name} files are not read compressed", f"decompress it; only {', '.join(names)} are"
+        )
+    return known

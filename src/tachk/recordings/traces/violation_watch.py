@@ -1,0 +1,102 @@
+"""All violations of formulas on a trace that grows, those of each part in the order of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tachk.recordings.traces.monitor_group import open_group
+from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind
+from tachk.recordings.traces.trace import Ticks
+from tachk.recordings.traces.violations import Obligation, obligations
+
+
+@dataclass(frozen=True, slots=True)
+class ViolationChange:
+    """A violation has become known, or has ended.
+
+    Attributes:
+        formula: its number.
+        part: the text of what has to be true.
+        first: the first cell without it.
+        end: the cell behind the last one; None: it goes on.
+    """
+
+    formula: int
+    part: str
+    first: int
+    end: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    formula: int
+    text: str
+    asked: Obligation
+
+
+class ViolationWatch:
+    """Watches what has to be true always by itself, so that it goes on where the verdict is decided.
+
+    A violation is told when all that is before it is decided. The rows are those of a `Monitor`, which has checked
+    them. Memory is bounded as that of the monitor is, if what is found is taken.
+    """
+
+    def __init__(
+        self,
+        programs: Sequence[MonitorProgram],
+        columns: Sequence[str],
+        *,
+        decimals: int,
+        parts: int,
+        exact: Callable[[Any], int],
+    ) -> None:
+        """Args: see `open_group`."""
+        found = [
+            (_Part(number, program.nodes[asked.node].text, asked), _always(program, asked.node))
+            for number, program in enumerate(programs)
+            for asked in obligations(program)
+        ]
+        self._parts = [part for part, _ in found]
+        self._told: list[int | None] = [None] * len(found)
+        self._group = open_group(
+            [program for _, program in found],
+            columns,
+            all_violations=True,
+            decimals=decimals,
+            parts=parts,
+            exact=exact,
+        )
+        self.update = self._group.update
+        self.advance = self._group.advance
+        self.finish = self._group.finish
+
+    def push(self, times: Ticks, columns: Mapping[str, Any], factor: int) -> None:
+        self._group.push(times, columns, factor)
+
+    def take(self) -> Iterator[ViolationChange]:
+        """What has become known since the last call: where violations begin, and where they end."""
+        for number, part in enumerate(self._parts):
+            for begin, behind in self._group.take_violations(number):
+                first = max(begin, part.asked.first)
+                end = behind if part.asked.last is None else min(behind, part.asked.last + 1)
+                if first < end:
+                    yield from self._begins(number, first)
+                    yield ViolationChange(part.formula, part.text, first, end)
+                self._told[number] = None
+            since = self._group.violated_since(number)
+            if since is not None and since >= part.asked.first:
+                if part.asked.last is None or since <= part.asked.last:
+                    yield from self._begins(number, since)
+
+    def _begins(self, number: int, first: int) -> Iterator[ViolationChange]:
+        if self._told[number] != first:
+            self._told[number] = first
+            yield ViolationChange(self._parts[number].formula, self._parts[number].text, first, None)
+
+
+def _always(program: MonitorProgram, node: int) -> MonitorProgram:
+    """That a node is true at every instant."""
+    nodes = (*program.nodes[: node + 1], MonitorNode(NodeKind.ALWAYS, (node,), text=f"G ({program.nodes[node].text})"))
+    return replace(program, nodes=nodes)

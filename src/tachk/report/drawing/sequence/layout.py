@@ -1,0 +1,417 @@
+"""Where everything of a sequence chart stands.
+
+Lifelines stand side by side, far enough apart for the labels between them. Time goes down, in one of two ways.
+Compressed: every message gets a line of its own, with a little more room the longer nothing happens. To scale: equal
+times are equal lengths, and labels that would stand on one another move apart, each with a line to its arrow. In both,
+long silences are cut out and marked.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from itertools import pairwise
+from math import log10
+from statistics import median
+
+from tachk.formats.layout.label_text import text_width
+from tachk.report.drawing.sequence.chart import Chart, Message, Moment, Note, Phase, begun, moments
+
+LINE = 17
+"""From one label to the next one below it."""
+
+_APART = LINE - 2
+"""The same where labels had to move; more than the height of a text."""
+
+_NEAR = 400
+"""Labels placed before that may still be in the way."""
+
+HEADER = 44
+"""From the top of the lifelines to the first event."""
+
+_FOOTER = 24
+_NARROWEST, _WIDEST = 130, 330
+_AROUND = 26
+_TIMES = 92
+"""The column of times, at the left."""
+
+_ARRIVAL = 7
+"""A message that takes time arrives at least so far below the place where it was sent."""
+
+_FAR = 12 * LINE
+"""The end of an arrow that is longer downwards gets a label, too."""
+
+_CROSSED = 10
+"""More room below the cross of a lost message."""
+
+_NOTED = 8
+"""More room below a note, which stands in the middle of its line."""
+
+_BREAK = 30
+_QUIET = 6
+"""A silence is long if it takes so many times as long as the usual time between two events, and"""
+
+_PARTS = 40
+"""if fewer of them than this make up the whole time."""
+
+_FEW, _MUCH, _PART = 4, 3, 5
+"""To scale, at most four silences are left out, that are three times as long as others and a fifth of all others."""
+
+_TALLEST = 2400
+"""A chart to scale gets about so high, unless its labels need more."""
+
+
+class TimeAxis(StrEnum):
+    """How time goes down."""
+
+    COMPRESSED = "compressed"
+    SCALE = "scale"
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """A message from a point to others; a cross stands at the end of one that is lost.
+
+    Attributes:
+        x, y: where it is sent.
+        ends: where it arrives: x and y, the first arrival first, for each receiver.
+        copies: the same of further arrivals.
+    """
+
+    message: Message
+    x: int
+    y: float
+    ends: tuple[tuple[float, float], ...]
+    copies: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A text with its anchor at the left (``start``), right (``end``) or ``middle``; y is its base line.
+
+    Attributes:
+        style: a class of the picture's style.
+        pointer: where a line leads to from the label; None if it stands where it belongs.
+        full: the whole text where it was cut off.
+    """
+
+    text: str
+    x: float
+    y: float
+    anchor: str
+    style: str
+    pointer: tuple[float, float] | None = None
+    full: str = ""
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, top, right, bottom."""
+        width = text_width(self.text)
+        left = {"start": self.x, "end": self.x - width, "middle": self.x - width / 2}[self.anchor]
+        return left, self.y - 11, left + width, self.y + 3
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A phase along a lifeline, from one y to another."""
+
+    phase: Phase
+    x: int
+    top: float
+    bottom: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """A silence that was cut out, from one y to another."""
+
+    top: float
+    bottom: float
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """A chart with places for everything.
+
+    Attributes:
+        lifelines: the x of each.
+        width, height: of the picture.
+    """
+
+    chart: Chart
+    lifelines: tuple[int, ...]
+    arrows: tuple[Arrow, ...]
+    labels: tuple[Label, ...]
+    bands: tuple[Band, ...]
+    cuts: tuple[Cut, ...]
+    width: int
+    height: int
+
+
+def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> Layout:
+    """Finds a place for everything. No two labels overlap."""
+    xs = _columns(chart)
+    rows = _Rows(chart, axis)
+    arrows = tuple(_arrow(message, rows, xs) for message in chart.messages)
+    labels = _apart([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()])
+    bands = tuple(
+        Band(phase, xs[phase.lifeline], rows.at(phase.begin), max(rows.at(phase.end), rows.at(phase.begin) + LINE))
+        for phase in chart.phases
+    )
+    lowest = max([rows.bottom, *(label.y for label in labels), *(band.bottom for band in bands)])
+    right = max([xs[-1] + 60 if xs else 200, *(label.box[2] for label in labels)])
+    return Layout(chart, xs, arrows, tuple(labels), bands, tuple(rows.cuts), int(right + 16), int(lowest + _FOOTER))
+
+
+def _columns(chart: Chart) -> tuple[int, ...]:
+    """Where lifelines stand: labels and names fit between them."""
+    count = len(chart.lifelines)
+    lanes = [float(_NARROWEST)] * max(count - 1, 0)
+    for lane in range(count - 1):
+        names = text_width(chart.lifelines[lane]) + text_width(chart.lifelines[lane + 1])
+        lanes[lane] = max(lanes[lane], names / 2 + 40)
+    for event in chart.events:
+        beside = _lane(event)
+        if beside is not None and 0 <= beside < count - 1:
+            lanes[beside] = max(lanes[beside], min(text_width(_shown(event)), _WIDEST) + _AROUND)
+    xs = [_times_width(chart) + (text_width(chart.lifelines[0]) // 2 + 24 if count else 0)]
+    for lane_width in lanes:
+        xs.append(round(xs[-1] + lane_width))
+    return tuple(xs[:count])
+
+
+def _times_width(chart: Chart) -> int:
+    """The width of the column of times, which begins with tags."""
+    tags = max((text_width(message.tag) for message in chart.messages), default=0)
+    found = [begun(event).time for event in chart.events]
+    whole = [max(found) - min(found)] if found else []
+    times = max((text_width(f"{decimal(time)} {chart.unit}") for time in (*found, *whole)), default=0)
+    return max(times + 40, _TIMES) + (tags + 10 if tags else 0)
+
+
+def _lane(event: Message | Note) -> int | None:
+    """Between which lifelines the label of an event stands: those with this number and the next."""
+    if isinstance(event, Note):
+        return None if event.lifeline is None else event.lifeline
+    furthest = max(event.receivers, key=lambda each: abs(each - event.sender), default=event.sender)
+    return event.sender if furthest >= event.sender else event.sender - 1
+
+
+def _shown(event: Message | Note) -> str:
+    """What stands at an event."""
+    if isinstance(event, Note):
+        return _cut(event.text)
+    said = event.label
+    if event.is_repeated:
+        said += " again"
+    if event.is_lost:
+        said += " lost"
+    if event.is_under_way:
+        said += " sent before"
+    elif len(event.arrivals) > 1:
+        said += f" ×{len(event.arrivals)}"
+    return _cut(said)
+
+
+def _cut(text: str) -> str:
+    """As much of a text as fits between two lifelines."""
+    if text_width(text) <= _WIDEST:
+        return text
+    kept = len(text)
+    while kept > 1 and text_width(text[:kept] + "…") > _WIDEST:
+        kept -= 1
+    return text[:kept].rstrip() + "…"
+
+
+class _Rows:
+    """Which moment is how far down.
+
+    Attributes:
+        cuts: silences that are left out.
+        bottom: of the last line.
+    """
+
+    def __init__(self, chart: Chart, axis: TimeAxis) -> None:
+        self._chart = chart
+        self._right = _times_width(chart) - 16
+        self.cuts: list[Cut] = []
+        self._cut_times: list[tuple[float, str]] = []
+        self._moments = sorted({moment for event in chart.events for moment in moments(event)})
+        if axis is TimeAxis.SCALE:
+            self._ys = list(self._to_scale())
+        else:
+            self._ys = list(self._compressed())
+        self.bottom = (self._ys[-1] if self._ys else HEADER) + LINE
+
+    def _compressed(self) -> Iterator[float]:
+        """Every event begins a line of its own; arrivals stand between the lines."""
+        begins = {begun(event) for event in self._chart.events}
+        gaps = [b.time - a.time for a, b in pairwise(sorted(begins)) if b.time > a.time]
+        usual = median(gaps) if gaps else Fraction(1)
+        quiet = max(_QUIET * usual, sum(gaps, Fraction(0)) / _PARTS)
+        below = {message.sent: _CROSSED for message in self._chart.messages if message.is_lost}
+        below |= {event.moment: _NOTED for event in self._chart.events if isinstance(event, Note)}
+        y = float(HEADER)
+        last: Moment | None = None
+        for moment in self._moments:
+            if last is not None:
+                gap = moment.time - last.time
+                if gap > quiet:
+                    y = self._cut(y, gap)
+                else:
+                    y += LINE if moment in begins else _ARRIVAL
+                    y += log10(1 + float(gap / usual)) * 10 if gap else 0.0
+                y += below.get(last, 0)
+            last = moment
+            yield y
+
+    def _cut(self, top: float, gap: Fraction) -> float:
+        """Leaves a silence out; how far down it ends."""
+        middle = top + _BREAK / 2 + 3
+        self.cuts.append(Cut(middle - 5, middle + 5))
+        self._cut_times.append((middle + 4, f"{decimal(gap)} {self._chart.unit}".rstrip()))
+        return top + _BREAK + 6
+
+    def _to_scale(self) -> Iterator[float]:
+        gaps = [b.time - a.time for a, b in pairwise(self._moments)]
+        longest = _longest_shown(gaps)
+        shown = sum((gap for gap in gaps if gap <= longest), Fraction(0))
+        wanted = min(max(len(self._chart.events) * LINE * 1.6, 200), _TALLEST)
+        scale = wanted / float(shown) if shown else 1.0
+        y = float(HEADER)
+        for number in range(len(self._moments)):
+            if number:
+                gap = gaps[number - 1]
+                y = self._cut(y, gap) if gap > longest else y + float(gap) * scale
+            yield y
+
+    def at(self, moment: Moment) -> float:
+        """How far down a moment is; between two that are known, as far as it is between them."""
+        number = bisect_right(self._moments, moment)
+        if not number:
+            return HEADER - LINE / 2
+        if number == len(self._moments) or self._moments[number - 1] == moment:
+            return self._ys[number - 1]
+        (begin, _), (end, _) = self._moments[number - 1], self._moments[number]
+        part = float((moment.time - begin) / (end - begin)) if end > begin else 0.5
+        return self._ys[number - 1] + part * (self._ys[number] - self._ys[number - 1])
+
+    def times(self) -> Iterator[Label]:
+        """The times of events, as far as there is room; those at the same time are told once."""
+        last_y, last_time = float("-inf"), None
+        if any(message.tag for message in self._chart.messages):
+            yield Label("packet", 16, HEADER / 2 - 5, "start", "gap")
+        for event in self._chart.events:
+            moment = begun(event)
+            y = self.at(moment)
+            if y - last_y < LINE - 3 or (isinstance(event, Message) and event.is_under_way):
+                continue
+            if isinstance(event, Message) and event.tag:
+                yield Label(event.tag, 16, y + 4, "start", "gap")
+            if moment.time != last_time:
+                text = f"{decimal(moment.time)} {self._chart.unit}".rstrip()
+                yield Label(text, self._right, y + 4, "end", "time")
+            last_y, last_time = y, moment.time
+
+    def cut_texts(self) -> Iterator[Label]:
+        for y, text in self._cut_times:
+            yield Label(text, self._right, y, "end", "gap")
+
+
+def _longest_shown(gaps: Sequence[Fraction]) -> Fraction:
+    """Silences that are longer are left out: those few that are much longer than others and take much of the chart."""
+    longest = sorted(gaps, reverse=True)
+    shown = longest[0] if longest else Fraction(0)
+    for left_out in range(1, min(_FEW, len(longest) - 1) + 1):
+        shortest, rest = longest[left_out - 1], longest[left_out:]
+        if shortest >= _MUCH * rest[0] > 0 and shortest * _PART > sum(rest):
+            shown = rest[0]
+    return shown
+
+
+def _arrow(message: Message, rows: _Rows, xs: Sequence[int]) -> Arrow:
+    x, y = xs[message.sender], rows.at(message.sent)
+    if not message.arrivals:
+        ends = tuple((x + (xs[one] - x) * 0.62, y + _ARRIVAL) for one in message.receivers[:1])
+        return Arrow(message, x, y, ends, ())
+    first, *others = message.arrivals
+    ends = tuple((float(xs[one]), rows.at(first)) for one in message.receivers)
+    copies = tuple((float(xs[one]), rows.at(moment)) for moment in others for one in message.receivers)
+    return Arrow(message, x, y, ends, copies)
+
+
+def _labels(chart: Chart, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
+    left = _times_width(chart)
+    for event in chart.events:
+        y = rows.at(begun(event))
+        text = _shown(event)
+        if isinstance(event, Note):
+            middle = max((xs[0] + xs[-1]) / 2 if xs else 0.0, left + text_width(text) / 2)
+            x = xs[event.lifeline] + 12 if event.lifeline is not None else middle
+            anchor = "middle" if event.lifeline is None else "start"
+            yield Label(text, x, y + 4, anchor, "note", None, "" if text == event.text else event.text)
+            continue
+        furthest = max(event.receivers, key=lambda each: abs(each - event.sender), default=event.sender)
+        style = "lost" if event.is_lost else event.category.value
+        full = event.detail
+        yield from _late_arrivals(event, rows, xs)
+        if furthest >= event.sender:
+            yield Label(text, xs[event.sender] + 10, y - 4, "start", style, None, full)
+        else:
+            yield Label(text, xs[event.sender] - 10, y - 4, "end", style, None, full)
+
+
+def _late_arrivals(message: Message, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
+    """Labels at the ends of long arrows, whose beginnings are out of sight."""
+    sent = rows.at(message.sent)
+    for number, moment in enumerate(message.arrivals):
+        y = rows.at(moment)
+        if not (message.is_under_way and number == 0) and y - sent < _FAR:
+            continue
+        text = _cut(f"{message.label} comes again" if number else f"{message.label} comes")
+        for receiver in message.receivers[:1]:
+            right = receiver >= message.sender
+            x, anchor = (xs[receiver] - 10, "end") if right else (xs[receiver] + 10, "start")
+            yield Label(text, x, y - 4, anchor, message.category.value, None, message.detail)
+
+
+def _apart(labels: Sequence[Label]) -> list[Label]:
+    """Labels that would overlap others move down, and get a line to where they belong."""
+    placed: list[Label] = []
+    lowest: dict[tuple[float, str], float] = {}
+    for label in sorted(labels, key=lambda each: each.y):
+        moved = _free(label, placed, lowest)
+        placed.append(moved)
+        lowest[label.x, label.anchor] = moved.y
+    return placed
+
+
+def _free(label: Label, placed: Sequence[Label], lowest: Mapping[tuple[float, str], float]) -> Label:
+    y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + _APART)
+    moved = label if y == label.y else _at(label, y)
+    while above := [other for other in placed[-_NEAR:] if overlap(moved, other)]:
+        moved = _at(label, max(other.y for other in above) + _APART)
+    return moved
+
+
+def _at(label: Label, y: float) -> Label:
+    pointer = (label.x, label.y + 4) if y - label.y > LINE / 2 else None
+    return Label(label.text, label.x, y, label.anchor, label.style, pointer, label.full)
+
+
+def overlap(one: Label, other: Label) -> bool:
+    """Whether the boxes of two labels have a point in common."""
+    left, top, right, bottom = one.box
+    left_2, top_2, right_2, bottom_2 = other.box
+    return left < right_2 and left_2 < right and top < bottom_2 and top_2 < bottom
+
+
+def decimal(time: Fraction) -> str:
+    """A time with at most one decimal where it is long, and three digits that matter where it is short."""
+    value = float(time)
+    if value == int(value):
+        return f"{int(value)}"
+    return f"{value:.1f}" if value >= 10 else f"{value:.3g}"

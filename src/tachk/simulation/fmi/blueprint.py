@@ -1,0 +1,37 @@
+"""The file from which the library of a unit knows its network: 64-bit numbers, which `src/core/fmi/blueprint.cpp`
+reads."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+
+from tachk.base.records import dataclass
+from tachk.engine.program_image import encode
+from tachk.engine.simulation.simulator import chances_image
+from tachk.simulation.fmi.unit import Unit
+
+NAME = "network.bin"
+_MAGIC = int.from_bytes(b"tachk.1\n", "little")
+
+
+@dataclass(frozen=True, slots=True)
+class Blueprint:
+    """Attributes:
+    token: what the description names, so that both stay together.
+    """
+
+    content: bytes
+    token: str
+
+
+def blueprint(unit: Unit) -> Blueprint:
+    """The file of a unit."""
+    variables = [number for each in unit.variables for number in (each.role, each.kind, each.number, each.target)]
+    numbers = [unit.second.denominator, unit.second.numerator, unit.nudge]
+    for sequence in (variables, encode(unit.program, ()), list(chances_image(unit.chances))):
+        numbers += (len(sequence), *sequence)
+    body = struct.pack(f"<{len(numbers)}q", *numbers)
+    fingerprint = hashlib.sha256(body).digest()[:16]
+    words = struct.unpack(">2q", fingerprint)
+    return Blueprint(struct.pack("<3q", _MAGIC, *words) + body, fingerprint.hex())

@@ -1,0 +1,219 @@
+"""What a unit for co-simulation consists of: a network, and the variables that a master sees."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from enum import IntEnum
+from fractions import Fraction
+from functools import partial, reduce
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.time_units import length_of
+from tachk.engine.compiler.features import check_units
+from tachk.engine.compiler.lower import lower_simulation
+from tachk.engine.compiler.program import Chances, Program
+from tachk.engine.simulation.policy import Policy
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest
+from tachk.model.floating import DOUBLE
+from tachk.model.network import Network
+from tachk.model.types import BoolType, leaves
+from tachk.simulation.columns import Column, all_columns, observed
+from tachk.simulation.fmi.surroundings import OUTSIDE, SENT, Opened, open_network
+
+_NANOSECONDS = 10**9
+_COMMITTED = "committed"
+
+
+class Role(IntEnum):
+    """What a variable stands for: `src/core/fmi/blueprint.hpp` has the same list."""
+
+    TIME = 0
+    SEED = 1
+    RUN = 2
+    POLICY = 3
+    TRANSITIONS = 4
+    OBSERVED = 5
+    INPUT = 6
+    HEARS = 7
+    SENDS = 8
+
+
+class Kind(IntEnum):
+    """The type of a variable, in the order of `src/core/fmi/blueprint.hpp`."""
+
+    REAL = 0
+    INTEGER = 1
+    TRUTH = 2
+    ENUMERATION = 3
+    NATURAL = 4
+    CLOCK = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of a unit; its place is its value reference.
+
+    Attributes:
+        number: which one it is among those of its role; of an input its slot.
+        target: of an input: the slot of the variable whose value it is; -1 if that does not last.
+        labels: of an enumeration, from 0 on.
+        start: what it has before it is set, if it can be.
+        bounds: the least and the largest value, where known.
+    """
+
+    name: str
+    role: Role
+    kind: Kind
+    number: int = 0
+    labels: tuple[str, ...] = ()
+    start: int | None = None
+    bounds: tuple[int, int] | None = None
+    target: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """Attributes:
+    name: of the model, an identifier of C.
+    second: how many ticks are a second.
+    nudge: the edge by which the surroundings change inputs without sending anything; -1 if there are no inputs.
+    """
+
+    name: str
+    program: Program
+    chances: Chances
+    variables: tuple[Variable, ...]
+    second: Fraction
+    nudge: int = -1
+
+
+def closed_unit(network: Network, name: str) -> Unit:
+    """A network without surroundings. Raises UnsupportedError for what is not simulated."""
+    check_units(network)
+    columns = all_columns(network)
+    program, chances = lower_simulation(network, observed(columns))
+    return Unit(
+        identifier(name),
+        program,
+        chances,
+        (*common(), *observations(columns, program)),
+        ticks_of_a_second(network),
+    )
+
+
+def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -> Unit:
+    """Some processes of a network, with variables and channels that lead out of it.
+
+    Args:
+        clocks: channels are clocks; otherwise they are numbers of messages.
+
+    Raises UsageError for a part that cannot run on its own, and UnsupportedError for what is not simulated.
+    """
+    check_units(network)
+    for column in all_columns(network):
+        if column.name == _COMMITTED or column.name.startswith((OUTSIDE, SENT)):
+            raise UsageError(
+                f"units of parts have {column.name} for something else", "choose another name in the model"
+            )
+    opened = open_network(network, names)
+    columns = [column for column in all_columns(opened.network) if not column.name.startswith(OUTSIDE)]
+    columns.append(Column(_COMMITTED, _is_committed(opened.network), truth=True))
+    program, chances = lower_simulation(opened.network, observed(columns))
+    last = len(opened.network.processes) - 1
+    numbers = {edge.edge: n for n, edge in enumerate(program.edges) if edge.process == last}
+    kind, start = (Kind.CLOCK, None) if clocks else (Kind.INTEGER, 0)
+    return Unit(
+        identifier(name),
+        program,
+        chances,
+        (
+            *common(),
+            *observations(columns, program),
+            *_inputs(opened, program),
+            *(Variable(f"{channel}?", Role.HEARS, kind, numbers[edge], start=start) for channel, edge in opened.hears),
+            *(Variable(f"{channel}!", Role.SENDS, kind, numbers[edge]) for channel, edge in opened.sends),
+        ),
+        ticks_of_a_second(network),
+        numbers[opened.nudge],
+    )
+
+
+def _is_committed(network: Network) -> Expression:
+    """Whether some process is where others must wait for it."""
+    tests: list[Expression] = [
+        LocationTest(number, place)
+        for number, process in enumerate(network.processes)
+        for place, location in enumerate(process.locations)
+        if location.committed
+    ]
+    return reduce(partial(Binary, BinaryOperator.OR, type=BOOL), tests) if tests else Constant(0, BOOL)
+
+
+def _inputs(opened: Opened, program: Program) -> Iterator[Variable]:
+    """The cells of the inputs, each with its slot and that of the variable that it is for."""
+    network = opened.network
+    slots: dict[str, int] = {}
+    for variable in network.all_variables():
+        for path, _ in leaves(variable.type):
+            slots[variable.name + path] = len(network.processes) + len(slots)
+    for input_, variable in opened.inputs:
+        for path, type_ in leaves(variable.type):
+            slot = slots[input_.name + path]
+            known, truth = program.slots[slot], isinstance(type_, BoolType)
+            yield Variable(
+                input_.name + path,
+                Role.INPUT,
+                Kind.TRUTH if truth else Kind.INTEGER,
+                slot,
+                start=known.initial,
+                bounds=None if truth else (known.low, known.high),
+                target=-1 if network.resets(variable) else slots[variable.name + path],
+            )
+
+
+def identifier(name: str) -> str:
+    """A name that a C compiler and a file system take."""
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return plain if plain[:1].isalpha() else f"model_{plain}"
+
+
+def ticks_of_a_second(network: Network) -> Fraction:
+    """Time is in seconds; in a model without a unit of time, 1 is a second."""
+    length = length_of(network.time_unit) if network.time_unit else None
+    return Fraction(TICKS_PER_UNIT) * (1 if length is None else Fraction(_NANOSECONDS) / length)
+
+
+def common() -> tuple[Variable, ...]:
+    """What every unit has."""
+    policies = tuple(policy.value for policy in Policy)
+    return (
+        Variable("time", Role.TIME, Kind.REAL),
+        Variable("seed", Role.SEED, Kind.NATURAL, start=0),
+        Variable("run", Role.RUN, Kind.NATURAL, start=0),
+        Variable("policy", Role.POLICY, Kind.ENUMERATION, labels=policies, start=0),
+        Variable("transitions", Role.TRANSITIONS, Kind.NATURAL),
+    )
+
+
+def observations(columns: Sequence[Column], program: Program) -> Iterator[Variable]:
+    """What can be seen of a run, under the names that it has in a recording."""
+    taken = {variable.name for variable in common()}
+    for number, column in enumerate(columns):
+        name = f"model.{column.name}" if column.name in taken else column.name
+        kind, bounds = _kind(column), None
+        if kind is Kind.INTEGER and isinstance(column.value, int):
+            slot = program.slots[column.value]
+            bounds = slot.low, slot.high
+        yield Variable(name, Role.OBSERVED, kind, number, column.labels, bounds=bounds)
+
+
+def _kind(column: Column) -> Kind:
+    if column.labels:
+        return Kind.ENUMERATION
+    if column.truth:
+        return Kind.TRUTH
+    return Kind.INTEGER if isinstance(column.value, int) or column.value.type != DOUBLE else Kind.REAL

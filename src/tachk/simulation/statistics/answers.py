@@ -1,0 +1,137 @@
+"""Answers to the statistical queries among the queries of a model or of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import field, replace
+from time import process_time
+
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
+from tachk.base.records import dataclass
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.engine.outcome import INTERRUPTED
+from tachk.engine.simulation.simulator import Ending
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
+from tachk.frontend.queries.statistical import read_statistical
+from tachk.model.query import Expectation, Query
+from tachk.simulation.statistics.deciding import Decision
+from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Settings, Split, estimate
+from tachk.simulation.statistics.sampling import Sample
+
+
+@dataclass(frozen=True, slots=True)
+class StatisticalAnswer:
+    """What was found for one query.
+
+    Attributes:
+        number: of the query among all of its run, from 1.
+        settings: how sure the answer is to be.
+        found: None where there is no answer.
+        reason: why there is none, else empty.
+        seconds: of the processor.
+    """
+
+    query: UncheckedQuery
+    number: int
+    settings: Settings = field(repr=False)
+    found: Estimate | None
+    reason: str = ""
+    seconds: float = 0.0
+
+    @property
+    def judged(self) -> bool:
+        """Whether the answer counts: it is the outcome of a test, or something is expected of it."""
+        return self.found is None or isinstance(self.found, Decided) or self.query.expectation is not None
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the answer is as expected (see `as_expected`); None where there is none."""
+        return None if self.found is None else as_expected(self.found, self.query.expectation)
+
+
+def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None:
+    """Whether an answer is the expected one: of a test without an expectation, whether it holds. None: no decision.
+
+    UPPAAL calls every probability, mean and trajectory that it could find satisfied. So these hold, and cannot fail;
+    but trajectories that a condition picks fail where there is none.
+    A run-time error in a run is never as expected.
+    """
+    if has_run_time_error(found):
+        return False
+    if isinstance(found, Drawn) and found.picked is not None:
+        return expectation is None or (expectation is Expectation.HOLDS) is bool(found.runs)
+    if not isinstance(found, Decided):
+        return expectation is not Expectation.FAILS
+    if found.decision is Decision.UNKNOWN:
+        return None
+    return found.decision.value == (expectation or Expectation.HOLDS).value
+
+
+def has_run_time_error(found: Estimate) -> bool:
+    """Whether some run ended with one."""
+    return any(sample.endings[Ending.FAULT] for sample in samples_of(found))
+
+
+def samples_of(found: Estimate) -> Sequence[Sample]:
+    """The samples behind an answer, where it has any."""
+    match found:
+        case Decided():
+            return found.samples
+        case Drawn() | Split():
+            return ()
+        case _:
+            return (found.sample,)
+
+
+def answer_statistical(
+    load: Callable[[], LoadedModel],
+    formulas: Sequence[Query | UncheckedQuery],
+    settings: Settings,
+    seconds: float | None = None,
+) -> dict[int, StatisticalAnswer | UncheckedQuery]:
+    """What comes of the statistical queries among formulas, by their numbers from 1: an answer, or the query with the
+    diagnostics that say what is wrong with it or not supported.
+
+    Args:
+        load: reads the model as simulations see it, with floating point variables; called where there is such a query.
+        seconds: for all of them together; None: no limit.
+    """
+    asked = {number: query for number, query in enumerate(formulas, 1) if is_statistical(query)}
+    if not asked:
+        return {}
+    found: dict[int, StatisticalAnswer | UncheckedQuery] = {}
+    reason = ""
+    try:
+        with time_limit(seconds):
+            loaded = load()
+            for number, query in asked.items():
+                found[number] = _answer(loaded, query, number, settings)
+    except InputError as error:
+        return {number: replace(query, diagnostics=error.diagnostics) for number, query in asked.items()}
+    except OutOfTimeError as error:
+        reason = error.reason
+    except KeyboardInterrupt:
+        reason = INTERRUPTED
+    return {
+        number: found.get(number) or StatisticalAnswer(query, number, settings, None, reason)
+        for number, query in asked.items()
+    }
+
+
+def _answer(
+    loaded: LoadedModel, query: UncheckedQuery, number: int, settings: Settings
+) -> StatisticalAnswer | UncheckedQuery:
+    began = process_time()
+    if loaded.refusals:
+        return StatisticalAnswer(query, number, settings, None, loaded.refusals[0].message)
+    try:
+        asked = read_statistical(query, loaded)
+        found = estimate(asked.network or loaded.network, asked, settings)
+    except InputError as error:
+        return replace(query, diagnostics=error.diagnostics)
+    except UnsupportedError as error:
+        return replace(query, diagnostics=(error.diagnostic,))
+    except UsageError as error:
+        return replace(query, diagnostics=(Diagnostic("E0728", error.message, query.span, error.help),))
+    return StatisticalAnswer(query, number, settings, found, seconds=process_time() - began)

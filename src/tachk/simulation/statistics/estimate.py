@@ -1,0 +1,370 @@
+"""Answers to statistical queries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import assert_never
+
+import numpy as np
+
+from tachk.analysis.fold import known_values
+from tachk.analysis.intervals import interval
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.records import dataclass
+from tachk.engine.compiler.features import stopwatches
+from tachk.engine.simulation.trials import Answered
+from tachk.model.clock_sums import advances_clocks
+from tachk.model.expressions import Expression
+from tachk.model.floating import DOUBLE
+from tachk.model.network import Network
+from tachk.model.statistical import (
+    AskedPath,
+    Comparison,
+    Expectation,
+    Probability,
+    Scale,
+    StatisticalQuery,
+    Threshold,
+    Trajectories,
+)
+from tachk.model.types import ClockType
+from tachk.simulation.intervals import clopper_pearson
+from tachk.simulation.statistics.deciding import Decision, Errors, RatioTest, comparison_test, threshold_test
+from tachk.simulation.statistics.judged import sampler_of
+from tachk.simulation.statistics.means import asymptotic_mean, bounded_mean
+from tachk.simulation.statistics.rare import Rare, Splitting, split
+from tachk.simulation.statistics.sampling import Sample, Sampler, Source, value_sampler
+from tachk.simulation.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
+from tachk.simulation.statistics.trajectories import Trajectory, picked, trajectories
+
+_ROUND = 256
+"""How many runs a test draws at once."""
+_SECOND = 2**61
+"""The number of the first run of what another probability is compared with: other runs, and so independent ones."""
+_RUNS_OF_MEANS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How sure an answer is to be.
+
+    Attributes:
+        half_width: of the interval of a probability.
+        runs: how many are drawn, whatever comes of them; None: as many as it takes.
+        most_runs: after which a test without a decision ends.
+        splitting: estimate probabilities by splitting.
+    """
+
+    source: Source = Source()
+    confidence: float = 0.95
+    half_width: float = 0.05
+    runs: int | None = None
+    errors: Errors = Errors()
+    most_runs: int = 1_000_000
+    splitting: Splitting | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Estimated:
+    """A probability.
+
+    Attributes:
+        low, high: they contain it at least with the confidence.
+        method: ``sequential``: as many runs as it took; ``fixed``: a number that was fixed beforehand.
+        always: the sample counts violations of ``[] p``.
+    """
+
+    query: StatisticalQuery
+    sample: Sample
+    low: float
+    high: float
+    method: str
+    always: bool
+
+    @property
+    def frequency(self) -> float:
+        return _frequency(self.sample, self.always)
+
+
+@dataclass(frozen=True, slots=True)
+class Decided:
+    """Whether a probability is large enough.
+
+    Attributes:
+        samples: of the probability, and perhaps of the one that it is compared with.
+        frequencies: how often each was seen.
+        interval: for a number of runs that was fixed beforehand.
+    """
+
+    query: StatisticalQuery
+    decision: Decision
+    samples: tuple[Sample, ...]
+    frequencies: tuple[float, ...]
+    interval: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Mean:
+    """A mean.
+
+    Attributes:
+        low, high: they contain it at least with the confidence, whatever the distribution; None: nothing is known of
+            how large the value may be.
+        asymptotic: what would contain it if there were very many runs.
+        values: where the value certainly lies.
+    """
+
+    query: StatisticalQuery
+    sample: Sample
+    mean: float
+    low: float | None
+    high: float | None
+    asymptotic: tuple[float, float]
+    values: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Split:
+    """A probability that splitting found. The interval would contain it with the confidence if there were very many
+    replications."""
+
+    query: StatisticalQuery
+    rare: Rare
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """Runs that are shown.
+
+    Attributes:
+        picked: where a condition picks them: all runs that were asked.
+        interval: of the probability that the condition becomes true.
+    """
+
+    query: StatisticalQuery
+    runs: tuple[Trajectory, ...]
+    picked: Sample | None = None
+    interval: tuple[float, float] | None = None
+
+
+Estimate = Estimated | Decided | Mean | Split | Drawn
+
+
+def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> Estimate:
+    """The answer to a query.
+
+    Raises:
+        UnsupportedError: the network is not simulated.
+        UsageError: the bound is too long, or the query measures what is not one clock.
+        OutOfTimeError: the limit on time is over.
+    """
+    match query.question:
+        case Probability(path):
+            if settings.splitting is not None:
+                return _split(network, query, path, settings.splitting, settings)
+            return _probability(network, query, path, settings)
+        case Threshold() as threshold:
+            return _threshold(network, query, threshold, settings)
+        case Comparison(first, second):
+            return _comparison(network, query, (first, second), settings)
+        case Expectation() as expectation:
+            return _mean(network, query, expectation, settings)
+        case Trajectories() as asked:
+            return _drawn(network, query, asked, settings)
+        case never:
+            assert_never(never)
+
+
+def _frequency(sample: Sample, always: bool) -> float:
+    """How often a path was true; ``always``: the sample counts those on which it was not."""
+    share = sample.hits / sample.runs
+    return 1 - share if always else share
+
+
+# ---- probabilities --------------------------------------------------------------------------------------------------
+
+
+def _probability(network: Network, query: StatisticalQuery, path: AskedPath, settings: Settings) -> Estimated:
+    sampler = sampler_of(network, path, settings.source)
+    runs = settings.runs or path.runs
+    if runs is None:
+        rule = StoppingRule(settings.confidence, settings.half_width)
+        if rule.looks[-1] <= MOST_RUNS:
+            low, high = _sequential(sampler, rule)
+            return _estimated(query, sampler.sample, low, high, "sequential", path.always)
+        runs = runs_for(settings.confidence, settings.half_width)
+    sample = sampler.draw_up_to(runs)
+    low, high = clopper_pearson(sample.hits, sample.runs, settings.confidence, sample.unknown)
+    return _estimated(query, sample, low, high, "fixed", path.always)
+
+
+def _estimated(
+    query: StatisticalQuery, sample: Sample, low: float, high: float, method: str, always: bool
+) -> Estimated:
+    if always:
+        low, high = 1 - high, 1 - low
+    return Estimated(query, sample, low, high, method, always)
+
+
+def _sequential(sampler: Sampler, rule: StoppingRule) -> tuple[float, float]:
+    """The interval under a rule. Runs that are unknown are read twice, as hits and as none; each reading stops on its
+    own, and gives one end."""
+    readings: dict[bool, tuple[float, float]] = {}
+    for look, runs in enumerate(rule.looks):
+        sample = sampler.draw_up_to(runs)
+        for as_hits in (False, True):
+            hits = sample.hits + (sample.unknown if as_hits else 0)
+            if as_hits not in readings and rule.stops(look, hits):
+                readings[as_hits] = rule.interval(look, hits)
+        if len(readings) == 2:
+            break
+    return readings[False][0], readings[True][1]
+
+
+def _threshold(network: Network, query: StatisticalQuery, asked: Threshold, settings: Settings) -> Decided:
+    path = asked.path
+    runs = settings.runs or path.runs
+    if runs is not None:
+        found = _probability(network, query, path, settings)
+        at_least = _decided(found.low, found.high, asked.probability)
+        decision = at_least if asked.at_least else _at_most(found, asked.probability)
+        return Decided(query, decision, (found.sample,), (found.frequency,), (found.low, found.high))
+    sampler = sampler_of(network, path, settings.source)
+    readings = {as_hit: threshold_test(asked.probability, settings.errors) for as_hit in (False, True)}
+    decision = Decision.UNKNOWN
+    while decision is Decision.UNKNOWN and sampler.sample.runs < settings.most_runs:
+        trials = sampler.draw(min(_ROUND, settings.most_runs - sampler.sample.runs))
+        for answer in trials.answers.tolist():
+            _read(readings, answer, path.always)
+        decision = _agreed(readings)
+    return Decided(
+        query,
+        decision if asked.at_least else _opposite(decision),
+        (sampler.sample,),
+        (_frequency(sampler.sample, path.always),),
+    )
+
+
+def _read(readings: Mapping[bool, RatioTest], answer: int, always: bool) -> None:
+    """Gives a run to both readings: the one that takes an unknown run for a hit, and the other one."""
+    for as_hit, test in readings.items():
+        test.add(as_hit if answer == Answered.UNKNOWN else (answer == Answered.YES) is not always)
+
+
+def _agreed(readings: Mapping[bool, RatioTest]) -> Decision:
+    """It holds if it does although no unknown run is a hit, and fails if it does although all are."""
+    if readings[False].decision is Decision.HOLDS:
+        return Decision.HOLDS
+    return Decision.FAILS if readings[True].decision is Decision.FAILS else Decision.UNKNOWN
+
+
+def _decided(low: float, high: float, probability: float) -> Decision:
+    if low >= probability:
+        return Decision.HOLDS
+    return Decision.FAILS if high < probability else Decision.UNKNOWN
+
+
+def _at_most(found: Estimated, probability: float) -> Decision:
+    if found.high <= probability:
+        return Decision.HOLDS
+    return Decision.FAILS if found.low > probability else Decision.UNKNOWN
+
+
+def _opposite(decision: Decision) -> Decision:
+    match decision:
+        case Decision.HOLDS:
+            return Decision.FAILS
+        case Decision.FAILS:
+            return Decision.HOLDS
+        case Decision.UNKNOWN:
+            return decision
+
+
+def _comparison(
+    network: Network, query: StatisticalQuery, paths: tuple[AskedPath, AskedPath], settings: Settings
+) -> Decided:
+    source = settings.source
+    other = Source(source.seed, source.first + _SECOND, source.threads, source.most_steps)
+    samplers = sampler_of(network, paths[0], source), sampler_of(network, paths[1], other)
+    readings = {as_hit: comparison_test(settings.errors) for as_hit in (False, True)}
+    most = settings.runs or paths[0].runs or settings.most_runs
+    decision = Decision.UNKNOWN
+    while decision is Decision.UNKNOWN and samplers[0].sample.runs < most:
+        count = min(_ROUND, most - samplers[0].sample.runs)
+        pairs = zip(*(sampler.draw(count).answers.tolist() for sampler in samplers), strict=True)
+        for first, second in pairs:
+            _compare(readings, (first, second), paths)
+        decision = _agreed(readings)
+    samples = samplers[0].sample, samplers[1].sample
+    frequencies = tuple(_frequency(sample, path.always) for sample, path in zip(samples, paths, strict=True))
+    return Decided(query, decision, samples, frequencies)
+
+
+def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[AskedPath, AskedPath]) -> None:
+    """Gives a pair of runs to both readings: an unknown run speaks for the first probability, or against it."""
+    for in_favour, test in readings.items():
+        first, second = (
+            is_favoured if answer == Answered.UNKNOWN else (answer == Answered.YES) is not path.always
+            for answer, path, is_favoured in zip(answers, paths, (in_favour, not in_favour), strict=True)
+        )
+        if first is not second:
+            test.add(first)
+
+
+def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, settings: Settings) -> Drawn:
+    sample, numbers = picked(network, asked, settings.source)
+    runs = trajectories(network, asked, settings.source, numbers)
+    if sample is None:
+        return Drawn(query, runs)
+    interval = clopper_pearson(sample.hits, sample.runs, settings.confidence, sample.unknown)
+    return Drawn(query, runs, sample, interval)
+
+
+def _split(
+    network: Network, query: StatisticalQuery, path: AskedPath, splitting: Splitting, settings: Settings
+) -> Split:
+    rare = split(network, path, settings.source, settings.confidence, splitting)
+    reach = rare.half_width(settings.confidence)
+    return Split(query, rare, max(0.0, rare.mean - reach), min(1.0, rare.mean + reach))
+
+
+# ---- means ----------------------------------------------------------------------------------------------------------
+
+
+def _mean(network: Network, query: StatisticalQuery, asked: Expectation, settings: Settings) -> Mean:
+    sampler, largest_reset = value_sampler(network, asked, settings.source)
+    sample = sampler.draw_up_to(settings.runs or asked.runs or _RUNS_OF_MEANS)
+    values = sample.all_values
+    known = values[~np.isnan(values)]
+    mean = float(known.mean()) if len(known) else float("nan")
+    between = value_range(network, asked, largest_reset)
+    low = high = None
+    if between is not None:
+        lowest, highest = (np.where(np.isnan(values), end, values) for end in between)
+        low, high = bounded_mean(lowest, highest, *between, settings.confidence)
+    guess = asymptotic_mean(known, settings.confidence) if len(known) else (-np.inf, np.inf)
+    return Mean(query, sample, mean, low, high, guess, between)
+
+
+def value_range(network: Network, asked: Expectation, largest_reset: int) -> tuple[float, float] | None:
+    """Where what is measured certainly lies; None where that is not known."""
+    value: Expression = asked.value
+    if value.type == DOUBLE:
+        return None
+    if isinstance(value.type, ClockType):
+        if asked.bound.scale is not Scale.TIME or not _clocks_count_time(network) or advances_clocks(network):
+            return None
+        return 0.0, float(asked.bound.limit) + largest_reset
+    low, high = interval(value, known_values(network, [value]))
+    return float(low), float(high)
+
+
+def _clocks_count_time(network: Network) -> bool:
+    """Whether no clock is faster than time."""
+    try:
+        list(stopwatches(network))
+    except UnsupportedError:
+        return False
+    return True

@@ -1,0 +1,172 @@
+"""Runs that are judged by a formula with several temporal operators, as monitors judge recorded traces."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import lcm
+
+import numpy as np
+
+from tachk.base.time_units import length_of
+from tachk.engine.simulation.simulator import Drawing, Ending, Recorded, Simulated
+from tachk.engine.simulation.trials import Answered, Trials
+from tachk.model.expressions import Constant, Expression
+from tachk.model.floating import DOUBLE
+from tachk.model.network import Network
+from tachk.model.run_formulas import RunFormula, RunOperator
+from tachk.model.statistical import AskedPath, FormulaPath, Path
+from tachk.recordings.traces.certainty import is_certainly_false
+from tachk.recordings.traces.core_monitor import monitor_truth
+from tachk.recordings.traces.monitor_program import (
+    UNBOUNDED,
+    MonitorAtom,
+    MonitorNode,
+    MonitorProgram,
+    NodeKind,
+    Relation,
+    ValueInstruction,
+    ValueOperator,
+)
+from tachk.recordings.traces.node_signal import Truth
+from tachk.recordings.traces.trace import Trace
+from tachk.simulation.columns import Column
+from tachk.simulation.runs import Runs
+from tachk.simulation.statistics.sampling import Sampler, Source, path_sampler, reach_of
+
+_ANSWERS = {Truth.TRUE: Answered.YES, Truth.FALSE: Answered.NO, Truth.UNDETERMINED: Answered.UNKNOWN}
+
+
+def sampler_of(network: Network, path: AskedPath, source: Source) -> Sampler:
+    """Runs on which a path is asked. Raises UnsupportedError for what is not simulated, and InputError for a wrong
+    initial value."""
+    return path_sampler(network, path, source) if isinstance(path, Path) else _formula_sampler(network, path, source)
+
+
+def _formula_sampler(network: Network, path: FormulaPath, source: Source) -> Sampler:
+    conditions = tuple(dict.fromkeys(_conditions(path.formula)))
+    columns = [
+        Column(str(number), condition, floating=condition.type == DOUBLE) for number, condition in enumerate(conditions)
+    ]
+    runs = Runs(network, columns)
+    reach = reach_of(path.bound, network, runs.program)
+    assert reach.until is not None
+    drawing = Drawing(
+        source.seed, reach.until, steps=source.most_steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
+    )
+    judge = _Judge(network, path.formula, conditions)
+
+    def trials(numbers: range) -> Trials:
+        drawn = runs.draw(drawing, numbers, Recorded(observed=True))
+        return _trials([(run, judge.truth(runs.trace(run)) if len(run.times) else Truth.UNDETERMINED) for run in drawn])
+
+    return Sampler(trials, source.first, reach.ticks_per_unit)
+
+
+def _trials(judged: list[tuple[Simulated, Truth]]) -> Trials:
+    endings: Counter[Ending] = Counter(run.ending for run, truth in judged if truth is not Truth.TRUE)
+    return Trials(
+        np.array([_ANSWERS[truth] for _, truth in judged], dtype=np.int8),
+        np.array([run.end for run, _ in judged], dtype=np.int64),
+        sum(run.transitions for run, _ in judged),
+        np.full(len(judged), np.nan),
+        dict(endings),
+        next((run.fault for run, _ in judged if run.fault is not None), None),
+    )
+
+
+def _conditions(formula: RunFormula) -> Iterable[Expression]:
+    for operand in formula.operands:
+        if isinstance(operand, RunFormula):
+            yield from _conditions(operand)
+        elif not isinstance(operand, Constant):
+            yield operand
+
+
+@dataclass(slots=True)
+class _Judge:
+    """Attributes:
+    programs: by the ticks of a time unit of the trace.
+    """
+
+    network: Network
+    formula: RunFormula
+    conditions: tuple[Expression, ...]
+    programs: dict[int, MonitorProgram] = field(default_factory=dict)
+
+    def truth(self, trace: Trace) -> Truth:
+        """Whether the formula is true on a run, as `tachk.recordings.monitors.offline` judges it."""
+        program = self._program(trace)
+        finer = trace.refined(program.ticks_per_unit)
+        found = monitor_truth(program, finer).verdict
+        return Truth.UNDETERMINED if found is Truth.FALSE and not is_certainly_false(program, finer) else found
+
+    def _program(self, trace: Trace) -> MonitorProgram:
+        if trace.ticks_per_unit not in self.programs:
+            own, shown = length_of(self.network.time_unit), length_of(trace.unit)
+            unit = Fraction(1) if own is None or shown is None else own / shown
+            bounds = [bound * unit for bound in _bounds(self.formula)]
+            ticks = lcm(trace.ticks_per_unit, *(bound.denominator for bound in bounds))
+            compiler = _RunCompiler(self.conditions, unit * ticks)
+            compiler.node(self.formula)
+            numbers = range(len(self.conditions))
+            columns, atoms = tuple(map(str, numbers)), tuple(map(_atom, numbers))
+            self.programs[trace.ticks_per_unit] = MonitorProgram(columns, atoms, tuple(compiler.nodes), ticks)
+        return self.programs[trace.ticks_per_unit]
+
+
+def _bounds(formula: RunFormula) -> Iterable[Fraction]:
+    yield formula.window.lower
+    if formula.window.upper is not None:
+        yield formula.window.upper
+    for operand in formula.operands:
+        if isinstance(operand, RunFormula):
+            yield from _bounds(operand)
+
+
+def _atom(number: int) -> MonitorAtom:
+    return MonitorAtom(Relation.TRUTH, (ValueInstruction(ValueOperator.COLUMN, float(number)),), (), str(number))
+
+
+@dataclass(slots=True)
+class _RunCompiler:
+    """Attributes:
+    ticks: of a time unit of the model.
+    """
+
+    conditions: tuple[Expression, ...]
+    ticks: Fraction
+    nodes: list[MonitorNode] = field(default_factory=list)
+    numbers: dict[MonitorNode, int] = field(default_factory=dict)
+
+    def node(self, part: RunFormula | Expression) -> int:
+        """The number of the node of a formula or a condition."""
+        if isinstance(part, Constant):  # known also where a run has ended
+            return self._added(MonitorNode(NodeKind.TRUE if part.value else NodeKind.FALSE))
+        if not isinstance(part, RunFormula):
+            return self._added(MonitorNode(NodeKind.ATOM, atom=self.conditions.index(part)))
+        if part.operator is RunOperator.CHANGE:
+            (watched,) = part.operands
+            assert not isinstance(watched, RunFormula)
+            return self._added(MonitorNode(NodeKind.CHANGE, atom=self.conditions.index(watched)))
+        operands = tuple(self.node(operand) for operand in part.operands)
+        window = part.window
+        upper = UNBOUNDED if window.upper is None else int(window.upper * self.ticks)
+        return self._added(
+            MonitorNode(
+                NodeKind[part.operator.name],
+                operands,
+                lower=int(window.lower * self.ticks),
+                upper=upper,
+                lower_closed=window.lower_closed,
+                upper_closed=window.upper_closed,
+            )
+        )
+
+    def _added(self, node: MonitorNode) -> int:
+        if node not in self.numbers:
+            self.numbers[node] = len(self.nodes)
+            self.nodes.append(node)
+        return self.numbers[node]

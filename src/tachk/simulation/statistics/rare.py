@@ -1,0 +1,114 @@
+"""Probabilities of what runs hardly ever reach, by importance splitting.
+
+The levels are distances of discrete states from the goal in the zone graph, in transitions. Each replication is an
+estimate that is right on average; the interval is Student's for the mean of replications that are normally distributed,
+and so no guarantee.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.base.time_limit import check_time
+from tachk.engine.compiler.hybrid import refuse_hybrid
+from tachk.engine.simulation.splitting import Splitter
+from tachk.model.network import Network
+from tachk.model.statistical import AskedPath, Path
+from tachk.simulation.intervals import student_quantile
+from tachk.simulation.statistics.sampling import Source, asked_of, lowered_path, with_elapsed_time
+
+_BATCH = 4
+"""How many replications are made at once."""
+_LEAST = 16
+"""Fewer of them tell nothing of how much they vary."""
+
+
+@dataclass(frozen=True, slots=True)
+class Splitting:
+    """How much is done.
+
+    Attributes:
+        relative: the half-width of the interval, as a share of the probability.
+        effort: runs of each stage.
+        most: replications, after which an estimate ends that is not so narrow.
+        zones: how many are explored for the levels.
+    """
+
+    relative: float = 0.1
+    effort: int = 1000
+    most: int = 1000
+    zones: int = 200_000
+
+
+@dataclass(frozen=True, slots=True)
+class Rare:
+    """What splitting found.
+
+    Attributes:
+        probabilities: of each replication.
+        levels: how many there are.
+        states: discrete ones whose distance was looked for; ``whole``: there are no others.
+        unknown: runs that ended before it was known whether they get nearer to the goal.
+    """
+
+    probabilities: NDArray[np.float64]
+    levels: int
+    states: int
+    whole: bool
+    transitions: int
+    unknown: int
+
+    @property
+    def mean(self) -> float:
+        return float(self.probabilities.mean())
+
+    def half_width(self, confidence: float) -> float:
+        """Of the interval of the mean, if the replications were normally distributed (Student 1908)."""
+        count = len(self.probabilities)
+        deviation = float(self.probabilities.std(ddof=1)) / sqrt(count)
+        return student_quantile(confidence, count - 1) * deviation
+
+
+def split(network: Network, path: AskedPath, source: Source, confidence: float, splitting: Splitting) -> Rare:
+    """The probability of ``<> p`` or ``p U q``.
+
+    Raises:
+        UsageError: the goal is no rare one: it is there at the start, or cannot be reached.
+        OutOfTimeError: the limit on time is over.
+    """
+    if not isinstance(path, Path):
+        raise UsageError(
+            "splitting has no levels for a formula with several temporal operators",
+            "ask without --splitting, or let the model reach a location where the formula is true: Pr[...](<> P.there)",
+        )
+    if path.always:
+        raise UsageError("splitting needs <> or U", "ask for the violation: Pr[...](<> not p)")
+    refuse_hybrid(network, "splitting")
+    network, path = with_elapsed_time(network, path)
+    program, chances = lowered_path(network, path)
+    asked = asked_of(network, path, program)
+    splitter = Splitter(program, chances, splitting.zones)
+    levels = splitter.levels
+    if not levels.reached:
+        whole = "no run reaches the goal" if levels.whole else f"the goal is not among {levels.states} states"
+        raise UsageError(f"there are no levels: {whole}", "ask without --splitting")
+    probabilities: list[float] = []
+    transitions = unknown = 0
+    while True:
+        check_time()
+        numbers = range(len(probabilities), len(probabilities) + _BATCH)
+        for probability, steps, lost in splitter.replications(
+            asked, source.seed, numbers, splitting.effort, source.threads, source.most_steps
+        ):
+            probabilities.append(probability)
+            transitions += steps
+            unknown += lost
+        found = Rare(np.array(probabilities), levels.top, levels.states, levels.whole, transitions, unknown)
+        enough = len(probabilities) >= _LEAST and found.half_width(confidence) <= splitting.relative * found.mean
+        if (enough and found.mean > 0) or len(probabilities) >= splitting.most:
+            return found

@@ -1,0 +1,75 @@
+"""What a file says of a run, before anybody has looked whether it is one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from fractions import Fraction
+
+from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.base.words import Direction
+
+
+@dataclass(frozen=True, slots=True)
+class ClaimedMove:
+    """What a process is said to do.
+
+    Attributes:
+        number: which of its edges from the source to the target, from 1 in the order of the text; None: not told.
+        selects: the values of select variables that are told.
+        direction: of the synchronisation; None if the edge is internal, or nothing is told.
+    """
+
+    process: str
+    source: str
+    target: str
+    number: int | None = None
+    selects: Mapping[str, int] = field(default_factory=dict)
+    direction: Direction | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClaimedState:
+    """What is told of a state, by names; whatever is not named may have any value."""
+
+    locations: Mapping[str, str]
+    variables: Mapping[str, int | bool]
+    clocks: Mapping[str, Fraction]
+    time: Fraction | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A step: first time passes, then processes move.
+
+    Attributes:
+        time: since the start of the run, or, with ``relative``, since the step before.
+        moves: empty where time passes and nothing else happens.
+        channel: as the view of runs names it; empty: none, or it is not told.
+        partial: whether what hidden processes do may be left out.
+        after: the state behind the step, as far as it is told.
+        span: the line that says so; of a report none.
+    """
+
+    time: Fraction
+    relative: bool
+    moves: tuple[ClaimedMove, ...]
+    channel: str = ""
+    partial: bool = False
+    after: ClaimedState | None = None
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClaimedRun:
+    """Attributes:
+    name: of the file.
+    constants: with which values of constants of the model the run was made, as far as it is told.
+    initial: what is told of the first state.
+    """
+
+    name: str
+    constants: Mapping[str, int]
+    claims: tuple[Claim, ...]
+    initial: ClaimedState | None = None

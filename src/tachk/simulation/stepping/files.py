@@ -1,0 +1,60 @@
+"""Files that claim runs, of either form, and the model that they speak of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.engine.compiler.hybrid import refuse_hybrid
+from tachk.formats.written_reports import json_object
+from tachk.model.expressions import Call
+from tachk.model.network import Network
+from tachk.model.traversal import process_expressions, walk, with_bodies
+from tachk.simulation.stepping.claims import ClaimedRun
+from tachk.simulation.stepping.report_file import read_report
+from tachk.simulation.stepping.run_file import SUFFIX, read_run_file
+from tachk.syntax.source_files import LARGEST_RUN, read_source
+
+
+def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
+    """What a file claims. Raises InputError, and UsageError for a file of another kind."""
+    source = read_source(path, "a run", LARGEST_RUN)
+    if not source.text.lstrip().startswith("{"):
+        if prop is not None:
+            raise UsageError(f"{path}: --property chooses among the runs of a report of tachk verify")
+        if path.suffix.lower() in (".xtr", ".xml", ".csv", ".vcd", ".jsonl"):
+            raise UsageError(
+                f"{path}: this is no run that can be replayed",
+                f"give a report of tachk verify --format json, or a run: tachk step saves one, and"
+                f" tachk simulate MODEL -o NAME{SUFFIX} writes it",
+            )
+        return read_run_file(source)
+    document = json_object(source.text, str(path), "a report of tachk verify --format json is expected")
+    return read_report(document, str(path), prop)
+
+
+def check_determined(network: Network) -> None:
+    """Raises UsageError for a model whose steps do not determine its states: its updates draw random numbers; and
+    UnsupportedError for one with hybrid clocks, which the reference semantics does not know."""
+    refuse_hybrid(network, "a replay of runs step by step")
+    expressions = with_bodies(e for process in network.processes for e in process_expressions(process))
+    for node in (node for expression in expressions for node in walk(expression)):
+        if isinstance(node, Call) and node.function.operation is not None and node.function.operation.draws:
+            problem = f"{node.span}: `{node.function.name}` draws a number that no run tells"
+            raise UsageError(problem, "such a model is simulated, but its runs cannot be replayed")
+
+
+def constants_of(run: ClaimedRun, known: Mapping[str, int], given: Mapping[str, object]) -> dict[str, int]:
+    """The constants that the model needs another value of to be the one of the run.
+
+    Args:
+        known: the constants of the model as it is written.
+        given: those that somebody has chosen.
+
+    Raises UsageError for a constant that the model does not have.
+    """
+    missing = [name for name in run.constants if name not in known]
+    if missing:
+        raise UsageError(f"{run.name}: the model has no constant {missing[0]}, so the run is one of another model")
+    return {name: value for name, value in run.constants.items() if known[name] != value and name not in given}

@@ -1,0 +1,115 @@
+"""What can happen next in a run, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+
+from tachk.base.records import dataclass
+from tachk.meaning.run_view import Names
+from tachk.meaning.step import StepError, delay, successors, telling_moments
+from tachk.model.fault import EvaluationFault
+from tachk.model.quantity import decimal
+from tachk.model.run import TimedState, Transition
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """Delays, counted from now.
+
+    Attributes:
+        last: None: without end.
+        first_belongs, last_belongs: whether the ends are among them.
+    """
+
+    first: Fraction
+    last: Fraction | None
+    first_belongs: bool = True
+    last_belongs: bool = True
+
+    def __contains__(self, waited: Fraction) -> bool:
+        begun = waited > self.first or (self.first_belongs and waited == self.first)
+        return begun and (self.last is None or waited < self.last or (self.last_belongs and waited == self.last))
+
+    def __str__(self) -> str:
+        if self.last is None:
+            return f"{'[' if self.first_belongs else '('}{decimal(self.first)}, ∞)"
+        if self.first == self.last:
+            return decimal(self.first)
+        left, right = "[" if self.first_belongs else "(", "]" if self.last_belongs else ")"
+        return f"{left}{decimal(self.first)}, {decimal(self.last)}{right}"
+
+    @property
+    def some(self) -> Fraction:
+        """The first delay; where there is none, a short one."""
+        if self.first_belongs:
+            return self.first
+        return self.first + min(Fraction(1), Fraction(1) if self.last is None else (self.last - self.first) / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A transition, and after which delays it is enabled, in order."""
+
+    transition: Transition
+    windows: tuple[Window, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Offers:
+    """Attributes:
+    delays: how long nothing need happen.
+    faults: run-time errors that some transition would meet.
+    """
+
+    offers: tuple[Offer, ...]
+    delays: Window
+    faults: tuple[EvaluationFault, ...] = ()
+
+
+def offers_of(names: Names, state: TimedState) -> Offers:
+    """What can happen from a state on. Raises EvaluationFault where an invariant cannot be evaluated."""
+    model = names.model
+    moments = telling_moments(model, state, before=None)
+    possible: list[tuple[Fraction, set[Transition]]] = []
+    order: dict[Transition, None] = {}
+    faults: dict[str, EvaluationFault] = {}
+    for moment in moments:
+        try:
+            later = delay(model, state, moment)
+        except StepError:
+            break
+        try:
+            found = [transition for transition, _ in successors(model, later)]
+        except EvaluationFault as fault:
+            faults.setdefault(str(fault), fault)
+            found = []
+        order.update(dict.fromkeys(found))
+        possible.append((moment, set(found)))
+    made = (Offer(t, tuple(_windows(moments, [t in found for _, found in possible]))) for t in order)
+    (delays,) = _windows(moments, [True] * len(possible)) or (Window(Fraction(0), Fraction(0)),)
+    return Offers(tuple(sorted(made, key=_key)), delays, tuple(faults.values()))
+
+
+def _key(offer: Offer) -> tuple[tuple[int, int, tuple[int, ...]], ...]:
+    return tuple((p.process, p.edge, p.selects) for p in offer.transition.participants)
+
+
+def _windows(moments: list[Fraction], holds: Iterable[bool]) -> list[Window]:
+    """The delays at which something holds that is known at the moments: ends of intervals and inner points, in turn."""
+    found: list[Window] = []
+    begun: tuple[Fraction, bool] | None = None
+    known = [*holds, False]
+    for place, held in enumerate(known):
+        is_end = place % 2 == 0
+        if held and begun is None:
+            begun = (moments[place], True) if is_end else (moments[place - 1], False)
+        elif not held and begun is not None:
+            if place == len(moments):
+                found.append(Window(begun[0], None, begun[1], False))
+            elif is_end:  # it held up to this moment, but not at it
+                found.append(Window(begun[0], moments[place], begun[1], False))
+            else:
+                found.append(Window(begun[0], moments[place - 1], begun[1], True))
+            begun = None
+    return found

@@ -1,5 +1,0 @@
-"""For tests of engines: random networks, and the comparison of all engines on one of them."""
-
-from tachk.testing.networks import Case, Shape, cases, random_case
-
-__all__ = ["Case", "Shape", "cases", "random_case"]

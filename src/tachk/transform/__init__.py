@@ -1,0 +1,1 @@
+"""From a network to one with something more or less, and back for its runs."""

@@ -1,0 +1,221 @@
+"""Leaving out processes that can only hinder what counts: a cone of influence by over-approximation.
+
+A *bystander* never makes anything possible for the processes that count, but may keep it from happening: it blocks time
+by an invariant or an urgent location, or all others by a committed one, or uses up a budget. Every run of the network
+is one of the network without bystanders, so what is unreachable there is unreachable. What is reachable there need not
+be.
+
+Influence goes through cells (`tachk.analysis.components`): ``sent[0]`` is not ``sent[1]``. A variable that has its
+initial value whenever a transition begins carries influence only to those that take part in the same one, after the
+writer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import field, replace
+
+from tachk.analysis.components import Cell, Cells, mentioned_cells, places, written_cells
+from tachk.analysis.fold import Known, known_values
+from tachk.base.records import dataclass
+from tachk.base.words import Direction
+from tachk.model.expressions import Expression, Variable
+from tachk.model.network import Edge, Network, Process
+from tachk.model.traversal import process_expressions
+from tachk.transform.cone_of_influence import every_action_counts, held_still, is_broadcast, spectators
+from tachk.transform.monotone_counters import budgets
+
+
+def without_bystanders(network: Network, targets: Sequence[Expression]) -> Network:
+    """The network with every process held in its initial location, unhindering, that no target needs, and without the
+    updates of the others that change nothing a target needs. Run-time errors of what is left out are not looked for.
+
+    Processes and variables keep their numbers. The network comes back as it is where a target speaks of ``deadlock`` or
+    processes or channels have priorities, as there every possible action counts; where a target speaks of nothing, as
+    that is how to ask for the whole state space; and where all bystanders are spectators, which cost nothing.
+    """
+    if every_action_counts(network, targets):
+        return network
+    cone = _cone(network, targets, (), budgets(network, targets))
+    if set(range(len(network.processes))) - cone.members <= spectators(network, targets):
+        return network
+    return _trimmed(network, cone)
+
+
+def bystanders(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> set[int]:
+    """The processes that make nothing possible for what targets need nor for those that are to be kept, and use up no
+    budget of theirs; none where every action counts."""
+    if every_action_counts(network, targets):
+        return set()
+    return set(range(len(network.processes))) - _cone(network, targets, kept).members
+
+
+def only_with(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> Network:
+    """The network with all bystanders held in their initial locations, unhindering, and without the updates of the
+    others that change nothing they need."""
+    return _trimmed(network, _cone(network, targets, kept))
+
+
+def _trimmed(network: Network, cone: _Cone) -> Network:
+    processes = enumerate(network.processes)
+    return replace(network, processes=tuple(cone.trimmed(p) if n in cone.members else _idle(p) for n, p in processes))
+
+
+def _idle(process: Process) -> Process:
+    still = held_still(process)
+    (location,) = still.locations
+    return replace(still, locations=(replace(location, invariant=None, urgent=False, committed=False),))
+
+
+@dataclass(frozen=True, slots=True)
+class _Deeds:
+    """What a process can do to others.
+
+    Attributes:
+        stops_clocks: in some location.
+        writes: cells that hold their values from one transition to the next.
+        sends, receives: channels.
+        commits: channels on which it receives in a committed location, or where it observes.
+        passes: of each edge that receives, the channel, and what it tells those that receive after it.
+    """
+
+    stops_clocks: bool
+    writes: frozenset[Cell]
+    sends: frozenset[Cell]
+    receives: frozenset[Cell]
+    commits: frozenset[Cell]
+    passes: tuple[tuple[frozenset[Cell], frozenset[Cell]], ...]
+
+
+def _deeds(network: Network, process: Process, known: Known, ignored: Collection[Variable]) -> _Deeds:
+    written = written_cells(list(process_expressions(process)), known)
+    sends: set[Cell] = set()
+    receives: set[Cell] = set()
+    commits: set[Cell] = set()
+    passes: list[tuple[frozenset[Cell], frozenset[Cell]]] = []
+    for edge in process.edges:
+        if edge.synchronisation is None:
+            continue
+        channels = _channels(edge, known)
+        if edge.synchronisation.direction is Direction.SEND:
+            sends |= channels
+            continue
+        receives |= channels
+        if process.locations[edge.source].committed or process.locations[edge.source].observes:
+            commits |= channels
+        passed = frozenset(cell for cell in written_cells(edge.updates, known) if network.resets(cell[0]))
+        if passed:
+            passes.append((channels, passed))
+    return _Deeds(
+        any(location.rates for location in process.locations),
+        frozenset(cell for cell in written if not network.resets(cell[0]) and cell[0] not in ignored),
+        frozenset(sends),
+        frozenset(receives),
+        frozenset(commits),
+        tuple(passes),
+    )
+
+
+@dataclass(slots=True)
+class _Cone:
+    """What the targets depend on.
+
+    Attributes:
+        known: the constants of the network.
+        members: the processes that count.
+        processes: those whose locations are tested.
+        cells: what is read.
+        heard: channels on which a member receives.
+        offered: channels on which one sends to a single partner.
+        announced: broadcast channels on which one sends.
+        admitted: those on which one sends from a location that is not committed.
+    """
+
+    known: Known
+    processes: set[int] = field(default_factory=set)
+    cells: Cells = field(default_factory=Cells)
+    members: set[int] = field(default_factory=set)
+    heard: Cells = field(default_factory=Cells)
+    offered: Cells = field(default_factory=Cells)
+    announced: Cells = field(default_factory=Cells)
+    admitted: Cells = field(default_factory=Cells)
+
+    def include(self, expressions: Sequence[Expression]) -> None:
+        processes, cells = mentioned_cells(expressions, self.known)
+        self.processes |= processes
+        self.cells.add(cells)
+
+    def trimmed(self, process: Process) -> Process:
+        """The process without the updates that change nothing in the cone."""
+        return replace(
+            process,
+            edges=tuple(replace(e, updates=tuple(u for u in e.updates if self.changed_by(u))) for e in process.edges),
+        )
+
+    def changed_by(self, update: Expression) -> bool:
+        return self.cells.meets(written_cells([update], self.known))
+
+    def needs(self, number: int, deeds: _Deeds) -> bool:
+        """Whether the process can make something possible for the members."""
+        return (
+            number in self.processes
+            or deeds.stops_clocks
+            or self.cells.meets(deeds.writes)
+            or self.heard.meets(deeds.sends)
+            or self.offered.meets(deeds.receives)
+            # With a receiver in a committed location a broadcast is possible that another committed location forbids.
+            or self.admitted.meets(deeds.commits)
+            or any(self.announced.meets(channels) and self.cells.meets(told) for channels, told in deeds.passes)
+        )
+
+    def add(self, number: int, process: Process) -> None:
+        self.members.add(number)
+        self.include(list(process_expressions(replace(process, edges=tuple(map(_without_updates, process.edges))))))
+        for edge in process.edges:
+            if edge.synchronisation is None:
+                continue
+            channels = _channels(edge, self.known)
+            if edge.synchronisation.direction is Direction.RECEIVE:
+                self.heard.add(channels)
+            elif not is_broadcast(edge.synchronisation.channel):
+                self.offered.add(channels)
+            else:
+                self.announced.add(channels)
+                if not process.locations[edge.source].committed:
+                    self.admitted.add(channels)
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        return len(self.members), len(self.cells), len(self.processes)
+
+
+def _cone(
+    network: Network, targets: Sequence[Expression], kept: Collection[int], ignored: Collection[Variable] = ()
+) -> _Cone:
+    """What the targets depend on, where writing what is ignored makes nothing possible."""
+    known = known_values(network, targets)
+    deeds = [_deeds(network, process, known, ignored) for process in network.processes]
+    cone = _Cone(known)
+    cone.include(targets)
+    for number in sorted(kept):
+        cone.add(number, network.processes[number])
+    grows = True
+    while grows:
+        before = cone.size
+        for number, process in enumerate(network.processes):
+            if number not in cone.members and cone.needs(number, deeds[number]):
+                cone.add(number, process)
+        for number in cone.members:
+            updates = [update for edge in network.processes[number].edges for update in edge.updates]
+            cone.include([update for update in updates if cone.changed_by(update)])
+        grows = before != cone.size
+    return cone
+
+
+def _without_updates(edge: Edge) -> Edge:
+    return replace(edge, updates=())
+
+
+def _channels(edge: Edge, known: Known) -> frozenset[Cell]:
+    assert edge.synchronisation is not None
+    return frozenset(places(edge.synchronisation.channel, known))

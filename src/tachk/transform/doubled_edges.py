@@ -1,0 +1,166 @@
+"""Networks with a clock more that actions set, and their runs as those of the network alone.
+
+Every action is decided by one edge: an internal one, or the one that sends. Each of these edges is there twice, with
+the same priority, so that what is possible, what is urgent, and where nothing is possible stay as they are. The guards
+and updates of the two differ in a clock and a variable that nothing else knows.
+
+Strongly non-Zeno automata: S. Tripakis, "Verifying progress in timed systems", ARTS 1999; S. Tripakis, S. Yovine, A.
+Bouajjani, "Checking timed Buechi automata emptiness efficiently", FMSD 26 (2005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.model.cell_layout import cell_layout
+from tachk.model.connectives import both, either, is_set
+from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
+from tachk.model.network import Edge, Network, Process
+from tachk.model.run import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.model.types import ChannelType, ClockType, IntType
+
+
+@dataclass(frozen=True, slots=True)
+class DoubledNetwork:
+    """A network with copies of edges behind those of each process, and a clock and a variable behind those of the last.
+
+    Attributes:
+        mark: a condition on the variable.
+        clock: the value of the clock.
+        originals: of each process the edges that the copies are copies of.
+    """
+
+    network: Network
+    mark: Expression
+    clock: Expression
+    originals: tuple[tuple[int, ...], ...]
+
+    def without_copies(self, transition: Transition) -> Transition:
+        """A transition as one of the network alone."""
+        return Transition(tuple(map(self._original, transition.participants)))
+
+    def _original(self, participant: Participant) -> Participant:
+        copies = self.originals[participant.process]
+        first = len(self.network.processes[participant.process].edges) - len(copies)
+        if participant.edge < first:
+            return participant
+        return replace(participant, edge=copies[participant.edge - first])
+
+    def run_alone(self, trace: TimedTrace) -> TimedTrace:
+        """A run as one of the network alone."""
+        steps = tuple(
+            TimedStep(step.delay, step.transition and self.without_copies(step.transition), self._own(step.state))
+            for step in trace.steps
+        )
+        return TimedTrace(self._own(trace.initial), steps, trace.ending, trace.loop_start, trace.due)
+
+    def _own(self, state: TimedState) -> TimedState:
+        layout = cell_layout(self.network)
+        cells, clocks = len(layout.initial) - 2, len(layout.clock_cells) - 1
+        return TimedState(
+            DiscreteState(state.discrete.locations, state.discrete.values[:cells]), state.clocks[:clocks], state.time
+        )
+
+
+def with_beats(network: Network, length: int = 1) -> DoubledNetwork:
+    """The network with a beat at every action that comes at least so many time units after the last beat.
+
+    A run with infinitely many actions has infinitely many beats exactly if time diverges in it. `mark` holds behind an
+    action that is one. Actions over urgent channels are none: no time has passed right before them.
+    """
+    since, beat = _clock("time since the last beat"), _flag("beat")
+    limit = Constant(length)
+
+    def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
+        plain = replace(edge, updates=(*edge.updates, _set(beat, 0)))
+        if _is_urgent(edge):
+            return plain, None
+        early = both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), limit, BOOL))
+        late = both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), limit, BOOL))
+        return replace(plain, guard=early), replace(
+            edge, guard=late, updates=(*edge.updates, _set(since, 0), _set(beat, 1))
+        )
+
+    return _doubled(network, edges_for, since, beat)
+
+
+def with_a_start(network: Network, lasting: Collection[tuple[int, int]]) -> DoubledNetwork:
+    """The network with a clock that is reset by one action of the run, any one: `mark` holds from then on.
+
+    From then on only these edges (process and number) decide what happens, and nothing does one time unit later. So a
+    run in which time does not diverge, and that takes these edges only from some moment on, is one that does not come
+    to that time, and each run that does not come there although it goes on for ever is such a run.
+    """
+    since, started = _clock("time since the start"), _flag("started")
+    before = Binary(BinaryOperator.EQUAL, Reference(started), Constant(0), BOOL)
+    soon = Binary(BinaryOperator.LESS, Reference(since), Constant(1), BOOL)
+
+    def edges_for(process: int, number: int, edge: Edge) -> tuple[Edge, Edge | None]:
+        if (process, number) not in lasting:
+            # To leave out what others wait for, or what time waits for, would make more possible.
+            hinders = network.has_priorities or _is_urgent(edge)
+            return edge if hinders else replace(edge, guard=both(edge.guard, before)), None
+        copy = replace(edge, guard=both(edge.guard, before), updates=(*edge.updates, _set(since, 0), _set(started, 1)))
+        # No time passes while an action over an urgent channel is possible, and clocks may not decide whether it is.
+        return (edge if _is_urgent(edge) else replace(edge, guard=both(edge.guard, either(before, soon)))), copy
+
+    return _doubled(network, edges_for, since, started)
+
+
+def with_beginnings(network: Network, name: str) -> tuple[DoubledNetwork, Expression]:
+    """The network with a clock that any action sets, or does not: then `mark` is true until the next action, and at the
+    start of the run. Second the clock, which is called ``name``."""
+    since = _clock(name)
+    begun = Variable(f"{name} begins", IntType(0, 1), VariableKind.LOCAL, (1,))
+
+    def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
+        plain = replace(edge, updates=(*edge.updates, _set(begun, 0)))
+        return plain, replace(edge, updates=(*edge.updates, _set(since, 0), _set(begun, 1)))
+
+    return _doubled(network, edges_for, since, begun), Reference(since)
+
+
+def _doubled(
+    network: Network, edges_for: Callable[[int, int, Edge], tuple[Edge, Edge | None]], clock: Variable, flag: Variable
+) -> DoubledNetwork:
+    processes, originals = [], []
+    for place, process in enumerate(network.processes):
+        edges: list[Edge] = []
+        copies: list[Edge] = []
+        copied: list[int] = []
+        for number, edge in enumerate(process.edges):
+            copy: Edge | None = None
+            if edge.begins:
+                edge, copy = edges_for(place, number, edge)
+            edges.append(edge)
+            if copy is not None:
+                copies.append(copy)
+                copied.append(number)
+        processes.append(replace(process, edges=(*edges, *copies)))
+        originals.append(tuple(copied))
+    last: Process = processes[-1]
+    processes[-1] = replace(last, variables=(*last.variables, clock, flag))
+    mark = is_set(Reference(flag))
+    return DoubledNetwork(replace(network, processes=tuple(processes)), mark, Reference(clock), tuple(originals))
+
+
+def _clock(name: str) -> Variable:
+    return Variable(name, ClockType(), VariableKind.LOCAL, (0,))
+
+
+def _flag(name: str) -> Variable:
+    return Variable(name, IntType(0, 1), VariableKind.LOCAL, (0,))
+
+
+def _set(variable: Variable, value: int) -> Expression:
+    return Assign(Reference(variable), Constant(value), variable.type)
+
+
+def _is_urgent(edge: Edge) -> bool:
+    if edge.synchronisation is None:
+        return False
+    channel = edge.synchronisation.channel.type
+    return isinstance(channel, ChannelType) and channel.urgent

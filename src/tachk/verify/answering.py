@@ -1,0 +1,70 @@
+"""Answers to questions about a model, compared over all the ways in which it can be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from time import monotonic
+
+from tachk.engine.options import Limits, Options
+from tachk.frontend.loaded import LoadedModel, other_readings_of
+from tachk.frontend.priority_readings import FIRST
+from tachk.model.query import Query
+from tachk.verify.questions import Questions, checked
+from tachk.verify.scheduling.in_order import VerifyProgress
+from tachk.verify.unanswered import refused
+from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verify import verify
+
+
+def answers(
+    model: LoadedModel,
+    questions: Questions,
+    queries: Sequence[Query],
+    options: Options,
+    limits: Limits,
+    progress: VerifyProgress | None,
+    trace: bool,
+) -> tuple[Verdict, ...]:
+    """The verdicts about the queries, each with the assumption on which it rests where readings differ.
+
+    Args:
+        queries: what is asked about the model as it is taken first.
+
+    Raises InputError and UnsupportedError as `verify` does.
+    """
+    if model.refusals:
+        return refused(queries, model.refusals[0])
+    started = monotonic()
+    verdicts = verify(model.network, queries, options, limits, progress, trace)
+    if all(verdict.answer is Answer.UNKNOWN for verdict in verdicts):
+        return verdicts
+    others = []
+    for place, reading in other_readings_of(model):
+        asked = checked(questions.about(reading))
+        left = limits.after(monotonic() - started)
+        others.append((place, verify(reading.network, asked, options, left, progress, trace=False)))
+    return tuple(
+        agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
+        for number, verdict in enumerate(verdicts)
+    )
+
+
+def agreed(verdict: Verdict, taken: str, others: Iterable[tuple[str, Verdict]]) -> Verdict:
+    """The verdict as it is if it is unknown or all readings agree, else with the assumption on which it rests.
+
+    Args:
+        taken: the reading of the verdict, in words.
+        others: the other readings, each with its verdict about the same query.
+    """
+    differing: dict[Answer, list[str]] = {}
+    for reading, other in others:
+        if other.answer is not verdict.answer:
+            differing.setdefault(other.answer, []).append(reading)
+    if verdict.answer is Answer.UNKNOWN or not differing:
+        return verdict
+    elsewhere = "; ".join(
+        f"{'it is unknown' if answer is Answer.UNKNOWN else f'it {answer.value}'} if it is {' or '.join(readings)}"
+        for answer, readings in differing.items()
+    )
+    return replace(verdict, assumption=f"`default` is taken to be {taken}; {elsewhere}")

@@ -1,0 +1,108 @@
+"""``A<>[<= t] p`` and ``p -->[<= t] q``: what must come on every run, and by when.
+
+A process with a clock c stands beside the model. ``A<>[<= t] q`` is ``A<> (q and c <= t)`` with a clock that nothing
+sets: a run violates it exactly if q does not hold at any moment up to t, however it goes on, and a run that ends, stops
+time or does infinitely much before t without q violates it too.
+
+For ``p -->[<= t] q`` every action is there twice: one copy sets the clock as well, and leaves a mark until the next
+action. A run may set it whenever a state is entered, or never again. So the obligations are those of the marked states:
+``mark and p and not q --> q and c <= t``. Setting the clock is part of an action of the model, so that nothing happens
+earlier, later or instead; committed locations and priorities stay what they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.words import QueryKind
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import Progress
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.model.connectives import both, negation
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference, Variable, VariableKind
+from tachk.model.network import Location, Network, Process
+from tachk.model.query import Query
+from tachk.model.traversal import clock_in
+from tachk.model.types import ClockType
+from tachk.transform.doubled_edges import DoubledNetwork, with_beginnings
+from tachk.transform.observed import fault_without_observer, without_observer
+from tachk.verify import liveness
+from tachk.verify.plan import Search, Task
+from tachk.verify.verdict import Verdict
+
+NAME = "Deadline"
+
+
+def answer(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number; each has a deadline."""
+    verdicts = {}
+    for task in search.tasks:
+        deadlined = with_deadline(model.network, task.query)
+        alone = replace(search, tasks=(Task(task.number, deadlined.query),))
+        found = liveness.answer(prepare(deadlined.network), alone, options, limits, progress, trace)[task.number]
+        verdicts[task.number] = deadlined.told(replace(found, query=task.query))
+    return verdicts
+
+
+@dataclass(frozen=True, slots=True)
+class Deadlined:
+    """Attributes:
+    network: with a clock that measures.
+    query: without a deadline, and with the same meaning there.
+    doubled: the network, if its actions are there twice; else it has one more process.
+    """
+
+    network: Network
+    query: Query
+    doubled: DoubledNetwork | None = None
+
+    def told(self, verdict: Verdict) -> Verdict:
+        """The verdict with its run, and the error that ended it, told of the model alone."""
+        fault, trace = verdict.fault, verdict.trace
+        if fault is not None and self.doubled is not None:
+            fault = liveness.fault_alone(fault, self.doubled)
+        elif fault is not None:
+            fault = fault_without_observer(self.network, fault)
+        if trace is not None and self.doubled is not None:
+            trace = self.doubled.run_alone(trace)
+        elif trace is not None:
+            trace, _ = without_observer(self.network, trace)
+        return replace(verdict, fault=fault, trace=trace)
+
+
+def check_deadline(network: Network, query: Query) -> None:
+    """Raises UnsupportedError where a deadline since the left side of ``-->`` cannot be watched."""
+    if query.deadline is None or query.kind is not QueryKind.LEADS_TO:
+        return
+    assert query.predicate is not None
+    clock = clock_in(query.predicate) or clock_in(query.operands[0])
+    if clock is not None:
+        message = "queries with `-->[<= t]` are not checked that look at a clock"
+        remedy = "let a location or a variable of the model tell when the clock is there"
+        raise UnsupportedError(Diagnostic("E0720", message, clock.span, remedy))
+
+
+def with_deadline(network: Network, query: Query) -> Deadlined:
+    """A network with a clock more, and the query without a deadline that means the same there."""
+    deadline = query.deadline
+    assert deadline is not None and query.predicate is not None
+    operator = BinaryOperator.LESS if deadline.strict else BinaryOperator.LESS_EQUAL
+
+    def in_time(clock: Expression, condition: Expression) -> Expression:
+        return both(condition, Binary(operator, clock, Constant(deadline.bound), BOOL))
+
+    plain = replace(query, deadline=None)
+    if query.kind is QueryKind.EVENTUALLY:
+        clock = Variable(f"{NAME}.time", ClockType(), VariableKind.LOCAL, (0,))
+        observer = Process(NAME, NAME, (Location("Running"),), (), variables=(clock,))
+        observed = replace(network, processes=(*network.processes, observer))
+        return Deadlined(observed, replace(plain, predicate=in_time(Reference(clock), query.predicate)))
+    (awaited,) = query.operands
+    doubled, since = with_beginnings(network, f"{NAME}.time")
+    begins = both(both(doubled.mark, query.predicate), negation(awaited))
+    return Deadlined(doubled.network, replace(plain, predicate=begins, operands=(in_time(since, awaited),)), doubled)

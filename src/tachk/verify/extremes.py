@@ -1,0 +1,140 @@
+"""Queries for the least and the largest values of expressions: ``sup``, ``inf`` and ``bounds``."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.operators import BinaryOperator
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.words import QueryKind
+from tachk.engine.exact.concretise import concretise
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import Progress, Statistics
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.judge.replay import ReplayError, replay
+from tachk.meaning.step import StepError
+from tachk.model.expressions import BOOL, Binary, Constant, Expression
+from tachk.model.fault import EvaluationFault
+from tachk.model.query import Query
+from tachk.model.run import TimedTrace
+from tachk.transform.cone_of_influence import with_spectators
+from tachk.verify.extreme_search import INEXACT, ExtremeSearch, Found, Question, UndecidedError
+from tachk.verify.fault_explanation import explain
+from tachk.verify.plan import Search, Task
+from tachk.verify.unanswered import none_begun
+from tachk.verify.unexamined import unexamined
+from tachk.verify.verdict import Answer, Extreme, Extremes, Verdict
+from tachk.verify.weaker import held
+
+NEVER = "no reachable state satisfies the restriction, so that there is no value"
+
+
+def answer(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number: HOLDS with the values, FAILS where there are none."""
+    return {task.number: _answer(model, task, options, limits, progress, trace) for task in search.tasks}
+
+
+def _answer(
+    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> Verdict:
+    started = time.monotonic()
+    query = task.query
+    where = restriction(query)
+    try:
+        with time_limit(limits.seconds):
+            targets = [_where_it_is(where, expression, 0) for expression in query.operands]
+            network = held(model.network, targets, options)
+            searched = model if network == model.network else prepare(network)
+    except OutOfTimeError as error:
+        return none_begun([task], error.reason)[task.number]
+    search = ExtremeSearch(searched, where, options, limits.after(time.monotonic() - started), progress)
+    verdict = Verdict(query, Answer.UNKNOWN, True, "", Statistics())
+    try:
+        found = search.find(_questions(query))
+    except UndecidedError as error:
+        fault = error.fault
+        if fault is not None:
+            fault = explain(searched, fault, limits.seconds)
+            if fault.run is not None:
+                fault = replace(fault, run=_whole_run(model, searched, fault.run))
+        exact = error.reason != INEXACT
+        return replace(verdict, reason=error.reason, exact=exact, fault=fault, statistics=search.statistics)
+    verdict = replace(verdict, statistics=search.statistics, unexamined=unexamined(model.network, network))
+    if found is None:
+        return replace(verdict, answer=Answer.FAILS, notes=(NEVER,))
+    extremes = []
+    for (expression, _), value in zip(_questions(query), found, strict=True):
+        run = None
+        if value.value is not None and not value.strict and (trace or not search.exact):
+            run, possible = _run(model, searched, _where_it_is(where, expression, value.value), value, search.exact)
+            if not possible:
+                return _answer(model, task, replace(options, hold_spectators=False), limits, progress, trace)
+        if not search.exact and run is None:
+            return replace(verdict, reason=INEXACT, exact=False)
+        extremes.append(Extreme(value.value, value.strict, run))
+    shown = next((extreme.run for extreme in extremes if extreme.run is not None), None)
+    return replace(verdict, answer=Answer.HOLDS, trace=shown, extremes=_by_expression(query, extremes))
+
+
+def restriction(query: Query) -> Expression:
+    """The states over which the values are taken."""
+    return Constant(1, BOOL) if query.predicate is None else query.predicate
+
+
+def _questions(query: Query) -> list[Question]:
+    return [(expression, largest) for expression in query.operands for largest in _directions(query)]
+
+
+def _directions(query: Query) -> tuple[bool, ...]:
+    """Whether the largest values are asked for, or the least ones, or first these and then those."""
+    if query.kind is QueryKind.BOUNDS:
+        return False, True
+    return (query.kind is QueryKind.SUPREMUM,)
+
+
+def _by_expression(query: Query, extremes: Sequence[Extreme]) -> tuple[Extremes, ...]:
+    texts = [" ".join(operand.span.text.split()) for operand in query.operands]
+    count = len(_directions(query))
+    found = []
+    for number, text in enumerate(texts):
+        sides = dict(zip(_directions(query), extremes[count * number :], strict=False))
+        found.append(Extremes(text, sides.get(False), sides.get(True)))
+    return tuple(found)
+
+
+def _where_it_is(where: Expression, expression: Expression, value: int) -> Expression:
+    return Binary(BinaryOperator.AND, where, Binary(BinaryOperator.EQUAL, expression, Constant(value), BOOL), BOOL)
+
+
+def _run(
+    model: PreparedNetwork, searched: PreparedNetwork, target: Expression, found: Found, exact: bool
+) -> tuple[TimedTrace | None, bool]:
+    """A replayed run to a value; False where a process that was held still meets a run-time error on the way."""
+    run = concretise(searched, found.path, target)
+    if run is None:
+        if exact:
+            raise InternalError(f"the path found for the value {found.value} has no timed run")
+        return None, True
+    whole = _whole_run(model, searched, run)
+    if whole is None:
+        return None, False
+    try:
+        replay(model, whole, target)
+    except ReplayError as error:
+        if exact:
+            raise InternalError(f"the run found for the value {found.value} does not replay: {error}") from error
+        return None, True
+    return whole, True
+
+
+def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:
+    """The run of the whole network; None where a process that was held still meets a run-time error on the way."""
+    try:
+        return with_spectators(model, searched.network, run)
+    except (StepError, EvaluationFault):
+        return None

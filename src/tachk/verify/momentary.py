@@ -1,0 +1,255 @@
+"""What is so for no time only: in a chain of committed locations, and no longer at its end.
+
+Temporal properties speak of what lasts. A trigger that is true for no time asks for nothing, a condition that must
+always be true may lapse for no time, and a property may hold because of that. The verdict then says so. Whether it
+happens is a question of reachability about a network in which each edge that begins a transition notes whether the
+condition was false when the chain began and has been true since. It is no part of the property: where it takes more
+states than it may, the verdict says that it is not known.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from time import monotonic
+
+from tachk.analysis.fold import cannot_fail
+from tachk.base.operators import BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.words import Direction, QueryKind
+from tachk.engine.options import Limits
+from tachk.model.connectives import any_of, both, negation, somebody_committed
+from tachk.model.expressions import (
+    BOOL,
+    INT,
+    Assign,
+    Binary,
+    Conditional,
+    Constant,
+    Expression,
+    LocationTest,
+    Reference,
+    Variable,
+    VariableKind,
+)
+from tachk.model.network import Edge, Network
+from tachk.model.query import Observer, Query
+from tachk.model.traversal import roots, walk, with_bodies, written_variables
+from tachk.model.types import IntType
+from tachk.verify.verdict import Answer, Verdict
+
+FEWEST_STATES = 20_000
+"""So many states may be stored for a trigger, or as many as the property took."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Moment:
+    """Attributes:
+    text: of a condition.
+    truth: whether it matters that the condition is true, or that it is false.
+    """
+
+    text: str
+    truth: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """An edge that may be one side of a synchronisation."""
+
+    process: int
+    source: int
+    target: int
+
+
+_Ends = Mapping[tuple[Variable, bool], set[_End]]
+
+_OPEN, _LASTING, _RISEN = Constant(0), Constant(1), Constant(2)
+"""What is noted of a condition: it was false when the chain began; it was true then; it was false and has been true
+since. Where no chain is open, nothing is noted, which is as if it were false."""
+
+Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
+"""What answers queries about a network."""
+
+
+def with_momentary_triggers(
+    network: Network, verdicts: Sequence[Verdict], limits: Limits, decide: Deciding
+) -> tuple[Verdict, ...]:
+    """The verdicts, those that hold with a note for each trigger that is true for no time only, and for each condition
+    that must always be true and is false for no time only."""
+    started = monotonic()
+    committed = somebody_committed(network)
+    if isinstance(committed, Constant):
+        return tuple(verdicts)
+    stored = 0
+    conditions: dict[_Moment, Expression] = {}
+    for verdict in verdicts:
+        if _may_be_noted(verdict):
+            conditions |= _moments(verdict.query.observer)
+            stored = max(stored, verdict.statistics.states_stored)
+    ends = _ends_by_channel(network) if conditions else {}
+    chains = {of: _left_in_chains(network, ends, condition) for of, condition in conditions.items()}
+    goals = {of: both(left, conditions[of]) for of, left in chains.items() if left and cannot_fail(conditions[of])}
+    if not goals:
+        return tuple(verdicts)
+    # First whether it is so in a chain at all: that looks at fewer processes.
+    bounded = limits.of_states(max(FEWEST_STATES, stored))
+    found = _reached(network, goals, bounded, decide)
+    in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
+    watched, momentary = _watched(network, committed, ends, in_chains)
+    left = bounded.after(monotonic() - started)
+    notes = {of: _note(of, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
+    return tuple(_noted(verdict, notes) for verdict in verdicts)
+
+
+def _may_be_noted(verdict: Verdict) -> bool:
+    return verdict.query.observer is not None and verdict.answer is Answer.HOLDS
+
+
+def _moments(observer: Observer | None) -> dict[_Moment, Expression]:
+    """What may be so for no time, each as a condition."""
+    if observer is None:
+        return {}
+    found = {_Moment(text, True): condition for text, condition in observer.triggers}
+    return found | {_Moment(text, False): negation(condition) for text, condition in observer.demanded}
+
+
+def _noted(verdict: Verdict, notes: Mapping[_Moment, str]) -> Verdict:
+    own = [notes[of] for of in _moments(verdict.query.observer) if notes.get(of)] if _may_be_noted(verdict) else []
+    return replace(verdict, notes=(*verdict.notes, *own)) if own else verdict
+
+
+def _reached(
+    network: Network, goals: Mapping[_Moment, Expression], limits: Limits, decide: Deciding
+) -> Mapping[_Moment, Verdict]:
+    """Whether each of the goals is reached."""
+    queries = [Query(f"momentary {number}", QueryKind.POSSIBLY, goal) for number, goal in enumerate(goals.values())]
+    verdicts = decide(network, queries, limits) if queries else ()
+    return dict(zip(goals, verdicts, strict=True))
+
+
+def _note(of: _Moment, answer: Verdict) -> str:
+    shown, truth = " ".join(of.text.split()), "true" if of.truth else "false"
+    match answer.answer:
+        case Answer.HOLDS:
+            return f"`{shown}` is also {truth} for no time, in committed locations; that does not count"
+        case Answer.UNKNOWN:
+            return (
+                f"`{shown}` is also {truth} in committed locations, where it does not count; "
+                f"whether it is {truth} only there at some moment is not known ({answer.reason})"
+            )
+        case Answer.FAILS:
+            return ""
+
+
+def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Expression | None:
+    """Where a transition of a chain of committed locations begins that may change the condition: in one of these
+    locations a participant is. None where no such transition may."""
+    read = {node.variable for node in _nodes(condition) if isinstance(node, Reference)}
+    placed = {(node.process, node.location) for node in _nodes(condition) if isinstance(node, LocationTest)}
+    found: set[tuple[int, int]] = set()
+    for number, process in enumerate(network.processes):
+        for edge in process.edges:
+            moves = edge.source != edge.target and not placed.isdisjoint({(number, edge.source), (number, edge.target)})
+            if moves or not read.isdisjoint(written_variables(edge.updates)):
+                found.add((number, edge.source))
+                found |= {(end.process, end.source) for end in _partners(edge, ends)}
+    return _some_committed(network, found)
+
+
+def _some_committed(network: Network, places: Iterable[tuple[int, int]]) -> Expression | None:
+    """Whether some process is in one of its locations that are named, of those that are committed; None: none is."""
+    tests: list[Expression] = [
+        LocationTest(process, location)
+        for process, location in sorted(places)
+        if network.processes[process].locations[location].committed
+    ]
+    return any_of(tests) if tests else None
+
+
+def _ends_by_channel(network: Network) -> _Ends:
+    """For each channel, the edges that send on it (True) and that receive (False)."""
+    found: defaultdict[tuple[Variable, bool], set[_End]] = defaultdict(set)
+    for number, process in enumerate(network.processes):
+        for edge in process.edges:
+            if edge.synchronisation is not None:
+                for channel in roots(edge.synchronisation.channel):
+                    sends = edge.synchronisation.direction is Direction.SEND
+                    found[channel, sends].add(_End(number, edge.source, edge.target))
+    return found
+
+
+def _partners(edge: Edge, ends: _Ends) -> set[_End]:
+    """The edges with which the edge may synchronise."""
+    if edge.synchronisation is None:
+        return set()
+    receives = edge.synchronisation.direction is Direction.RECEIVE
+    return {end for channel in roots(edge.synchronisation.channel) for end in ends.get((channel, receives), ())}
+
+
+def _nodes(condition: Expression) -> Iterator[Expression]:
+    for outer in with_bodies([condition]):
+        yield from walk(outer)
+
+
+def _watched(
+    network: Network, committed: Expression, ends: _Ends, conditions: Mapping[_Moment, Expression]
+) -> tuple[Network, Mapping[_Moment, Expression]]:
+    """The network with a variable for each condition, and what is true where it has been true for no time.
+
+    The variables are set before a transition changes anything, so they tell of the states before it.
+    """
+    variables = {of: _variable(number) for number, of in enumerate(conditions)}
+    noted = [(variables[of], condition) for of, condition in conditions.items()]
+    processes = tuple(
+        replace(
+            process,
+            edges=tuple(
+                replace(edge, updates=(*_noting(network, number, edge, ends, noted), *edge.updates))
+                if edge.begins
+                else edge
+                for edge in process.edges
+            ),
+        )
+        for number, process in enumerate(network.processes)
+    )
+    over = {
+        of: both(both(negation(committed), negation(condition)), _is(Reference(variables[of]), _RISEN))
+        for of, condition in conditions.items()
+    }
+    return replace(network, processes=processes, variables=(*network.variables, *variables.values())), over
+
+
+def _noting(
+    network: Network, process: int, edge: Edge, ends: _Ends, noted: Sequence[tuple[Variable, Expression]]
+) -> Iterator[Expression]:
+    """What the edge notes of each condition before it begins a transition.
+
+    While somebody is in a committed location, somebody who takes part is: so most edges know whether a chain begins
+    with them, goes on, or neither.
+    """
+    partners = _partners(edge, ends)
+    locations = network.processes[process].locations
+    chain_follows = locations[edge.target].committed or any(
+        network.processes[end.process].locations[end.target].committed for end in partners
+    )
+    others_committed = _some_committed(network, {(end.process, end.source) for end in partners})
+    for variable, condition in noted:
+        so_far = Reference(variable)
+        again = Conditional(both(_is(so_far, _OPEN), condition), _RISEN, so_far, INT)
+        anew = Conditional(condition, _LASTING, _OPEN, INT) if chain_follows else _OPEN
+        if locations[edge.source].committed:
+            yield Assign(so_far, again, INT)
+        elif others_committed is None:
+            yield Assign(so_far, anew, INT)
+        else:
+            yield Assign(so_far, Conditional(others_committed, again, anew, INT), INT)
+
+
+def _is(noted: Expression, value: Constant) -> Expression:
+    return Binary(BinaryOperator.EQUAL, noted, value, BOOL)
+
+
+def _variable(number: int) -> Variable:
+    return Variable(f"momentary.{number}", IntType(0, 2), VariableKind.GLOBAL, (0,))

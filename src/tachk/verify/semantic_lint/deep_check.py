@@ -1,0 +1,279 @@
+"""One exploration and what can be told from it, then what the model alone tells."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk.analysis.fold import Known, known_values
+from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
+from tachk.base.records import dataclass
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.words import QueryKind
+from tachk.engine.compiler.features import check_supported
+from tachk.engine.compiler.lower import lower
+from tachk.engine.exact.concretise import concretise
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engine.zone import explore_everything
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.initial_state import check_initial_state
+from tachk.meaning.judge.replay import ReplayError, replay
+from tachk.model.expressions import BOOL, Constant, Expression
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.model.run import TimedTrace
+from tachk.model.selections import check_selections
+from tachk.verify.fault_explanation import diagnostic_of, explain
+from tachk.verify.semantic_lint.findings import DeepCheck, Evidence, Part, counted
+from tachk.verify.semantic_lint.guards import GuardGoal, always_true_findings, guard_goals, never_true
+from tachk.verify.semantic_lint.interchange import interchange_parts
+from tachk.verify.semantic_lint.reached import (
+    in_some_process,
+    switched_off,
+    unreached_findings,
+    unreached_locations,
+    untaken_edges,
+    untaken_findings,
+)
+from tachk.verify.semantic_lint.stuck import (
+    Bound,
+    bounds_on_time,
+    deadlock_finding,
+    every_run_ends,
+    plain_deadlocks,
+    time_lock_finding,
+    time_locks,
+    unlimited,
+)
+from tachk.verify.semantic_lint.zeno import all_runs_end, lasting_edges, zeno_finding, zeno_findings
+from tachk.verify.semantic_lint.zeno_run import ZenoRun, find_zeno_run
+
+_STOPPED = "clocks stop in this model, so the states that were found may not all be real"
+
+
+@dataclass(frozen=True, slots=True)
+class Explored:
+    """What the exploration gave.
+
+    Attributes:
+        bounds: the locations that limit time; None where clocks stop.
+        guards: what was asked of guards; ``unmet``: what of it was not reached.
+        ends: whether a time-lock and whether a plain deadlock is reached, in this order.
+        flows: whether a state is reached in which time may pass for ever.
+    """
+
+    model: PreparedNetwork
+    known: Known
+    outcome: Outcome
+    taken: frozenset[tuple[int, int]]
+    bounds: list[Bound] | None
+    guards: list[GuardGoal]
+    ends: tuple[GoalOutcome, ...]
+    targets: tuple[Expression, ...]
+    flows: GoalOutcome
+    started: float
+
+    @property
+    def unmet(self) -> list[GuardGoal]:
+        outcomes = self.outcome.goals[len(self.ends) + 1 :]
+        return [goal for goal, found in zip(self.guards, outcomes, strict=True) if found.status is not Status.REACHED]
+
+    @property
+    def never(self) -> frozenset[tuple[int, int]]:
+        """The edges that are certainly never taken."""
+        if self.outcome.reason:
+            return frozenset()
+        processes = enumerate(self.model.network.processes)
+        return frozenset((n, e) for n, process in processes for e in range(len(process.edges))) - self.taken
+
+
+def deep_check(
+    network: Network,
+    warnings: Sequence[Diagnostic] = (),
+    unused: Sequence[Diagnostic] | None = None,
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> DeepCheck:
+    """Looks for what is odd about a network although no property asks for it.
+
+    Args:
+        warnings: what is known about it already, and not told again.
+        unused: the names of its text that nothing uses; None where there is no text.
+
+    A limit that is hit, a run-time error and a construct that cannot be checked leave questions undecided; each says
+    why. Raises InputError where the initial state violates an invariant.
+    """
+    try:
+        with time_limit(limits.seconds):
+            explored = _explore(network, options, limits, progress)
+    except OutOfTimeError:
+        return _nothing(TIME_LIMIT)
+    except UnsupportedError as error:
+        return _nothing(error.diagnostic.message)
+    found = [
+        *_reached_parts(explored, warnings),
+        *_stuck_parts(explored),
+        _zeno_part(explored, options, limits, progress),
+    ]
+    found += _fault_parts(explored.outcome)
+    found += interchange_parts(network)
+    if unused is not None:
+        found.append(Part("names never used or read", counted(tuple(unused)), tuple(unused)))
+    return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)
+
+
+def _explore(network: Network, options: Options, limits: Limits, progress: Progress | None) -> Explored:
+    started = time.monotonic()
+    check_selections(network)
+    check_supported(network, Query("", QueryKind.POSSIBLY, Constant(1, BOOL)))
+    model = prepare(network)
+    check_initial_state(model)
+    known = known_values(network, [])
+    stops = any(location.rates for process in network.processes for location in process.locations)
+    bounds = None if stops else list(bounds_on_time(network, known))
+    ends = (Constant(0, BOOL), plain_deadlocks([])) if bounds is None else (time_locks(bounds), plain_deadlocks(bounds))
+    guards = list(guard_goals(network, known))
+    program, goals = lower(network, [*ends, unlimited(bounds or []), *(goal.target for goal in guards)])
+    goals = (*goals[: len(ends)], *(replace(goal, decides=False) for goal in goals[len(ends) :]))
+    left = limits.after(time.monotonic() - started)
+    outcome, taken = explore_everything(program, goals, options, left, progress)
+    if outcome.fault is not None:
+        outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
+    found = outcome.goals[: len(ends)], ends, outcome.goals[len(ends)]
+    return Explored(model, known, outcome, taken, bounds, guards, *found, started)
+
+
+def _nothing(reason: str) -> DeepCheck:
+    parts = tuple(
+        Part(question, "not decided", undecided=reason) for question in (_LOCATIONS, _EDGES, _GUARDS, *_ENDS, _ZENO)
+    )
+    return DeepCheck(parts, Statistics(), reason)
+
+
+_LOCATIONS, _EDGES, _GUARDS = "locations never reached", "edges never taken", "guards always true"
+_ZENO = "Zeno loops"
+_ENDS = ("time-locks", "deadlocks in which time passes")
+
+
+# ---- what was reached ------------------------------------------------------------------------------------------------
+
+
+def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[Part, ...]:
+    network, taken, outcome = explored.model.network, explored.taken, explored.outcome
+    off = switched_off(network, explored.known)
+    locations, edges = set(unreached_locations(network, taken)), set(untaken_edges(network, taken | off))
+    if outcome.reason:
+        edge_count = sum(len(process.edges) for process in network.processes)
+        return (
+            _so_far(_LOCATIONS, len(locations), sum(len(p.locations) for p in network.processes), outcome.reason),
+            _so_far(_EDGES, edge_count - len(taken | off), edge_count, outcome.reason),
+            Part(_GUARDS, "not decided", undecided=outcome.reason),
+        )
+    unmet = explored.unmet
+    never = never_true(unmet)
+    unreached = unreached_findings(network, taken, warnings)
+    untaken = untaken_findings(network, taken | off, never, warnings)
+    always = always_true_findings(network, unmet, explored.guards)
+    return (
+        Part(_LOCATIONS, _counted(unreached, in_some_process(network, locations)), unreached),
+        Part(_EDGES, _counted(untaken, in_some_process(network, edges)), untaken),
+        Part(_GUARDS, counted(always), always),
+    )
+
+
+def _so_far(question: str, missing: int, all_: int, reason: str) -> Part:
+    """What is known of a question where the exploration ended early."""
+    if not missing:
+        return Part(question, "none")
+    return Part(question, f"not decided: {missing} of {all_} not met so far", undecided=reason)
+
+
+def _counted(findings: tuple[Diagnostic, ...], single: int) -> str:
+    return f"{counted(findings)}, and {single} only in some processes of a template" if single else counted(findings)
+
+
+# ---- where nothing follows -------------------------------------------------------------------------------------------
+
+
+def _stuck_parts(explored: Explored) -> tuple[Part, ...]:
+    parts = []
+    for question, goal, target in zip(_ENDS, explored.ends, explored.targets, strict=True):
+        parts.append(_stuck_part(explored, question, goal, target))
+    if explored.bounds is None and explored.ends[1].status is not Status.UNREACHABLE:
+        # Without knowing which invariants limit time, a deadlock may be of either kind.
+        reason = _STOPPED if explored.ends[1].status is Status.REACHED else explored.outcome.reason
+        return tuple(Part(question, "not decided", undecided=reason) for question in _ENDS)
+    return tuple(parts)
+
+
+def _stuck_part(explored: Explored, question: str, goal: GoalOutcome, target: Expression) -> Part:
+    if goal.status is Status.UNREACHABLE:
+        return Part(question, "none")
+    if goal.status is Status.UNDECIDED:
+        return Part(question, "not decided", undecided=explored.outcome.reason or TIME_LIMIT)
+    if explored.bounds is None:
+        return Part(question, "not decided", undecided=_STOPPED)
+    run = _run(explored.model, goal, target)
+    if question == _ENDS[1]:
+        finding = deadlock_finding(explored.model.network, run)
+        return Part(question, "reached", (finding,), (Evidence(finding, run),))
+    finding = time_lock_finding(explored.model, explored.bounds, run)
+    shown = (Evidence(finding, run),)
+    if explored.flows.status is Status.UNREACHABLE and all_runs_end(
+        explored.model.network, explored.known, explored.never
+    ):
+        return Part(question, "reached by every run", (finding, every_run_ends(finding)), shown)
+    return Part(question, "reached", (finding,), shown)
+
+
+def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> TimedTrace:
+    run = concretise(model, goal.path or (), target)
+    if run is None:
+        raise InternalError("the path found to a state without actions has no timed run")
+    try:
+        replay(model, run, target)
+    except ReplayError as error:
+        raise InternalError(f"the run found to a state without actions does not replay: {error}") from error
+    return run
+
+
+def _zeno_part(explored: Explored, options: Options, limits: Limits, progress: Progress | None) -> Part:
+    """What the model alone tells, and where that is not enough, a search of limited size."""
+    network, known, never = explored.model.network, explored.known, explored.never
+    left = limits.after(time.monotonic() - explored.started).seconds
+    seconds = None if left is None else max(left, _LEAST_SECONDS)
+    try:
+        with time_limit(seconds):
+            findings = zeno_findings(network, known, never)
+            lasting = lasting_edges(network, known, never)
+    except OutOfTimeError:
+        return Part(_ZENO, "not decided", undecided=TIME_LIMIT)
+    if not findings:
+        return Part(_ZENO, "none possible")
+    most = max(_LEAST_STATES, _TIMES_AS_MANY * explored.outcome.statistics.states_stored)
+    bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
+    left_now = bounded.after(time.monotonic() - explored.started)
+    found = find_zeno_run(explored.model, lasting, options, left_now, progress)
+    if isinstance(found, ZenoRun):
+        finding = zeno_finding(network, found.loop)
+        return Part(_ZENO, "found", (finding,), () if found.run is None else (Evidence(finding, found.run),))
+    return Part(_ZENO, f"{len(findings)} may be", findings) if found else Part(_ZENO, "none")
+
+
+_LEAST_STATES, _TIMES_AS_MANY = 20_000, 4
+"""How many states the search for a Zeno run may store: so many, or so many times those of the model."""
+
+_LEAST_SECONDS = 1.0
+"""For what needs no search, and is asked when the search has used all the time."""
+
+
+def _fault_parts(outcome: Outcome) -> tuple[Part, ...]:
+    """The run-time error that ended the exploration, if one did."""
+    if outcome.fault is None:
+        return ()
+    finding = diagnostic_of(outcome.fault)
+    evidence = () if outcome.fault.run is None else (Evidence(finding, outcome.fault.run),)
+    return (Part("run-time errors", "reached", (finding,), evidence),)

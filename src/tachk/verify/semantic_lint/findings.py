@@ -1,0 +1,66 @@
+"""What a deep check has found, and what it has not been able to decide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tachk.base.diagnostics.diagnostic import Diagnostic, by_place
+from tachk.engine.outcome import Statistics
+from tachk.model.run import TimedTrace
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """A finding with the run that shows it, which has been replayed."""
+
+    finding: Diagnostic
+    run: TimedTrace
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The answer to one question about a model.
+
+    Attributes:
+        question: in a few words, such as ``"time-locks"``.
+        answer: in a few words, such as ``"none"`` or ``"2"``.
+        findings: what is odd, each once for a template.
+        evidence: the runs that show some of them.
+        undecided: why the question is not (or not wholly) decided; empty where it is.
+    """
+
+    question: str
+    answer: str
+    findings: tuple[Diagnostic, ...] = ()
+    evidence: tuple[Evidence, ...] = ()
+    undecided: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class DeepCheck:
+    """Attributes:
+    reason: why the exploration has not gone through everything; empty where it has.
+    """
+
+    parts: tuple[Part, ...]
+    statistics: Statistics
+    reason: str = ""
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """All findings in the order of their places."""
+        return by_place(finding for part in self.parts for finding in part.findings)
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...]:
+        return tuple(evidence for part in self.parts for evidence in part.evidence)
+
+    @property
+    def decided(self) -> bool:
+        """Whether every question is decided."""
+        return not any(part.undecided for part in self.parts)
+
+
+def counted(findings: tuple[Diagnostic, ...]) -> str:
+    """``"none"``, or how many."""
+    return str(len(findings)) if findings else "none"

@@ -1,0 +1,120 @@
+"""States from which no action is possible, now or later: deadlocks, and among them those that time cannot leave."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import reduce
+
+from tachk.analysis.conditions import ClockAtom, split_conjunction
+from tachk.analysis.fold import Known
+from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.records import dataclass
+from tachk.meaning.discrete import PreparedNetwork, environment
+from tachk.model.connectives import both, either, negation
+from tachk.model.evaluate import evaluate
+from tachk.model.expressions import BOOL, Constant, Deadlock, Expression, LocationTest
+from tachk.model.network import Network
+from tachk.model.run import TimedTrace
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A location that lets only a limited time pass where the condition is true: it is urgent or committed, or its
+    invariant has an upper bound."""
+
+    process: int
+    location: int
+    condition: Expression
+    invariant: bool
+
+
+def bounds_on_time(network: Network, known: Known) -> Iterator[Bound]:
+    """The locations that limit time. Only right where no clock ever stops."""
+    for number, process in enumerate(network.processes):
+        for place, location in enumerate(process.locations):
+            if location.urgent or location.committed:
+                yield Bound(number, place, Constant(1, BOOL), False)
+            elif location.invariant is not None:
+                parts = split_conjunction(location.invariant, known)
+                for condition, atom in parts.clocks:
+                    if _is_upper(atom):
+                        yield Bound(number, place, Constant(1, BOOL) if condition is None else condition, True)
+
+
+def _is_upper(atom: ClockAtom) -> bool:
+    return atom.left is not None and atom.right is None
+
+
+def time_locks(bounds: list[Bound]) -> Expression:
+    """The states from which neither an action is possible nor time can pass for ever."""
+    return both(Deadlock(), _limited(bounds))
+
+
+def plain_deadlocks(bounds: list[Bound]) -> Expression:
+    """The states from which no action is possible while time passes."""
+    return both(Deadlock(), unlimited(bounds))
+
+
+def unlimited(bounds: list[Bound]) -> Expression:
+    """The states in which no invariant and no urgent or committed location limits time."""
+    return negation(_limited(bounds))
+
+
+def _limited(bounds: list[Bound]) -> Expression:
+    conditions = [both(LocationTest(bound.process, bound.location), bound.condition) for bound in bounds]
+    return reduce(either, conditions) if conditions else Constant(0, BOOL)
+
+
+def time_lock_finding(model: PreparedNetwork, bounds: list[Bound], run: TimedTrace) -> Diagnostic:
+    """What keeps time from passing at the end of a run: the first location that does, and the others."""
+    state = run.states[-1].discrete
+    values = environment(model, state)
+    ending = [
+        bound
+        for bound in bounds
+        if state.locations[bound.process] == bound.location and evaluate(bound.condition, values) != 0
+    ]
+    names, spans = [], []
+    for bound in ending:
+        process = model.network.processes[bound.process]
+        location = process.locations[bound.location]
+        names.append(f"{process.name}.{location.name}")
+        whole = location.invariant.span if bound.invariant and location.invariant is not None else location.span
+        spans.append(whole)
+    what = f"the invariant of {names[0]}" if ending[0].invariant else f"{names[0]}, which must be left at once,"
+    return Diagnostic(
+        "W0605",
+        f"time-lock: {what} lets no more time pass, and no action is possible: no run goes on from here",
+        spans[0],
+        "give the location an edge that can be taken in time, or a weaker invariant",
+        tuple(Label(span, f"{name}, too") for name, span in dict(zip(names[1:], spans[1:], strict=True)).items()),
+    )
+
+
+def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
+    """What is told beside a time-lock where no run lets time pass without end."""
+    return Diagnostic(
+        "W0610",
+        "every run of the model ends in a time-lock: in none does time pass without end",
+        time_lock.span,
+        "an `A[]` that holds here says only that nothing bad happens before time stops",
+    )
+
+
+def deadlock_finding(network: Network, run: TimedTrace) -> Diagnostic:
+    """Told of the process that moved last, as far as one did."""
+    state = run.states[-1].discrete
+    moved = run.path
+    number = moved[-1].participants[0].process if moved else 0
+    where = ", ".join(
+        f"{process.name}.{process.locations[location].name}"
+        for process, location in zip(network.processes, state.locations, strict=True)
+        if not network.hides(process)
+    )
+    process = network.processes[number]
+    return Diagnostic(
+        "W0606",
+        f"deadlock: time passes, but no action is possible any more in {where}",
+        process.locations[state.locations[number]].span,
+        "if the system ends here, this is as it should be; if not, an edge is missing or never possible",
+    )

@@ -1,0 +1,167 @@
+"""Deciding one combination of values after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from time import monotonic
+
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError
+from tachk.base.memory_limit import memory_limit
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import INTERRUPTED
+from tachk.frontend.loaded import LoadedModel, with_constants
+from tachk.meaning.discrete import prepare
+from tachk.meaning.initial_state import check_initial_state
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.model.run import Transition
+from tachk.verify.answering import answers
+from tachk.verify.certificates import Proof
+from tachk.verify.questions import Questions
+from tachk.verify.scheduling.in_order import VerifyProgress
+from tachk.verify.synthesis.parameters import Parameter
+from tachk.verify.synthesis.proofs import proof_again, proof_of
+from tachk.verify.synthesis.region import Evidence, RegionCell, shown_by_a_run
+from tachk.verify.synthesis.retiming import retimed
+from tachk.verify.synthesis.walk import Asked, Cell, Status
+from tachk.verify.verdict import Answer, Verdict
+
+
+@dataclass(slots=True)
+class Cells:
+    """What is known about each cell that was looked at.
+
+    Attributes:
+        questions: one of them.
+        limits: those on states, memory and depth hold for each search, the one on seconds for all together: each cell
+            has the same share of what is left of them.
+        reuse: try the runs, and the certificates if there are some, of cells nearby before a search.
+        certify: make a certificate where something is never reached.
+        found: by the numbers of the values.
+        wrong: why the model is wrong with the values of a cell, for the first such cell.
+    """
+
+    model: LoadedModel
+    questions: Questions
+    parameters: Sequence[Parameter]
+    options: Options
+    limits: Limits
+    progress: VerifyProgress | None = None
+    reuse: bool = True
+    certify: bool = False
+    found: dict[Cell, RegionCell] = field(default_factory=dict)
+    interrupted: bool = False
+    wrong: InputError | None = None
+    _started: float = field(default_factory=monotonic)
+    _paths: dict[Cell, tuple[Transition, ...]] = field(default_factory=dict)
+    _proofs: dict[Cell, Proof] = field(default_factory=dict)
+
+    def decide(self, asked: Asked) -> Status:
+        """The status of one cell."""
+        values = self._values(asked.cell)
+        try:
+            verdict, evidence, proof = self._verdict(asked)
+        except OutOfTimeError as error:
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, error.reason)
+        except InputError as error:
+            self.wrong = self.wrong or error
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, f"wrong model: {_first(error).message}")
+        except KeyboardInterrupt:
+            self.interrupted = True
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, INTERRUPTED)
+        else:
+            self.interrupted |= verdict.reason == INTERRUPTED
+            known = _told(values, verdict, evidence, proof)
+            if verdict.path:
+                self._paths[asked.cell] = verdict.path
+            if proof is not None:
+                self._proofs[asked.cell] = proof
+        self.found[asked.cell] = known
+        return self._status(known)
+
+    def may_infer(self, corners: Sequence[Cell]) -> bool:
+        """Whether the model is right with the values of each of these cells; then it is with all between them."""
+        for corner in corners:
+            try:
+                with time_limit(self._left()):
+                    model, _ = self._model(corner)
+                    check_initial_state(prepare(model.network))
+            except (InputError, UnsupportedError, OutOfTimeError):
+                return False
+            except KeyboardInterrupt:
+                self.interrupted = True
+                return False
+        return True
+
+    def _values(self, cell: Cell) -> tuple[int, ...]:
+        return tuple(p.values[number] for p, number in zip(self.parameters, cell, strict=True))
+
+    def _left(self) -> float | None:
+        return self.limits.after(monotonic() - self._started).seconds
+
+    def _status(self, known: RegionCell) -> Status:
+        if known.answer is Answer.UNKNOWN or known.verdict is None:
+            return Status.UNKNOWN
+        return Status.REACHED if known.answer is shown_by_a_run(known.verdict.query) else Status.UNREACHED
+
+    def _model(self, cell: Cell) -> tuple[LoadedModel, Query]:
+        names = (parameter.name for parameter in self.parameters)
+        constants = dict(zip(names, self._values(cell), strict=True))
+        model = with_constants(self.model, constants, self.questions.names)
+        if model.refusals:
+            raise UnsupportedError(model.refusals[0])
+        (query,) = self.questions.about(model)
+        assert isinstance(query, Query)
+        return model, query
+
+    def _verdict(self, asked: Asked) -> tuple[Verdict, Evidence, Proof | None]:
+        """Raises what decides nothing: OutOfTimeError, InputError, KeyboardInterrupt; and UnsupportedError."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        began = monotonic()
+        left = self._left()
+        limits = replace(self.limits, seconds=None if left is None else left / asked.left)
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
+            model, query = self._model(asked.cell)
+            if self.reuse and query.target is not None and not model.network.has_priorities:
+                again = self._again(asked.cell, model.network, query)
+                if again is not None:
+                    return again
+        limits = limits.after(monotonic() - began)
+        verdict = answers(model, self.questions, [query], self.options, limits, self.progress, trace=True)[0]
+        if verdict.unsupported is not None:
+            raise UnsupportedError(verdict.unsupported)
+        proof = None
+        if self.certify:
+            proof = proof_of(model.network, verdict, self.options, limits.after(monotonic() - began))
+        return verdict, Evidence.SEARCH, proof
+
+    def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, Evidence, Proof | None] | None:
+        """What the evidence of the nearest cells shows here too; None if it shows nothing."""
+        near = _nearest(cell, self._paths)
+        if near is not None:
+            verdict = retimed(network, query, self._paths[near])
+            if verdict is not None:
+                return verdict, Evidence.RUN, None
+        near = _nearest(cell, self._proofs)
+        if near is not None:
+            shown = proof_again(network, query, self._proofs[near])
+            if shown is not None:
+                return shown[0], Evidence.CERTIFICATE, shown[1]
+        return None
+
+
+def _nearest(cell: Cell, others: Iterable[Cell]) -> Cell | None:
+    return min(others, key=lambda other: sum(abs(a - b) for a, b in zip(cell, other, strict=True)), default=None)
+
+
+def _told(values: tuple[int, ...], verdict: Verdict, evidence: Evidence, proof: Proof | None) -> RegionCell:
+    if verdict.answer is Answer.UNKNOWN:
+        return RegionCell(values, Answer.UNKNOWN, Evidence.NONE, verdict.reason, verdict)
+    return RegionCell(values, verdict.answer, evidence, "", verdict, proof)
+
+
+def _first(error: InputError) -> Diagnostic:
+    return next(found for found in error.diagnostics if found.severity is Severity.ERROR)

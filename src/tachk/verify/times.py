@@ -1,0 +1,127 @@
+"""The least and the largest time between two events, over all runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from time import monotonic
+
+from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.records import dataclass
+from tachk.base.words import QueryKind
+from tachk.engine.options import Limits, Options
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import ReplayError, replay
+from tachk.model.event import Event
+from tachk.model.expressions import Expression
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.transform.event_timer import Timed, with_timer
+from tachk.transform.observed import without_observer
+from tachk.verify.verdict import Answer, Extreme, Verdict
+from tachk.verify.verify import verify
+
+BEST, WORST, WAITING = "best", "worst", "waiting"
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """The times from one event to the next occurrence of another one.
+
+    Attributes:
+        best: the least one; its run ends with the second event. None where the second event never follows, or where it
+            was not asked for.
+        worst: the largest one, among the runs on which the second event follows; None as `best`. Without a value where
+            there is no limit: it may come as late as one likes.
+        waiting: how long the second event can fail to come, whether or not it comes at last; None where the first one
+            never comes. Without a value: some runs wait for it for ever.
+        reason: why something that was asked for is not known; empty if all is.
+        fault: whether that is a run-time error of the model.
+        states: stored by the largest search.
+        seconds: of all searches.
+    """
+
+    best: Extreme | None
+    worst: Extreme | None
+    waiting: Extreme | None
+    reason: str = ""
+    fault: bool = False
+    states: int = 0
+    seconds: float = 0.0
+
+    @property
+    def never_begins(self) -> bool:
+        """Whether the first event never comes, or the second one always with it."""
+        return not self.reason and self.waiting is None and self.worst is None and self.best is None
+
+    @property
+    def may_wait_for_ever(self) -> bool:
+        """Whether nothing bounds how long the second event fails to come."""
+        return self.waiting is not None and self.waiting.value is None
+
+
+def times_between(
+    network: Network,
+    start: Event | None,
+    end: Event,
+    last: bool = False,
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    asked: Sequence[str] = (BEST, WORST),
+    trace: bool = True,
+) -> Times:
+    """What every run says about the time from one event to another.
+
+    Args:
+        start: None for the start of the run.
+        last: from the last occurrence of the first event before the second one, not from the first.
+        asked: BEST, WORST or both.
+        trace: make the runs that take these times.
+
+    Raises:
+        InputError: the initial state violates an invariant.
+        UnsupportedError: the model has something that cannot be checked.
+        UsageError: an event is about a channel that an edge computes.
+    """
+    timed = with_timer(network, start, end, last)
+    wanted = {BEST: BEST in asked, WORST: WORST in asked, WAITING: WORST in asked}
+    questions = [(name, query) for name, query in _questions(timed) if wanted[name]]
+    began = monotonic()
+    found: dict[str, Extreme | None] = {}
+    reason, fault, states = "", False, 0
+    for name, query in questions:
+        (verdict,) = verify(timed.network, [query], options, limits.after(monotonic() - began), trace=trace)
+        states = max(states, verdict.statistics.states_stored)
+        if verdict.answer is Answer.UNKNOWN:
+            reason, fault = verdict.reason, verdict.fault is not None
+            break
+        found[name] = _extreme(network, timed, verdict)
+    return Times(found.get(BEST), found.get(WORST), found.get(WAITING), reason, fault, states, monotonic() - began)
+
+
+def _questions(timed: Timed) -> list[tuple[str, Query]]:
+    def query(name: str, kind: QueryKind, where: Expression) -> tuple[str, Query]:
+        return name, Query(name, kind, where, (timed.clock,), name)
+
+    return [
+        query(BEST, QueryKind.INFIMUM, timed.done),
+        query(WORST, QueryKind.SUPREMUM, timed.done),
+        query(WAITING, QueryKind.SUPREMUM, timed.running),
+    ]
+
+
+def _extreme(network: Network, timed: Timed, verdict: Verdict) -> Extreme | None:
+    """The value that was found, with its run as one of the network alone, replayed; None where there is no value."""
+    if not verdict.extremes:
+        return None
+    (found,) = verdict.extremes
+    extreme = found.least or found.largest
+    assert extreme is not None
+    if extreme.run is None:
+        return extreme
+    run, _ = without_observer(timed.network, extreme.run)
+    try:
+        replay(prepare(network), run)
+    except ReplayError as error:
+        raise InternalError(f"the run found for {verdict.query.name} does not replay: {error}") from error
+    return replace(extreme, run=run)

@@ -1,0 +1,171 @@
+"""The fastest and the slowest run in the place of the run that was found.
+
+The fastest run of all: a clock that nothing resets is added to the network, and bisection finds the least bound on it
+with which the target is still reached. Along one path all times are solutions of difference constraints with integer
+bounds, so the least time is an integer that is taken or only approached; each search that reaches the target gives the
+exact least time of its path.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk.base.operators import BinaryOperator
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.words import QueryKind
+from tachk.engine.exact.concretise import Paced, paced
+from tachk.engine.options import Limits, Options, Pace
+from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT, Progress
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.judge.replay import replay
+from tachk.model.expressions import (
+    BOOL,
+    Binary,
+    Constant,
+    Expression,
+    Reference,
+    Variable,
+    VariableKind,
+)
+from tachk.model.network import Location, Network, Process
+from tachk.model.query import Query
+from tachk.model.run import Transition
+from tachk.model.traversal import asks_deadlock
+from tachk.model.types import ClockType
+from tachk.transform.observed import observed, without_observer
+from tachk.verify.plan import Analysis, Search, Task
+from tachk.verify.variants.second_engine import answering
+from tachk.verify.verdict import Verdict
+
+
+def at_pace(
+    model: PreparedNetwork,
+    search: Search,
+    found: dict[int, Verdict],
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> dict[int, Verdict]:
+    """Verdicts with the runs that the options ask for, and what is known about their times as a note."""
+    started = time.monotonic()
+    if options.pace is Pace.EARLY:
+        return found
+    whole = prepare(observed(model.network, search.observer))
+    result = dict(found)
+    for task in search.tasks:
+        verdict = found[task.number]
+        if verdict.trace is None:
+            continue
+        hunt = _Hunt(whole, task.target, replace(options, pace=Pace.EARLY), progress)
+        left = limits.after(time.monotonic() - started)
+        try:
+            with time_limit(left.seconds):
+                if options.pace is Pace.SLOWEST:
+                    best, note = hunt.slowest(verdict.path, left)
+                else:
+                    best, note = hunt.fastest(verdict.path, left)
+        except (TimeoutError, OutOfTimeError):
+            best, note = None, f"the run is not the {options.pace.value} one: {TIME_LIMIT}"
+        result[task.number] = _with_run(whole, task, verdict, best, note)
+    return result
+
+
+def unpaced(found: dict[int, Verdict], options: Options) -> dict[int, Verdict]:
+    """Verdicts whose runs go on for ever or belong to values, so that none is the fastest."""
+    if options.pace is Pace.EARLY:
+        return found
+    note = f"the run is the one that was found: there is no {options.pace.value} one for such a query"
+    return {n: v if v.trace is None else replace(v, notes=(*v.notes, note)) for n, v in found.items()}
+
+
+def _with_run(model: PreparedNetwork, task: Task, verdict: Verdict, best: Paced | None, note: str) -> Verdict:
+    verdict = replace(verdict, notes=(*verdict.notes, note))
+    if best is None:
+        return verdict
+    replay(model, best.run, task.target)
+    path = best.run.path
+    if task.query.observer is None:
+        return replace(verdict, trace=best.run, path=path)
+    run, moves = without_observer(model.network, best.run)
+    return replace(verdict, trace=run, moves=moves, path=path)
+
+
+class _Hunt:
+    """The search for a fast run to a target."""
+
+    def __init__(self, model: PreparedNetwork, target: Expression, options: Options, progress: Progress | None) -> None:
+        self._model = model
+        self._target = target
+        self._options = options
+        self._progress = progress
+
+    def slowest(self, path: Sequence[Transition], limits: Limits) -> tuple[Paced | None, str]:
+        """The slowest run along a path, and what is to be said about it."""
+        best = paced(self._model, path, self._target, True, limits.seconds)
+        if best is None or best.total is None:
+            return best, "along this path the last step can be as late as one likes"
+        if best.attained:
+            return best, f"along this path the last step is at {best.total} at the latest"
+        return best, f"along this path the last step comes as close to {best.total} as one likes, and is never at it"
+
+    def fastest(self, path: Sequence[Transition], limits: Limits) -> tuple[Paced | None, str]:
+        """The fastest run to the target, and what is to be said about it.
+
+        Times are counted in halves: 2 * t is "exactly t", 2 * t + 1 "more than t, as close to it as one likes".
+        """
+        started = time.monotonic()
+        best = paced(self._model, path, self._target, False, limits.seconds)
+        if best is not None and any(place.rates for p in self._model.network.processes for place in p.locations):
+            return (
+                best,
+                f"along this path no run takes less than {best.total}; clocks stop, so no other was looked at",
+            )
+        low = 0
+        while best is not None and low < _half(best):
+            middle = (low + _half(best)) // 2
+            verdict = self._within(middle, limits.after(time.monotonic() - started))
+            if verdict.reason:
+                return best, f"a faster run may exist: {verdict.reason}"
+            if verdict.trace is None:
+                low = middle + 1
+                continue
+            left = limits.after(time.monotonic() - started)
+            best = paced(self._model, verdict.path, self._target, False, left.seconds)
+        if best is None:  # what the engine has found cannot be without a run
+            raise AssertionError("a path that was found has no run")
+        if best.attained:
+            return best, f"no run takes less than {best.total}"
+        return best, f"runs take as little more than {best.total} as one likes, and none takes {best.total}"
+
+    def _within(self, halves: int, limits: Limits) -> Verdict:
+        """Whether some run reaches the target in so many halves of a time unit."""
+        bound, strict = (halves + 1) // 2, halves % 2 == 1
+        timed, in_time = _with_timer(self._model.network, self._target, bound, strict)
+        query = Query("fastest", QueryKind.POSSIBLY, in_time, text="the target in time")
+        search = Search(Analysis.REACHABILITY, (Task(0, query),))
+        answer = answering(self._options.engine)
+        verdict = answer(prepare(timed), search, self._options, limits, self._progress, True)[0]
+        if verdict.reason == INTERRUPTED:
+            raise KeyboardInterrupt
+        return verdict
+
+
+def _half(best: Paced) -> int:
+    assert best.total is not None and best.total.denominator == 1
+    return 2 * best.total.numerator + (not best.attained)
+
+
+def _with_timer(network: Network, target: Expression, bound: int, strict: bool) -> tuple[Network, Expression]:
+    """A network with one more process, whose clock is never reset, and the target with a bound on that clock.
+
+    The process is the last one, so that all other numbers stay what they are. It lets time end at the bound, which
+    makes the search smaller; not where a deadlock is looked for, which that would be.
+    """
+    clock = Variable("time.now", ClockType(), VariableKind.LOCAL)
+    operator = BinaryOperator.LESS if strict else BinaryOperator.LESS_EQUAL
+    in_time = Binary(operator, Reference(clock), Constant(bound), BOOL)
+    place = Location("running", None if asks_deadlock(target) else in_time)
+    timer = Process("time", "time", (place,), (), variables=(clock,))
+    return replace(network, processes=(*network.processes, timer)), Binary(BinaryOperator.AND, target, in_time, BOOL)

@@ -1,0 +1,95 @@
+"""The answer to one query, with its evidence."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.records import dataclass
+from tachk.engine.outcome import RunTimeFault, Statistics
+from tachk.model.query import Expectation, Query
+from tachk.model.run import TimedTrace, Transition
+from tachk.transform.observed import ObserverMove
+
+
+class Answer(StrEnum):
+    HOLDS = "holds"
+    FAILS = "fails"
+    UNKNOWN = "unknown"
+
+    def __bool__(self) -> bool:
+        raise TypeError("an answer has three values; compare it with Answer.HOLDS, FAILS or UNKNOWN")
+
+
+def answers_of(query: Query) -> tuple[Answer, Answer]:
+    """The answers where the target is reachable and where it is not."""
+    return (Answer.HOLDS, Answer.FAILS) if query.holds_when_reached else (Answer.FAILS, Answer.HOLDS)
+
+
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """The least or the largest value that an expression takes.
+
+    Attributes:
+        value: in the time unit of the model for clocks; None where there is no limit.
+        strict: the value is approached and not taken.
+        run: ends in a state with this value where it is taken; None where no run can.
+    """
+
+    value: int | None
+    strict: bool = False
+    run: TimedTrace | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Extremes:
+    """``expression``: as text. An extreme that was not asked for is None."""
+
+    expression: str
+    least: Extreme | None = None
+    largest: Extreme | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Attributes:
+    exact: the answer is proved; False only together with UNKNOWN, where an over-approximation was not conclusive.
+    reason: why the answer is UNKNOWN, else empty.
+    trace: a replayed run that shows E<> true or A[] false; None where no run can.
+    fault: the run-time error of the model that ended the search, if one did.
+    unsupported: why this query cannot be checked at all.
+    unexamined: the processes that were held still or left out, and the variables whose updates were, because the
+        answer does not depend on them, where they can meet run-time errors: these were not looked for.
+    assumption: how the model was read where it does not say what it means and the answer depends on it; else empty.
+    extremes: for ``sup``, ``inf`` and ``bounds`` one entry for each expression; empty where no state satisfies the
+        restriction.
+    notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
+    moves: what the observer of a temporal property did along the trace, which is that of the model alone.
+    path: the transitions of the run with those of the observer, where there is a trace.
+    """
+
+    query: Query
+    answer: Answer
+    exact: bool
+    reason: str
+    statistics: Statistics
+    trace: TimedTrace | None = None
+    fault: RunTimeFault | None = None
+    unsupported: Diagnostic | None = None
+    moves: tuple[ObserverMove, ...] = ()
+    unexamined: tuple[str, ...] = ()
+    assumption: str = ""
+    extremes: tuple[Extremes, ...] = ()
+    notes: tuple[str, ...] = ()
+    path: tuple[Transition, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the answer is the expected one (without ``expect``: whether it is HOLDS); None for UNKNOWN."""
+        if self.answer is Answer.UNKNOWN:
+            return None
+        expected = self.query.expectation or Expectation.HOLDS
+        return self.answer.value == expected.value

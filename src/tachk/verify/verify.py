@@ -1,0 +1,175 @@
+"""Queries about a network become verdicts."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import assert_never
+
+from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.memory_limit import memory_limit
+from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.engine.compiler.features import check_supported
+from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, Progress
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.initial_state import check_initial_state
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.model.selections import check_selections
+from tachk.transform.cone_of_influence import every_action_counts
+from tachk.transform.observed import check_observable
+from tachk.verify.fault_explanation import with_blame
+from tachk.verify.plan import Analysis, Search, Task, plan
+from tachk.verify.scheduling.in_order import VerifyProgress, in_order, processes
+from tachk.verify.scheduling.shares import Shares
+from tachk.verify.unanswered import none_begun, not_begun, unsupported
+from tachk.verify.variants import non_zeno, pace, second_engine
+from tachk.verify.variants.second_engine import Answering
+from tachk.verify.verdict import Verdict, answers_of
+
+
+def verify(
+    network: Network,
+    queries: Sequence[Query],
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: VerifyProgress | None = None,
+    trace: bool = True,
+) -> tuple[Verdict, ...]:
+    """Answer queries about a network, in their order.
+
+    A query that cannot be checked gets the answer UNKNOWN with the diagnostic that says why; the others are not
+    affected. Every trace has been replayed by `tachk.meaning.judge` before it is returned; without ``trace`` none is
+    made except where it is needed to decide. Several searches may be needed. Each query has the same share of the
+    seconds that are left when its search begins, so what one does not need is there for the others; preparing the model
+    and compiling it count. With several `Options.processes` it has as many such shares, for as many are used up at the
+    same time. The other limits hold for each search. The run behind an answer is made in any case.
+
+    Raises:
+        InputError: the initial state violates an invariant.
+        UnsupportedError: the network itself uses a feature that cannot be checked.
+    """
+    started = time.monotonic()
+    verdicts: dict[int, Verdict] = {}
+    try:
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
+            check_selections(network)
+            model = prepare(network)
+            check_initial_state(model)
+            tasks = []
+            for number, query in enumerate(queries):
+                try:
+                    _check_answerable(network, query, options)
+                except UnsupportedError as error:
+                    verdicts[number] = unsupported(query, error.diagnostic)
+                else:
+                    tasks.append(Task(number, query))
+            searches = plan(tasks)
+    except OutOfTimeError as error:
+        return tuple(verdicts.get(number) or not_begun(query, error.reason) for number, query in enumerate(queries))
+    answer = partial(_answer, model, options, trace)
+    shares = Shares(limits, started, len(tasks))
+    verdicts |= in_order(searches, answer, shares, processes(options), progress)
+    found = [with_blame(verdicts[number]) for number in range(len(queries))]
+    noted = _with_momentary_triggers(network, found, limits.after(time.monotonic() - started))
+    return non_zeno.noted(_examined(network, noted))
+
+
+def _with_momentary_triggers(network: Network, found: Sequence[Verdict], left: Limits) -> Sequence[Verdict]:
+    """The verdicts with notes about what is true for no time, of which only observers may speak."""
+    if all(verdict.query.observer is None for verdict in found):
+        return found
+    from tachk.verify.momentary import with_momentary_triggers
+
+    return with_momentary_triggers(network, found, left, _decided_plainly)
+
+
+def _decided_plainly(network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:
+    return verify(network, queries, Options(processes=1), limits, trace=False)
+
+
+def _check_answerable(network: Network, query: Query, options: Options) -> None:
+    """Raises UnsupportedError for a query that cannot be answered."""
+    check_observable(network, query)
+    check_supported(network, query)
+    if query.deadline is not None:
+        from tachk.verify.deadlines import check_deadline
+
+        check_deadline(network, query)
+    non_zeno.check_combination(query)
+    second_engine.check_answerable(query, options.engine)
+
+
+def _answer(
+    model: PreparedNetwork,
+    options: Options,
+    trace: bool,
+    search: Search,
+    limits: Limits,
+    progress: Progress | None,
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number. What was decided before is kept, wherever Ctrl-C comes."""
+    try:
+        with memory_limit(limits.memory_bytes):
+            return _analysed(model, search, options, limits, progress, trace)
+    except OutOfTimeError as error:
+        return none_begun(search.tasks, error.reason)
+    except MemoryError:
+        return none_begun(search.tasks, MACHINE_OUT_OF_MEMORY)
+    except KeyboardInterrupt:
+        return none_begun(search.tasks, INTERRUPTED)
+
+
+def _analysed(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    match search.analysis:
+        case Analysis.REACHABILITY:
+            started = time.monotonic()
+            found = second_engine.answering(options.engine)(model, search, options, limits, progress, trace)
+            return pace.at_pace(model, search, found, options, limits.after(time.monotonic() - started), progress)
+        case Analysis.LIVENESS:
+            decide = _deciding(search)
+            found = decide(model, search, options, limits, progress, trace)
+            return pace.unpaced(second_engine.uncompared(found, options.engine), options)
+        case Analysis.EXTREMES:
+            from tachk.verify import extremes
+
+            found = extremes.answer(model, search, options, limits, progress, trace)
+            return pace.unpaced(second_engine.uncompared(found, options.engine), options)
+        case never:
+            assert_never(never)
+
+
+def _deciding(search: Search) -> Answering:
+    """What decides whether some run avoids something for ever."""
+    if search.observer is not None:
+        from tachk.verify import observed_liveness
+
+        return observed_liveness.answer
+    if search.tasks[0].query.deadline is None:
+        from tachk.verify import liveness
+
+        return liveness.answer
+    from tachk.verify import deadlines
+
+    return deadlines.answer
+
+
+def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """The verdicts; if one of them was proved by exploring everything, no run-time error was overlooked for any."""
+    for verdict in verdicts:
+        if _explored_everything(network, verdict):
+            return tuple(replace(other, unexamined=()) for other in verdicts)
+    return tuple(verdicts)
+
+
+def _explored_everything(network: Network, verdict: Verdict) -> bool:
+    query = verdict.query
+    if query.target is None:
+        return False
+    proved = verdict.answer is answers_of(query)[1]
+    return proved and query.observer is None and every_action_counts(network, [query.target])

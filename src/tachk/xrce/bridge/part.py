@@ -1,0 +1,112 @@
+"""A part of a network under way: it is told what the rest does, and tells what it sends."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from tempfile import NamedTemporaryFile
+
+from tachk import _core
+from tachk.base.records import dataclass
+from tachk.engine.simulation.policy import Policy
+from tachk.model.network import Network
+from tachk.simulation.fmi.blueprint import blueprint
+from tachk.simulation.fmi.surroundings import OUTSIDE, SENT
+from tachk.simulation.fmi.unit import Kind, Role, Unit, Variable, open_unit
+
+_NANOSECONDS = 10**9
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """Attributes:
+    time: nanoseconds since the start of the run.
+    channel: over which the part has sent.
+    values: of the variables that go along.
+    """
+
+    time: int
+    channel: str
+    values: Mapping[str, int]
+
+
+class Part:
+    """A run of some processes of a network, as the simulator draws it; the rest is somebody else.
+
+    Attributes:
+        hears, sends: the channels that lead into it and out of it.
+    """
+
+    def __init__(
+        self, network: Network, names: Sequence[str], seed: int = 0, policy: Policy = Policy.STOCHASTIC
+    ) -> None:
+        """Raises UsageError for a part that cannot run on its own, UnsupportedError for what is not simulated."""
+        self._unit: Unit = open_unit(network, names, "part", clocks=True)
+        self._course = _course(self._unit)
+        self._places = {variable.name: place for place, variable in enumerate(self._unit.variables)}
+        self.hears = self._channels(Role.HEARS)
+        self.sends = self._channels(Role.SENDS)
+        self._carried = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
+        self._course.set_number(self._places["seed"], Kind.NATURAL, seed)
+        self._course.set_number(self._places["policy"], Kind.ENUMERATION, list(Policy).index(policy))
+        self._course.begin()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing can happen any more, whatever the others do."""
+        return self._course.over
+
+    def next_event(self) -> int | None:
+        """When something may happen next, in nanoseconds, rounded up; None if nothing does by itself."""
+        event = self._course.next_event()
+        if event >= _core.latest_end():
+            return None
+        return -int(-event * _NANOSECONDS // self._unit.second)
+
+    def advance(self, until: int) -> Iterator[Sent]:
+        """What it sends up to a moment, in nanoseconds, if nobody says anything."""
+        last = int(until * self._unit.second / _NANOSECONDS)
+        while (event := self._course.next_event()) <= last and not self.is_over:
+            self._course.wait_until(event)
+            moved = False
+            for sent in self._reactions():
+                moved = True
+                if sent is not None:
+                    yield sent
+            if not moved:
+                break  # nothing can happen until somebody says something
+        if last > self._course.now:
+            self._course.wait_until(last)
+
+    def hear(self, channel: str, values: Mapping[str, int]) -> Iterator[Sent]:
+        """What it sends at once when somebody sends over a channel. Raises ValueError for values out of range."""
+        for name, value in values.items():
+            place = self._places.get(OUTSIDE + name)
+            if place is not None:
+                self._course.set_number(place, self._unit.variables[place].kind, value)
+        self._course.set_ticks(self._places[f"{channel}?"])
+        yield from (sent for sent in self._reactions() if sent is not None)
+
+    def _reactions(self) -> Iterator[Sent | None]:
+        """One for each transition at this moment, and more for one that sends over several channels."""
+        while self._course.react():
+            yield None
+            now = int(self._course.now * _NANOSECONDS / self._unit.second)
+            for channel in self.sends:
+                if self._course.ticks(self._places[f"{channel}!"]):
+                    yield Sent(now, channel, {v.name.removeprefix(SENT): self._value(v) for v in self._carried})
+
+    def _value(self, variable: Variable) -> int:
+        return self._course.number(self._places[variable.name], variable.kind)
+
+    def _channels(self, role: Role) -> tuple[str, ...]:
+        return tuple(variable.name[:-1] for variable in self._unit.variables if variable.role is role)
+
+
+def _course(unit: Unit) -> _core.Course:
+    with NamedTemporaryFile(suffix=".bin", delete=False) as file:
+        file.write(blueprint(unit).content)
+    try:
+        return _core.Course(file.name)
+    finally:
+        os.unlink(file.name)

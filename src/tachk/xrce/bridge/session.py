@@ -1,0 +1,131 @@
+"""How a session begins: CREATE_CLIENT, then objects for one topic. The models do not speak of it, so that a bridge does
+it for them, on either side."""
+
+from __future__ import annotations
+
+from tachk.xrce import wire
+from tachk.xrce.bridge.packets import READER, SESSION, STREAM, WRITER, joined, message, submessage, submessages_of
+from tachk.xrce.wire import Kind
+
+_VERSION, _VENDOR = b"\x01\x00", b"\x01\x0f"
+_REFERENCE, _XML = 1, 2
+_PARTICIPANT, _TOPIC, _PUBLISHER, _SUBSCRIBER = b"\x00\x11", b"\x00\x12", b"\x00\x13", b"\x00\x14"
+_MTU = 508
+_AGAIN = 200_000_000
+"""Nanoseconds after which a client asks again."""
+
+
+class ClientSession:
+    """A client's side: it asks until everything has been answered.
+
+    Attributes:
+        before: messages of the own stream, and of the Agent's, with which the session has begun.
+    """
+
+    before = (1, 4)
+
+    def __init__(self, key: bytes, topic: str, reads: bool) -> None:
+        self._key = key
+        self._topic = topic
+        self._reads = reads
+        self._created = False
+        self._answers: set[int] = set()
+        self._next = 0
+        self.is_open = False
+
+    def wake(self) -> int:
+        return self._next
+
+    def due(self, now: int) -> list[bytes]:
+        """What is to be sent now."""
+        if self.is_open or now < self._next:
+            return []
+        self._next = now + _AGAIN
+        return [self._objects() if self._created else self._client()]
+
+    def arrived(self, octets: bytes, now: int) -> list[bytes]:
+        """What is to be answered to a packet."""
+        reply: list[bytes] = []
+        for event in submessages_of(octets):
+            if event.kind is Kind.STATUS_AGENT and not self._created:
+                self._created, self._next = True, now
+                reply += self.due(now)
+            elif event.kind is Kind.STATUS and event.sequence is not None:
+                self._answers.add(event.sequence)
+                confirmed = next(n for n in range(5) if n not in self._answers)
+                reply.append(message(Kind.ACKNACK, {"first": confirmed, "bitmap": 0, "subject": STREAM}))
+                self.is_open = confirmed == 4
+            elif event.kind is Kind.HEARTBEAT:
+                confirmed = next(n for n in range(5) if n not in self._answers)
+                missing = sum(1 << n - confirmed for n in range(confirmed, 4) if n not in self._answers)
+                reply.append(message(Kind.ACKNACK, {"first": confirmed, "bitmap": missing, "subject": STREAM}))
+        return reply
+
+    def _client(self) -> bytes:
+        content = {
+            "peer": {"version": _VERSION, "vendor": _VENDOR},
+            "key": self._key,
+            "session": SESSION,
+            "has_properties": False,
+            "properties": None,
+            "mtu": _MTU,
+        }
+        return message(Kind.CREATE_CLIENT, content, session=0x80)
+
+    def _objects(self) -> bytes:
+        end, owner = (READER, _SUBSCRIBER) if self._reads else (WRITER, _PUBLISHER)
+        suffix = "dr" if self._reads else "dw"
+        objects = [
+            (_PARTICIPANT, 1, _REFERENCE, "default_xrce_participant", None),
+            (_TOPIC, 2, _REFERENCE, f"{self._topic}__t", _PARTICIPANT),
+            (owner, 4 if self._reads else 3, _XML, "", _PARTICIPANT),
+            (end, 6 if self._reads else 5, _REFERENCE, f"{self._topic}__{suffix}", owner),
+        ]
+        parts = []
+        for request, (name, kind, form, description, belongs) in enumerate(objects, start=10):
+            what: dict[str, object] = {"description": {"format": form, "description": description}}
+            what |= {"domain": 0 if belongs is None else None, "owner": belongs}
+            base = {"request": request.to_bytes(2, "big"), "object": name}
+            content = {"base": base, "new": {"kind": kind, "what": what}}
+            parts.append(submessage(Kind.CREATE, content, wire.REUSE))
+        return joined(parts, STREAM, 0)
+
+
+class AgentSession:
+    """The Agent's side: it answers.
+
+    Attributes:
+        before: messages of the own stream, and of the client's, with which the session has begun.
+    """
+
+    before = (4, 1)
+
+    def __init__(self) -> None:
+        self.is_open = False
+
+    def wake(self) -> int | None:
+        return None
+
+    def due(self, now: int) -> list[bytes]:
+        return []
+
+    def arrived(self, octets: bytes, now: int) -> list[bytes]:
+        found = submessages_of(octets)
+        if any(event.kind is Kind.CREATE_CLIENT for event in found):
+            peer = {"version": _VERSION, "vendor": _VENDOR}
+            agent = {"peer": peer, "has_properties": False, "properties": None}
+            return [message(Kind.STATUS_AGENT, {"result": _FINE, "agent": agent})]
+        created = [event for event in found if event.kind is Kind.CREATE]
+        if not created:
+            return []
+        self.is_open = True
+        reply = []
+        for sequence, event in enumerate(created):
+            request, name = event.fields["request"], event.fields["object"]
+            assert isinstance(request, int) and isinstance(name, str)
+            base = {"request": request.to_bytes(2, "big"), "object": bytes.fromhex(name)}
+            reply.append(message(Kind.STATUS, {"base": base, "result": _FINE}, STREAM, sequence))
+        return [*reply, message(Kind.ACKNACK, {"first": 1, "bitmap": 0, "subject": STREAM})]
+
+
+_FINE = {"status": 0, "implementation": 0}

@@ -1,0 +1,1 @@
+"""Captures of DDS-XRCE as recordings that are held against a model."""

@@ -1,0 +1,145 @@
+"""What messages of streams carry, as the automata call it: see `models/micro_xrce_dds/protocol.ta`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from tachk.recordings.conformance.events import Recording
+from tachk.xrce.events import Event, events
+from tachk.xrce.messages import Endpoint, one_message
+from tachk.xrce.submessages import submessages
+from tachk.xrce.transmissions import Transmission
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
+
+BEST_EFFORT = "BEST_EFFORT"
+"""The kind of a message of a best-effort stream."""
+_STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 65536
+_UNLIMITED = 65535
+_SAMPLES = (Kind.WRITE_DATA, Kind.DATA)
+_ANSWERED = (Kind.CREATE, Kind.DELETE)
+"""What is answered by a STATUS."""
+_MOST_CREATED = 15
+_MOST_READ = _READ - _READ_BEST_EFFORT
+_NOBODY = Endpoint("", 0)
+
+
+class UnknownContentError(Exception):
+    """The automata have no word for what a message carries; the text says what that is."""
+
+
+class Contents:
+    """What messages carry. Samples are numbered by the order in which they first appear, and known by their bytes.
+
+    Pieces of a larger message are put together: the last one carries what the whole does.
+    """
+
+    def __init__(self) -> None:
+        self._samples: dict[str, int] = {}
+        self._pieces: dict[tuple[int, bool], dict[int, tuple[str, bool]]] = {}
+
+    def detail(self, one: Transmission) -> int | None:
+        """What a message of a stream carries; None where nobody can know. Raises UnknownContentError."""
+        found = self._whole(one)
+        if found is None:
+            return None
+        if not found:
+            return _PIECE
+        answered = sum(event.kind in _ANSWERED for event in found)
+        read = [event for event in found if event.kind is Kind.READ_DATA]
+        samples = [event for event in found if event.kind in _SAMPLES]
+        if (answered > 0) + (len(read) > 0) + (len(samples) > 0) > 1 or len(read) > 1 or answered > _MOST_CREATED:
+            kinds = ", ".join(dict.fromkeys(event.kind.name for event in found if event.kind is not None))
+            raise UnknownContentError(
+                f"message carries {len(found)} submessages ({kinds}) that the automata know apart"
+            )
+        if one.events[0].is_best_effort and not samples:
+            kinds = ", ".join(dict.fromkeys(event.kind.name for event in found if event.kind is not None))
+            raise UnknownContentError(f"message of a best-effort stream carries {kinds}: the automata expect samples")
+        if answered:
+            return -answered
+        if read:
+            return _asked(read[0])
+        if samples:
+            return self._batch([str(event.fields["sample"]) for event in samples])
+        return _STATUS if any(event.kind is Kind.STATUS for event in found) else _PIECE if one.to_agent else None
+
+    def _batch(self, samples: Sequence[str]) -> int:
+        numbers = [self._samples.setdefault(sample, len(self._samples)) for sample in samples]
+        if any(after != before + 1 for before, after in pairwise(numbers)):
+            raise UnknownContentError("message carries several samples, of which some had been written before")
+        return numbers[0] + _BATCH * (len(numbers) - 1)
+
+    def _whole(self, one: Transmission) -> Sequence[Event] | None:
+        """The submessages that are complete with this message; None where earlier pieces were not captured."""
+        whole = [event for event in one.events if event.kind is not Kind.FRAGMENT]
+        number = one.events[0].sequence
+        for event in one.events:
+            if event.kind is Kind.FRAGMENT and number is not None:
+                pieces = self._pieces.setdefault((one.link, one.to_agent), {})
+                pieces[number] = str(event.fields["piece"]), bool(event.fields["last"])
+                if event.fields["last"]:
+                    together = _together(pieces, number)
+                    if together is None:
+                        return None
+                    whole += together
+        return whole
+
+
+def _asked(read: Event) -> int:
+    """READ_DATA, by how many samples it asks for, and on which kind of stream. Raises UnknownContentError."""
+    count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
+    reliable = stream >= FIRST_RELIABLE_STREAM
+    code = _READ if reliable else _READ_BEST_EFFORT
+    if count == _UNLIMITED:
+        return code
+    number = 1 if count is None else int(str(count))
+    if number == 0:
+        raise UnknownContentError(
+            "READ_DATA has max_samples 0, which cancels one before: the automata do not know that"
+        )
+    if stream == 0 or number >= _MOST_READ:
+        raise UnknownContentError(f"READ_DATA asks for {number} samples on stream {stream:02x}, which has no word")
+    return code - number
+
+
+def samples_in(detail: object) -> int:
+    """How many samples a message carries."""
+    return detail // _BATCH + 1 if isinstance(detail, int) and detail >= 0 else 1
+
+
+def begins_sample(event: Event) -> bool:
+    """Whether a client writes a sample here, or the first piece of one."""
+    if event.kind is Kind.FRAGMENT:
+        return event.to_agent and str(event.fields["piece"]).startswith(f"{Kind.WRITE_DATA:02x}")
+    return event.kind is Kind.WRITE_DATA
+
+
+def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[Event] | None:
+    """The submessage that ends with a piece."""
+    text = pieces[last][0]
+    number = (last - 1) % 65536
+    while number in pieces and not pieces[number][1]:
+        text = pieces[number][0] + text
+        number = (number - 1) % 65536
+    octets = bytes.fromhex(text)
+    if len(octets) < 4 or int.from_bytes(octets[2:4], "little") != len(octets) - 4:
+        return None
+    return list(events(submessages(one_message(bytes([0x81, 0x80, 0, 0]) + octets)), [_NOBODY]))
+
+
+def most_pieces(recording: Recording) -> int:
+    """How many pieces of one sample the Agent sends to a client before the last one."""
+    pieces = {
+        (int(event.cells["link"]), int(event.cells["number"]))
+        for event in recording.events
+        if event.name == "sent" and event.cells.get("detail") == _PIECE and int(event.cells.get("link", 0)) % 2 == 1
+    }
+    most = 0
+    for link, number in pieces:
+        if (link, number - 1) not in pieces:
+            behind = number
+            while (link, behind) in pieces:
+                behind += 1
+            most = max(most, behind - number)
+    return most

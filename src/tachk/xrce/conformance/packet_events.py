@@ -1,0 +1,221 @@
+"""Captures of DDS-XRCE as recordings, in the words of `models/micro_xrce_dds/protocol.ta`.
+
+Clients are numbered: first those that write samples, then the others, each kind in the order in which they begin. What
+client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The events:
+
+    sent(client, link, kind, number, detail)      a message leaves its sender
+    arrived(client, link, kind, number, detail)   it comes to its receiver
+    written(client, detail)                       a client puts a new message into its output stream
+    written_best_effort(client, detail)           a client puts samples into its best-effort output stream
+    created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
+
+A message with several submessages is one event, and so is a piece of a larger one (FRAGMENT). The recording of a client
+ends where it deletes its session.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.recordings.conformance.events import Cell, Closing, Event, Recording
+from tachk.xrce.conformance.carried import BEST_EFFORT, Contents, UnknownContentError, begins_sample
+from tachk.xrce.conformance.unspoken import Objects
+from tachk.xrce.events import Event as Submessage
+from tachk.xrce.packets import CaptureError
+from tachk.xrce.transmissions import Transmission, read_transmissions
+from tachk.xrce.wire import SESSIONS_OF_NOBODY, Kind
+
+SUFFIXES = (".pcap", ".pcapng")
+_CLIENT_OBJECT = "FFFE"
+_KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
+
+
+@dataclass(frozen=True, slots=True)
+class _Content:
+    """What a message is for the automata: cells without client and link."""
+
+    kind: str
+    number: int
+    detail: int | None
+
+
+class _Row(NamedTuple):
+    """An event before it is known how many come before it: `after` is the number of a row."""
+
+    time: int
+    packet: int
+    name: str
+    cells: dict[str, Cell]
+    after: int | None = None
+    optional: bool = False
+    inferred: bool = False
+    passes: int | None = None
+
+
+def _event(row: _Row, place: Sequence[int]) -> Event:
+    time, packet, name, cells, after, optional, inferred, passes = row
+    behind = None if after is None else place[after]
+    return Event(Fraction(time), name, cells, f"packet {packet}", behind, optional, inferred, passes)
+
+
+def read_capture(path: Path, ports: Iterable[int] = ()) -> Recording:
+    """The events of a capture; the model starts shortly before the first of them.
+
+    Where only one side of the way was recorded, each message may have arrived or not. Raises UsageError.
+    """
+    try:
+        found = read_transmissions(path, ports)
+    except (CaptureError, OSError) as error:
+        raise UsageError(f"{path}: {error}") from None
+    if not found.transmissions:
+        raise UsageError(
+            f"{path} has no message of DDS-XRCE by UDP, TCP or on a serial line",
+            "give the port of the Agent with --port",
+        )
+    return _Reader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
+
+
+class _Reader:
+    def __init__(self, path: Path, transmissions: Sequence[Transmission], links: int) -> None:
+        self.path = path
+        self.transmissions = transmissions
+        self.client = _numbered(transmissions, links)
+        self.contents = Contents()
+        self.objects = Objects()
+        self.rows: list[_Row] = []
+        self.written = [0] * links
+        self.deleted: list[int | None] = [None] * links
+        self.created = [0] * links
+
+    def recording(self, begin: int, end: int) -> Recording:
+        """Times are counted from ``begin``, in nanoseconds."""
+        for one in self.transmissions:
+            self._transmission(one, begin)
+        keys = [(row.time, row.packet) for row in self.rows]
+        order = sorted(range(len(keys)), key=keys.__getitem__)
+        place = [0] * len(order)
+        for new, old in enumerate(order):
+            place[old] = new
+        events = [_event(self.rows[number], place) for number in order]
+        closings = tuple(
+            Closing(column, value, Fraction(time - begin), by_sender=column == "link" and value % 2 == 0)
+            for link, time in enumerate(self.deleted)
+            if time is not None
+            for column, value in _of_client(self.client[link])
+        )
+        end_time = Fraction(end - begin)
+        return Recording(str(self.path), tuple(events), Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
+
+    def _transmission(self, one: Transmission, begin: int) -> None:
+        if self.deleted[one.link] is not None:
+            return
+        client = self.client[one.link]
+        time = one.sent - begin
+        kinds = [event.kind for event in one.events]
+        if Kind.DELETE in kinds and any(_deletes_client(event) for event in one.events):
+            self.deleted[one.link] = one.sent
+            return
+        # The leg of a client and that of the Agent: one and the same if there is no relay.
+        here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
+        if Kind.CREATE_CLIENT in kinds:
+            for arrival in one.arrivals or ():
+                self.created[one.link] += 1
+                if self.created[one.link] > 1:
+                    of_client: dict[str, Cell] = {"client": client}
+                    self.rows.append(
+                        _Row(arrival.time - begin, arrival.packet, "created_again", of_client, passes=there)
+                    )
+            return
+        if None in kinds:
+            self._reject_damaged(one)
+        for why in self.objects.unspoken(one):
+            self._reject(one, why)
+        for content in self._contents(one):
+            cells: dict[str, Cell] = {
+                "client": client,
+                "link": 2 * client + (not one.to_agent),
+                "kind": content.kind,
+                "number": content.number,
+            }
+            if content.detail is not None:
+                cells["detail"] = content.detail
+            if one.to_agent and self._is_new(one.link, content):
+                name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
+                offered: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
+                self.rows.append(_Row(time, one.packet, name, offered, inferred=True))
+            sent = len(self.rows)
+            self.rows.append(_Row(time, one.packet, "sent", cells, passes=here))
+            if one.arrivals is None:
+                self.rows.append(_Row(time, one.packet, "arrived", cells, sent, True, False, there))
+            for arrival in one.arrivals or ():
+                self.rows.append(
+                    _Row(arrival.time - begin, arrival.packet, "arrived", cells, sent, False, False, there)
+                )
+
+    def _is_new(self, link: int, content: _Content) -> bool:
+        """Whether the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
+        if content.kind == "DATA" and content.number == self.written[link]:
+            self.written[link] += 1
+            return True
+        return content.kind == BEST_EFFORT
+
+    def _contents(self, one: Transmission) -> Iterator[_Content]:
+        """What the automata know of a message: what is in a stream, ACKNACK, HEARTBEAT, a question."""
+        first = one.events[0]
+        if (first.is_reliable or first.is_best_effort) and first.sequence is not None:
+            yield _Content("DATA" if first.is_reliable else BEST_EFFORT, first.sequence, self._carried(one))
+            return
+        for event in one.events:
+            fields = event.fields
+            if event.kind is Kind.HEARTBEAT:
+                yield _Content("HEARTBEAT", _integer(fields["first"]), _integer(fields["last"]) + 1)
+            elif event.kind is Kind.ACKNACK:
+                start, missing = _integer(fields["first"]), fields["missing"]
+                assert isinstance(missing, list)
+                yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
+            elif event.kind is Kind.GET_INFO and one.to_agent and event.session not in SESSIONS_OF_NOBODY:
+                yield _Content("PING", 0, 0)
+
+    def _reject_damaged(self, one: Transmission) -> None:
+        """Raises UsageError for what the automata have no word for and would take for silence."""
+        for event in one.events:
+            if event.kind is None:
+                self._reject(one, f"message is damaged, so nobody knows what its sender has sent: {event.problem}")
+
+    def _reject(self, one: Transmission, why: str) -> None:
+        raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
+
+    def _carried(self, one: Transmission) -> int | None:
+        try:
+            return self.contents.detail(one)
+        except UnknownContentError as error:
+            self._reject(one, str(error))
+            raise
+
+
+def _deletes_client(event: Submessage) -> bool:
+    return event.kind is Kind.DELETE and event.fields.get("object") == _CLIENT_OBJECT
+
+
+def _of_client(number: int) -> Iterator[tuple[str, int]]:
+    """The columns that tell a client, with their values."""
+    yield "client", number
+    yield "link", 2 * number
+    yield "link", 2 * number + 1
+
+
+def _integer(value: object) -> int:
+    assert isinstance(value, int)
+    return value
+
+
+def _numbered(transmissions: Sequence[Transmission], links: int) -> list[int]:
+    """The number of the client of each link."""
+    writes = {one.link for one in transmissions if any(begins_sample(event) for event in one.events)}
+    order = sorted(range(links), key=lambda link: (link not in writes, link))
+    return [order.index(link) for link in range(links)]

@@ -1,0 +1,184 @@
+"""The sockets of a relay: what arrives goes to `Decisions`, what leaves comes from there.
+
+What waits in several sockets is taken in the order in which it came, and recorded at that time: a machine that is busy
+with other work delays packets in the relay, but the capture says so.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import socket
+import time
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from tachk.base.records import dataclass
+from tachk.xrce.messages import Endpoint
+from tachk.xrce.proxy.arrivals import Received, made_socket, received
+from tachk.xrce.proxy.decisions import Answer, Arrival, Decisions, Departure
+from tachk.xrce.proxy.recording import Recording, Sorted
+from tachk.xrce.proxy.rules import Way
+
+_AT_ONCE: Final = 64
+_SETTLED: Final = 0.02
+"""Seconds after which what was recorded is written: nothing that came earlier can be in a socket any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Where to listen, where to send.
+
+    Attributes:
+        listening: an address for each client.
+        agent: where the Agent listens.
+        idle: stop when nothing has come for so many seconds after the first packet; None: go on.
+    """
+
+    listening: Sequence[Endpoint]
+    agent: Endpoint
+    idle: float | None
+
+
+class Relay:
+    """Between clients and Agent until a signal ends it, or silence.
+
+    A client that comes from another address gets another socket towards the Agent, which knows clients by addresses.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        decisions: Decisions,
+        recording: Recording | None,
+        tell: Callable[[Arrival, Answer], None] = lambda _arrival, _answer: None,
+    ) -> None:
+        self._plan = plan
+        self._decisions = decisions
+        self._recording = None if recording is None else Sorted(recording)
+        self._tell = tell
+        self._offset = time.time_ns() - time.monotonic_ns()
+        self._listening: dict[int, socket.socket] = {}
+        self._towards_agent: dict[tuple[int, Endpoint], socket.socket] = {}
+        self._timer: asyncio.TimerHandle | None = None
+        self._silence: asyncio.TimerHandle | None = None
+        self._done = asyncio.Event()
+        self._settling: asyncio.TimerHandle | None = None
+
+    async def run(self, ready: Callable[[], None] = lambda: None) -> None:
+        """Relays until the end. Raises OSError where a port cannot be used.
+
+        Args:
+            ready: is called when clients can come.
+        """
+        loop = asyncio.get_running_loop()
+        try:
+            for place in self._plan.listening:
+                found = made_socket()
+                self._listening[place.port] = found
+                try:
+                    found.bind((place.host, place.port))
+                except OSError as error:
+                    raise OSError(error.errno, error.strerror, str(place)) from None
+                loop.add_reader(found, self._take)
+            for number in (signal.SIGINT, signal.SIGTERM):
+                loop.add_signal_handler(number, self._done.set)
+            ready()
+            await self._done.wait()
+        finally:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                loop.remove_signal_handler(number)
+            for found in (*self._listening.values(), *self._towards_agent.values()):
+                loop.remove_reader(found)
+                found.close()
+            if self._recording is not None:
+                self._recording.write(None)
+
+    # ---- what arrives ------------------------------------------------------------------------------------------------
+
+    def _take(self) -> None:
+        """Takes what waits in all sockets, the earliest first."""
+        known = time.monotonic_ns()
+        waiting: list[tuple[Received, int, Endpoint | None]] = []
+        places = [(at, port, None) for port, at in self._listening.items()]
+        for at, port, client in (*places, *((at, *key) for key, at in self._towards_agent.items())):
+            found = received(at, _AT_ONCE)
+            waiting += [(each, port, client) for each in found]
+            if len(found) == _AT_ONCE:
+                known = min(known, found[-1].time)
+        waiting.sort(key=lambda one: one[0].time)
+        for each, port, client in waiting:
+            if client is None:
+                self._from_client(each, port)
+            else:
+                self._record(each.time, self._plan.agent, _name(self._towards_agent[port, client]), each.octets)
+                self._arrived(Arrival(port, client, Way.TO_CLIENT, each.octets, each.time))
+        if self._recording is not None:
+            self._recording.write(known + self._offset)
+
+    def _from_client(self, each: Received, port: int) -> None:
+        if (port, each.source) not in self._towards_agent:
+            self._towards_agent[port, each.source] = self._connected()
+        self._record(each.time, each.source, _name(self._listening[port]), each.octets)
+        self._arrived(Arrival(port, each.source, Way.TO_AGENT, each.octets, each.time))
+
+    def _connected(self) -> socket.socket:
+        found = made_socket()
+        found.connect((self._plan.agent.host, self._plan.agent.port))
+        asyncio.get_running_loop().add_reader(found, self._take)
+        return found
+
+    def _arrived(self, arrival: Arrival) -> None:
+        answer = self._decisions.arrived(arrival)
+        self._tell(arrival, answer)
+        self._follow(answer)
+        if self._plan.idle is not None:
+            if self._silence is not None:
+                self._silence.cancel()
+            self._silence = asyncio.get_running_loop().call_later(self._plan.idle, self._done.set)
+
+    # ---- what leaves -------------------------------------------------------------------------------------------------
+
+    def _follow(self, answer: Answer) -> None:
+        for departure in answer.departures:
+            self._send(departure)
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if answer.wake is not None:
+            seconds = max(0, answer.wake - time.monotonic_ns()) / 1_000_000_000
+            self._timer = asyncio.get_running_loop().call_later(seconds, self._wake)
+
+    def _wake(self) -> None:
+        self._timer = None
+        self._follow(self._decisions.due(time.monotonic_ns()))
+
+    def _send(self, departure: Departure) -> None:
+        now, octets, client = time.monotonic_ns(), departure.octets, departure.client
+        try:
+            if departure.way is Way.TO_AGENT:
+                at = self._towards_agent[(departure.port, client)]
+                self._record(now, _name(at), self._plan.agent, octets)
+                at.send(octets)
+            else:
+                at = self._listening[departure.port]
+                self._record(now, _name(at), client, octets)
+                at.sendto(octets, (client.host, client.port))
+        except (BlockingIOError, ConnectionRefusedError):
+            pass  # nobody listens there: on a network the datagram would be gone, too
+
+    # ---- what is recorded --------------------------------------------------------------------------------------------
+
+    def _record(self, moment: int, source: Endpoint, destination: Endpoint, octets: bytes) -> None:
+        if self._recording is not None:
+            self._recording.packet(moment + self._offset, source, destination, octets)
+            if self._settling is None:
+                self._settling = asyncio.get_running_loop().call_later(_SETTLED, self._settle)
+
+    def _settle(self) -> None:
+        self._settling = None
+        self._take()
+
+
+def _name(at: socket.socket) -> Endpoint:
+    return Endpoint(*at.getsockname())

@@ -1,0 +1,147 @@
+"""What was measured in captures: as text, as JSON of docs/schema/measure.schema.json, as options of `tachk verify`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from tachk.base.records import dataclass
+from tachk.xrce.measuring.measure import Measurement
+from tachk.xrce.measuring.quantity import Place, Quantity
+from tachk.xrce.measuring.settings import Setting
+
+_PLACES = 6
+"""So many packets are named in a text; JSON has all of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelTime:
+    """How settings are written.
+
+    Attributes:
+        milliseconds: in a unit of time of the model.
+        constants: those that the model has; None for a model that is not known, which may have all of them.
+        model: its name.
+    is_for_recordings: whether recordings are held against it.
+    """
+
+    milliseconds: float = 1.0
+    constants: frozenset[str] | None = None
+    model: str = ""
+    is_for_recordings: bool = False
+
+    def all(self, found: Measurement) -> tuple[Setting, ...]:
+        """Those for such models."""
+        return found.recorded if self.is_for_recordings else found.settings
+
+    def chosen(self, found: Measurement) -> list[Setting]:
+        """The settings that the model has."""
+        return [one for one in self.all(found) if self.constants is None or one.name in self.constants]
+
+
+def settings_line(found: Measurement, time: ModelTime) -> str:
+    """``-D NAME=VALUE`` for each setting, in a line that a shell takes apart."""
+    return " ".join(f"-D {one.name}={one.in_units(time.milliseconds)}" for one in time.chosen(found))
+
+
+def measurement_to_json(found: Measurement, time: ModelTime) -> dict[str, Any]:
+    """The measurement as a dictionary for `json.dumps`."""
+    return {
+        "files": list(found.files),
+        "problems": list(found.problems),
+        "quantities": [_quantity_to_json(quantity) for quantity in found.quantities],
+        "unit_ms": time.milliseconds,
+        "settings": [_setting_to_json(one, time) for one in time.chosen(found)],
+        "recorded_settings": [_setting_to_json(one, ModelTime()) for one in found.recorded],
+    }
+
+
+def _setting_to_json(setting: Setting, time: ModelTime) -> dict[str, Any]:
+    return {
+        "name": setting.name,
+        "value": setting.in_units(time.milliseconds),
+        "ms": setting.value if setting.is_time else None,
+        "confidence": setting.confidence.value,
+        "how": setting.how,
+    }
+
+
+def _quantity_to_json(quantity: Quantity) -> dict[str, Any]:
+    return {
+        "name": quantity.name,
+        "title": quantity.title,
+        "unit": quantity.unit.value,
+        "value": quantity.value,
+        "min": quantity.minimum,
+        "median": quantity.median,
+        "max": quantity.maximum,
+        "count": len(quantity.samples),
+        "confidence": quantity.confidence.value,
+        "how": quantity.how,
+        "samples": [
+            {
+                "value": sample.value,
+                "packets": [{"file": place.file, "packet": place.packet} for place in sample.places],
+            }
+            for sample in quantity.samples
+        ],
+    }
+
+
+def measurement_to_text(found: Measurement, time: ModelTime) -> str:
+    """Quantities that were seen, those that were not, and settings."""
+    known = [quantity for quantity in found.quantities if quantity.samples]
+    unknown = [quantity for quantity in found.quantities if not quantity.samples]
+    lines = ["  value          min / median / max               seen  what"]
+    for quantity in known:
+        lines += _quantity_lines(quantity, len(found.files) > 1)
+    if unknown:
+        lines += ["", "not enough evidence:", *(f"  {quantity.title}: {quantity.how}" for quantity in unknown)]
+    chosen = time.chosen(found)
+    scale = "" if time.milliseconds == 1 else f", in units of {time.milliseconds:g} ms"
+    lines += ["", f"settings{f' for {time.model}' if time.model else ''}{scale}:", *_setting_lines(chosen, time)]
+    coarse = [one for one in chosen if one.is_time and _is_coarse(one, time)]
+    if coarse:
+        told = ", ".join(f"{one.name} is {one.value:g} ms" for one in coarse)
+        lines.append(f"the unit of {time.milliseconds:g} ms is too coarse: {told}")
+    left_out = [one.name for one in time.all(found) if one not in chosen]
+    if left_out:
+        lines.append(f"{time.model} has no constant {', '.join(left_out)}")
+    if not time.model:
+        lines += ["settings for models of recordings, in ms:", *_setting_lines(list(found.recorded), time)]
+    return "\n".join(lines) + "\n"
+
+
+def _is_coarse(setting: Setting, time: ModelTime) -> bool:
+    """Whether a time in units of the model is more than 2 % off."""
+    return abs(setting.in_units(time.milliseconds) * time.milliseconds - setting.value) > setting.value / 50
+
+
+def _quantity_lines(quantity: Quantity, several: bool) -> Iterator[str]:
+    spread = " / ".join(_number(value) for value in (quantity.minimum, quantity.median, quantity.maximum))
+    value = "?" if quantity.value is None else f"{_number(quantity.value)} {quantity.unit.value}".rstrip()
+    yield f"  {value:<13}  {spread:<31}  {len(quantity.samples):>4}  {quantity.title}"
+    places = _places(quantity.places, several)
+    yield f"      {quantity.confidence.value}: {quantity.how}{f'; {places}' if places else ''}"
+
+
+def _places(places: Sequence[Place], several: bool) -> str:
+    if not places:
+        return ""
+    told = [f"{place.file}:{place.packet}" if several else str(place.packet) for place in places[:_PLACES]]
+    more = f" and {len(places) - _PLACES} more" if len(places) > _PLACES else ""
+    return f"packet{'s' if len(places) > 1 else ''} {', '.join(told)}{more}"
+
+
+def _setting_lines(settings: Sequence[Setting], time: ModelTime) -> Iterator[str]:
+    written = [f"-D {one.name}={one.in_units(time.milliseconds)}" for one in settings]
+    width = max(map(len, written), default=0)
+    for text, one in zip(written, settings, strict=True):
+        yield f"  {text:<{width}}  {one.confidence.value}: {one.how}"
+
+
+def _number(value: float | None) -> str:
+    """A number with four digits that matter."""
+    if value is None:
+        return "?"
+    return f"{value:.0f}" if abs(value) >= 1000 or value == int(value) else f"{value:.4g}"

@@ -1,0 +1,50 @@
+"""Bytes of a capture as they come, until the time is over: from a pipe, or from a file that grows."""
+
+from __future__ import annotations
+
+import os
+import select
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from tachk.base.time_limit import check_time
+
+PATIENCE: Final = 0.2
+"""Seconds after which nothing has come for a while."""
+
+
+class Pipe:
+    """A file descriptor that is read without waiting for long."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+
+    def read1(self, size: int, /) -> bytes | None:
+        """What has come; empty at the end, None if nothing has come for a while."""
+        check_time()
+        ready, _, _ = select.select([self._descriptor], [], [], PATIENCE)
+        return os.read(self._descriptor, size) if ready else None
+
+    def close(self) -> None:
+        """It belongs to whoever opened it."""
+
+
+class GrowingFile:
+    """A file to which somebody writes; it has no end."""
+
+    def __init__(self, path: Path, sleep: Callable[[float], None] = time.sleep) -> None:
+        self._stream = path.open("rb")
+        self._sleep = sleep
+
+    def read1(self, size: int, /) -> bytes | None:
+        """What has come; None if nothing has come for a while."""
+        check_time()
+        octets = self._stream.read(size)
+        if not octets:
+            self._sleep(PATIENCE)
+        return octets or None
+
+    def close(self) -> None:
+        self._stream.close()

@@ -1,0 +1,5 @@
+"""For tests of engines: random networks, and the comparison of all engines on one of them."""
+
+from tachk.model.random_networks import Case, Shape, cases, random_case
+
+__all__ = ["Case", "Shape", "cases", "random_case"]

@@ -1,0 +1,217 @@
+"""Short searches beside the default one: what they find, when they are made, and that they change no verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+import tachk
+from tachk import _core
+from tachk.engine import attempts
+from tachk.engine.compiler.program import Goal, Program
+from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.outcome import INTERRUPTED
+from tachk.engine.program_image import encode
+from tachk.verify.verdict import Answer, Verdict
+from tests.support.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
+
+# Seven processes that count for themselves: 8**7 states and more, of which each run to the last one passes 50.
+COUNTERS = """
+const int N = 7;
+typedef int[1, N] id_t;
+int[0, 7] count[N + 1];
+process P(const id_t me) {
+    init location going {
+        to going { guard count[me] < 7; assign count[me] = count[me] + 1; }
+        to done { guard count[me] == 7; }
+    }
+    location done { }
+}
+system P;
+"""
+REACHED = "E<> forall (i : id_t) count[i] == 7"
+NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
+ALL_STATES = Options(symmetry=False, local_times=LocalTimes.NEVER, drop_bystanders=False)
+
+
+def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = None) -> Verdict:
+    (found,) = tachk.loads(COUNTERS).verify(query, options=options, limits=limits)
+    return found
+
+
+def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
+    found = verdict(REACHED)
+    assert found.answer is Answer.HOLDS
+    assert attempts.STORED <= found.statistics.states_stored < attempts.STORED + 2000
+    assert found.trace is not None
+    more = Limits(states=3 * attempts.STORED)
+    assert verdict(REACHED, replace(ALL_STATES, attempts=False), more).answer is Answer.UNKNOWN
+
+
+def test_the_time_of_both_searches_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, depth_first, later = time.perf_counter, attempts.depth_first, [0.0]
+
+    def taking_long(*arguments: Any) -> Any:
+        later[0] = 100.0
+        return depth_first(*arguments)
+
+    monkeypatch.setattr(time, "perf_counter", lambda: clock() + later[0])
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "depth_first", taking_long)
+    assert 100 < verdict(REACHED).statistics.seconds < 200
+
+
+def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where one state stands for others, the first process is another one after each step."""
+    searched = []
+
+    def noting(program: Program, goals: Sequence[Goal]) -> list[int]:
+        searched.append(program)
+        return encode(program, goals)
+
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "encode", noting)
+    found = verdict(REACHED, replace(ALL_STATES, symmetry=True))
+    assert found.answer is Answer.HOLDS and found.statistics.interchangeable == 7
+    assert searched and all(not program.interchangeable for program in searched)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        replace(ALL_STATES, order=SearchOrder.BFS),
+        replace(ALL_STATES, shortest=True),
+        replace(ALL_STATES, attempts=False),
+    ],
+    ids=["breadth first", "shortest", "off"],
+)
+def test_nothing_is_tried_where_the_order_is_asked_for(options: Options, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    assert verdict(REACHED, options, Limits(states=2000)).answer is Answer.UNKNOWN
+
+
+@pytest.mark.parametrize("limits", [Limits(depth=20), Limits(states=1000)], ids=["depth", "states"])
+def test_limits_are_kept(limits: Limits, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 1000)
+    assert verdict(REACHED, limits=limits).answer is Answer.UNKNOWN
+    assert verdict(REACHED, limits=Limits(depth=60, states=2000)).answer is Answer.HOLDS
+
+
+def test_deadlocks_are_looked_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    found = verdict("E<> deadlock", limits=Limits(states=2000))
+    assert (found.answer, found.statistics.states_stored < 1000) == (Answer.HOLDS, True)
+    assert found.trace is not None
+
+
+# With the abstraction nothing keeps y from growing, although it always equals x.
+SEEMINGLY_STUCK = """
+process Q() {
+    clock x, y;
+    init location A { invariant x <= 3; to A { guard y <= 5; } }
+}
+system P, Q;
+"""
+
+
+def test_a_deadlock_that_only_seems_to_be_found_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 5)
+    text = COUNTERS.replace("N = 7", "N = 5").replace("system P;", SEEMINGLY_STUCK)
+    (found,) = tachk.loads(text).verify("E<> deadlock", options=ALL_STATES)
+    (plain,) = tachk.loads(text).verify("E<> deadlock", options=replace(ALL_STATES, attempts=False))
+    assert found.answer is plain.answer is Answer.FAILS
+
+
+def test_what_is_not_found_depth_first_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "EXPLORED", 10)
+    assert verdict(REACHED, limits=Limits(states=2000)).answer is Answer.UNKNOWN
+    assert verdict(NEVER, limits=Limits(states=2000)).answer is Answer.UNKNOWN
+
+
+def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "EXPLORED", 10**9)
+    found = verdict(NEVER, limits=Limits(seconds=0.3))
+    assert (found.answer, found.reason) == (Answer.UNKNOWN, "time limit")
+
+
+@pytest.mark.parametrize("attempt", ["in_one_order", "depth_first"])
+def test_ctrl_c_in_an_attempt_ends_the_search(attempt: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, attempt, lambda *_: (None, INTERRUPTED))
+    found = verdict(NEVER, limits=Limits(states=2000))
+    assert (found.answer, found.reason) == (Answer.UNKNOWN, INTERRUPTED)
+
+
+# Twelve alarms that ring at the same time, each for itself.
+ALARMS = """
+const int N = 12;
+typedef int[1, N] id_t;
+int[0, 1] rung[N + 1];
+process P(const id_t me) {
+    clock x;
+    init location waiting { invariant x <= 9 + me - me; to ringing { guard x >= 9; assign rung[me] = RUNG; } }
+    location ringing { }
+}
+system P;
+"""
+
+
+def alarms(options: Options = ALL_STATES, limits: Limits | None = None, rung: str = "1") -> Verdict:
+    (found,) = tachk.loads(ALARMS.replace("RUNG", rung)).verify("E<> false", options=options, limits=limits)
+    return found
+
+
+def test_one_order_is_enough_where_time_cannot_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 500)
+    assert alarms(limits=Limits(states=1000)).answer is Answer.FAILS
+    assert alarms(replace(ALL_STATES, attempts=False), Limits(states=1000)).answer is Answer.UNKNOWN
+    assert alarms(replace(ALL_STATES, attempts=False), Limits(states=5000)).statistics.states_stored == 2**12
+    monkeypatch.setattr(attempts, "FIRST_IN_ONE_ORDER", 4)
+    monkeypatch.setattr(attempts, "EXPLORED_IN_ONE_ORDER", 8)
+    assert alarms(limits=Limits(states=1000)).answer is Answer.UNKNOWN
+
+
+def test_run_time_errors_are_met_in_one_order_and_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 500)
+    for options in (ALL_STATES, replace(ALL_STATES, attempts=False)):
+        found = alarms(options, rung="me == N ? 2 : 1")
+        assert (found.answer, found.reason) == (Answer.UNKNOWN, "run-time error")
+
+
+class Counting:
+    """A search that stores two states for each that it explores, until it has explored 1,000."""
+
+    def __init__(self) -> None:
+        self.explored = 0
+
+    def run(self, expansions: int, seconds: float | None = None, look: object = None) -> _core.Status:
+        self.explored = min(self.explored + expansions, 1000)
+        return _core.Status.FINISHED if self.explored == 1000 else _core.Status.RUNNING
+
+    def statistics(self) -> tuple[int, int, int, int]:
+        return self.explored, 2 * self.explored, 0, 0
+
+
+@pytest.mark.parametrize("size", [1, 7, 64, 100, 10**6])
+def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
+    for bound, explored in [({"explored": 100}, 100), ({"stored": 300}, 192), ({"stored": 10**6}, 1000)]:
+        search = Counting()
+        stretch = attempts.Stretch(search, **bound)
+        while (status := stretch.run(size)) is _core.Status.RUNNING:
+            assert search.explored <= explored
+        assert search.explored == explored
+        assert status is (_core.Status.FINISHED if explored == 1000 else _core.Status.STATE_LIMIT)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_verdict_changes(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where attempts begin with the first states, and are short or long. Runs are replayed."""
+    monkeypatch.setattr(attempts, "STORED", 2)
+    monkeypatch.setattr(attempts, "EXPLORED", 3 if seed % 2 else 1000)
+    assert compare_verdicts(random_questions(seed), {"default": BY_DEFAULT}).problems == ()

@@ -1,0 +1,149 @@
+"""Limits and Ctrl-C are noticed in the midst of a state, however much there is to do for it."""
+
+from __future__ import annotations
+
+import _thread
+import threading
+
+import pytest
+
+from tachk import _core
+from tachk.base.span import Source
+from tachk.engine.compiler.lower import lower, lower_obligation
+from tachk.engine.core_search import core_limits, core_options, run_in_slices
+from tachk.engine.options import Extrapolation, Limits, Options
+from tachk.engine.program_image import encode
+from tachk.engine.zone import explore
+from tachk.formats.loading.load import load_model
+from tachk.model.connectives import negation
+from tachk.model.expressions import Expression
+from tachk.model.network import Network
+from tachk.verify.verdict import Answer
+from tachk.verify.verify import verify
+
+RECEIVERS = 40
+MANY_SUCCESSORS = f"""
+    broadcast chan all; chan priority default < all;
+    typedef int[1, {RECEIVERS}] id_t;
+    process S() {{ init location A {{ to A {{ sync all!; }} }} }}
+    process R(const id_t me) {{
+        clock x;
+        init location A {{ to B {{ guard x >= 1; sync all?; }} to C {{ guard x >= 1; sync all?; }} }}
+        location B; location C;
+    }}
+    system S, R;
+    property q : E<> exists (i : id_t) R(i).B && R(i).C;
+"""
+"""The initial state has 2^40 successors."""
+
+UNRANKED = MANY_SUCCESSORS.replace("chan priority default < all;", "")
+
+
+def model(text: str) -> tuple[Network, Expression]:
+    loaded = load_model(Source("model.ta", text))
+    target = loaded.queries[0].target
+    assert target is not None
+    return loaded.network, target
+
+
+def searches(text: str) -> list[_core.Explorer | _core.LivenessSearch | _core.CoverSearch]:
+    """Searches of each kind that have not begun, in which processes keep their places."""
+    network, target = model(text)
+    program, goals = lower(network, [target])
+    image, options, limits = encode(program, goals), core_options(Options()), core_limits(Limits())
+    live, avoided, _ = lower_obligation(network, target, None)
+    return [
+        _core.Explorer(image, options, limits),
+        _core.CoverSearch(image, options, limits, hulls=True),
+        _core.LivenessSearch(encode(live, [avoided]), options, limits),
+    ]
+
+
+@pytest.mark.parametrize("text", [MANY_SUCCESSORS, UNRANKED])
+def test_a_limit_on_time_ends_a_search_in_the_midst_of_a_state(text: str) -> None:
+    for search in searches(text):
+        assert search.run(1000, 0.01) is _core.Status.TIME_LIMIT
+        assert search.run(1) is _core.Status.TIME_LIMIT, "it cannot go on"
+        assert run_in_slices(search, 0.0, Limits(), None) == (_core.Status.TIME_LIMIT, "time limit")
+
+
+def test_a_limit_on_time_ends_a_search_over_local_times_in_the_midst_of_a_state() -> None:
+    network, target = model(UNRANKED.replace("broadcast ", ""))
+    program, goals = lower(network, [target])
+    options = core_options(Options(extrapolation=Extrapolation.LU))
+    search = _core.LocalExplorer(encode(program, goals), options, core_limits(Limits()))
+    assert search.run(1000, 0.0) is _core.Status.TIME_LIMIT
+    assert search.run(1) is _core.Status.TIME_LIMIT
+
+
+def test_helping_threads_have_the_same_patience() -> None:
+    own = "int[0,99] n; init location A { to A { assign n = (n + 1) % 100; }"
+    network, target = model(UNRANKED.replace("init location A {", own, 1))
+    program, goals = lower(network, [target])
+    options = core_options(Options(threads=3, threads_after=1))
+    search = _core.Explorer(encode(program, goals), options, core_limits(Limits()))
+    assert search.run(1000, 0.05) is _core.Status.TIME_LIMIT
+
+
+def test_ctrl_c_ends_a_search_in_the_midst_of_a_state() -> None:
+    for search in searches(MANY_SUCCESSORS):
+        timer = threading.Timer(0.05, _thread.interrupt_main)
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            search.run(1000)
+        timer.join()
+        assert search.run(1) is _core.Status.TIME_LIMIT
+
+
+def test_a_limit_on_memory_ends_a_search_in_the_midst_of_a_state() -> None:
+    network, target = model(UNRANKED)
+    program, goals = lower(network, [target])
+    outcome = explore(program, goals, limits=Limits(memory_bytes=2_000_000))
+    assert outcome.reason == "memory limit"
+    assert outcome.statistics.states_explored == 1
+
+
+PASSED = """
+    int[0,20] n;
+    process P() {
+        init location A { to B; }
+        committed location B { to B { select i : int[0,20]; assign n = i; } }
+    }
+    system P;
+    property q : E<> n < 0;
+    property last : E<> n == 20;
+"""
+
+
+def test_states_that_are_passed_through_are_passed_once() -> None:
+    """Else there are 21^8 ways through them."""
+    loaded = load_model(Source("model.ta", PASSED))
+    never, last = verify(loaded.network, loaded.queries, Options(passing=8))
+    assert (never.answer, last.answer) == (Answer.FAILS, Answer.HOLDS)
+    assert never.statistics.states_explored < 1000
+    assert last.trace is not None
+
+
+def test_a_search_may_be_divided_between_states_that_are_passed_through() -> None:
+    network, target = model(PASSED)
+    program, goals = lower(network, [target])
+
+    def fresh() -> _core.Explorer:
+        return _core.Explorer(encode(program, goals), core_options(Options(passing=8)), core_limits(Limits()))
+
+    whole, pieces = fresh(), fresh()
+    assert whole.run(10_000) is _core.Status.FINISHED
+    steps = 1
+    while pieces.run(1) is _core.Status.RUNNING:
+        steps += 1
+    assert steps > 20
+    assert pieces.statistics() == whole.statistics()
+    assert pieces.taken() == whole.taken()
+
+
+def test_the_time_of_first_looks_counts() -> None:
+    network, target = model(MANY_SUCCESSORS)
+    program, goals = lower(network, [negation(negation(target))])
+    outcome = explore(program, goals, limits=Limits(seconds=0.05))
+    assert outcome.reason == "time limit"
+    assert outcome.statistics.seconds >= 0.05

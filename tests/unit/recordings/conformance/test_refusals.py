@@ -1,0 +1,57 @@
+"""What a model could do where a recording leaves it, if its guards are disjunctions of many conjunctions."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+
+import tachk
+from tachk.recordings.conformance.conform import Conformance
+from tachk.report.conformance.json import conformance_to_json
+from tachk.report.conformance.text import conformance_to_text
+
+ROOT = Path(__file__).parents[4]
+SCHEMA = json.loads((ROOT / "docs/schema/conform.schema.json").read_text(encoding="utf-8"))
+
+LISTENERS = """
+const int N = 8;
+typedef int[1, N] id_t;
+clock x;
+broadcast chan call, on;
+process Caller() { state Idle, Called; init Idle; trans Idle -> Called { guard x >= 10; sync call!; }; }
+process Listener(const id_t me) {
+    clock y;
+    state Waits, Heard;
+    init Waits;
+    trans Waits -> Heard { guard CLOCK >= 12 && CLOCK < 20 + me; sync call?; };
+}
+process Lamp() { state Off, On; init Off; trans Off -> On { sync on!; }; }
+system Caller, Listener, Lamp;
+recording { visible call as call(); visible on as on(); tolerance 1; }
+"""
+"""A step with `call` keeps listeners out, each by a disjunction."""
+
+
+def refused(tmp_path: Path, clock: str, listeners: int) -> Conformance:
+    file = tmp_path / "events.csv"
+    file.write_text("time,event\n2,call\n30,on\n", encoding="utf-8")
+    found = tachk.conform(tachk.loads(LISTENERS.replace("CLOCK", clock), N=listeners), file)
+    assert found.accepted is False
+    jsonschema.validate(conformance_to_json([found], "listeners.ta"), SCHEMA)
+    return found
+
+
+def test_disjunctions_over_one_clock_are_understood(tmp_path: Path) -> None:
+    """Without pruning these are 3^7 conjunctions."""
+    refusal = refused(tmp_path, "x", 7).refusal
+    assert refusal is not None and refusal.offers_whole
+    assert ("call", 10) in [(offer.name, offer.earliest) for offer in refusal.offers]
+
+
+def test_what_is_not_understood_is_told(tmp_path: Path) -> None:
+    """With a clock of each listener they are 2^40 zones."""
+    found = refused(tmp_path, "y", 40)
+    assert found.refusal is not None and not found.refusal.offers_whole
+    assert "there may be other events that the model allows" in conformance_to_text(found, "listeners.ta")

@@ -1,0 +1,95 @@
+"""Captures of the real programs that the tools or the automata once judged wrongly; see the README beside them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from tachk.cli.main import app
+from tachk.xrce.conformance.packet_events import read_capture
+
+ROOT = Path(__file__).parents[4]
+MODEL = str(ROOT / "models/micro_xrce_dds/client_3_0.ta")
+QUERIES = ROOT / "queries/micro_xrce_dds.ta"
+CAPTURES = ROOT / "tests/data/captures/unusual"
+
+
+def capture(name: str) -> str:
+    return str(CAPTURES / f"{name}.pcap")
+
+
+def run(*words: str) -> tuple[int, str]:
+    found = CliRunner().invoke(app, list(words))
+    return found.exit_code, found.output
+
+
+def verdicts(name: str, *more: str) -> tuple[int, list[str]]:
+    status, text = run("monitor", str(QUERIES), capture(name), *more)
+    return status, text.splitlines()
+
+
+def settings(name: str) -> list[str]:
+    status, text = run("measure", capture(name), "--for", MODEL, "--format", "settings")
+    assert status == 0, text
+    return text.split()
+
+
+def test_tcp_at_another_port_is_the_same_with_and_without_it() -> None:
+    """The first segment of a client is the length of its CREATE_CLIENT alone."""
+    status, lines = verdicts("tcp_other_port")
+    assert status == 0 and lines[-1] == "12 true"
+    assert lines == verdicts("tcp_other_port", "--port", "24800")[1]
+
+
+def test_samples_behind_a_cancel_reach_their_reader_outside_of_any_stream() -> None:
+    status, lines = verdicts("cancel_while_flowing")
+    assert status == 0 and lines[-1] == "12 true"
+
+
+def test_a_client_goes_on_from_another_address_behind_a_relay() -> None:
+    """It was away for 0.9 s, in which messages came to it; so NIWS is false, and everything that speaks of delivery is
+    true."""
+    assert "CLIENTS=2" in settings("address_changes")
+    text = "\n".join(verdicts("address_changes")[1])
+    assert "presumably" not in text
+    assert "10 true, 2 false" in text and "NIWS is false" in text and "NIWS_rise is false" in text
+    assert run("conform", MODEL, capture("address_changes"), *settings("address_changes"), "--late", "5ms")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("two_topics", "packet 145: this sample is of the topic Letters, those before were of Numbers"),
+        ("read_for_one_second", "packet 21: this READ_DATA has max_elapsed_time 1"),
+        ("read_20_bytes_per_second", "packet 21: this READ_DATA has max_bytes_per_second 20"),
+        ("cancel_while_flowing", "packet 109: this READ_DATA has max_samples 0"),
+    ],
+)
+@pytest.mark.parametrize("command", [["conform", MODEL], ["measure", "--for", MODEL]])
+def test_what_the_automata_do_not_speak_of_is_named(name: str, message: str, command: list[str]) -> None:
+    status, text = run(*command, capture(name))
+    assert status == 2
+    assert f"{name}.pcap, {message}" in text
+    if command[0] == "measure":
+        assert run("measure", capture(name))[0] == 0
+
+
+def test_the_agent_announces_what_its_sender_has_not_sent() -> None:
+    """Without that edge the capture is refused at the HEARTBEAT, and the refusal is explained."""
+    own = [*settings("heartbeat_before_data"), "--late", "5ms"]
+    assert run("conform", MODEL, capture("heartbeat_before_data"), *own)[0] == 0
+    status, text = run("conform", MODEL, capture("heartbeat_before_data"), *own, "-D", "EARLY_ANNOUNCEMENT=0")
+    assert status == 10
+    assert "it leaves the model at packet 206" in text and "kind=HEARTBEAT, number=14, detail=15" in text
+    assert "the model allows sent(link=3, kind=DATA, number=14" in text
+
+
+def test_a_ping_outside_a_session_does_not_wake_the_agent() -> None:
+    assert (
+        run("conform", MODEL, capture("ping_without_session"), *settings("ping_without_session"), "--late", "5ms")[0]
+        == 0
+    )
+    sent = [e for e in read_capture(CAPTURES / "ping_without_session.pcap").events if e.cells.get("kind") == "PING"]
+    assert [(e.name, e.place) for e in sent] == [("sent", "packet 393"), ("arrived", "packet 394")]

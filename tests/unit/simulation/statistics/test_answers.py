@@ -1,0 +1,123 @@
+"""Statistical queries among those of a verification: what counts, and how each form of report tells them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+import tachk
+from tachk.cli.actions.run_report import RunReporting
+from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import ReportForm
+from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical
+from tachk.simulation.statistics.estimate import Settings
+
+ROOT = Path(__file__).parents[4]
+MODEL = """
+clock x;
+double level = 0.5;
+process A() { init location s { invariant x <= 5; to t { assign level = level * 2; } } location t; }
+system A;
+"""
+TESTS = """
+property likely : Pr[<=4](<> A.t) >= 0.5;
+property rare : Pr[<=1](<> A.t) >= 0.5 expect fails;
+property often : Pr[<=4](<> A.t) expect holds;
+property doubled : Pr[<=10](<> level > 0.9) expect holds;
+"""
+
+
+def test_expectations_count() -> None:
+    report = tachk.loads(MODEL + TESTS).verify()
+    assert report.met is True
+    assert report.to_text().splitlines()[-1] == "4 of 4 as expected"
+    assert all(answer.met for answer in report.estimates.values())
+
+
+@pytest.mark.parametrize(
+    ("query", "met", "last"),
+    [
+        ("Pr[<=1](<> A.t) >= 0.5", False, "0 of 1 as expected, 1 not"),
+        ("Pr[<=1](<> A.t) expect fails", False, "0 of 1 as expected, 1 not"),
+        ("Pr[<=1; 5](<> A.t) >= 0.2", None, "0 of 1 as expected, 1 unknown"),
+        ("Pr[<=1](<> A.t)", True, "1 estimated"),
+        ("E[<=1; 10](max: x)", True, "1 estimated"),
+        ("simulate [<=1; 2] {x}", True, "1 estimated"),
+    ],
+)
+def test_what_is_not_as_expected(query: str, met: bool | None, last: str) -> None:
+    report = tachk.loads(f"{MODEL}property p : {query};").verify()
+    assert report.estimates["p"].met is met
+    assert report.met is met
+    assert report.to_text().splitlines()[-1] == last
+
+
+def test_a_run_time_error_is_never_as_expected() -> None:
+    text = "int[0, 1] n = 1; process P() { init location a { to b { assign n = n + 1; } } location b; } system P;"
+    report = tachk.loads(f"{text}property p : Pr[<=100](<> P.b);").verify()
+    assert report.estimates["p"].met is False
+
+
+def test_without_time_there_is_no_answer() -> None:
+    loaded = tachk.loads(f"{MODEL}property p : Pr[<=1](<> A.t);").loaded
+    answer = answer_statistical(lambda: loaded, loaded.formulas, Settings(), seconds=0)[1]
+    assert isinstance(answer, StatisticalAnswer)
+    assert (answer.found, answer.reason, answer.met) == (None, "time limit", None)
+
+
+def test_a_model_that_only_simulations_read_is_answered() -> None:
+    text = MODEL.replace("invariant x <= 5;", "invariant x <= 5 && y' == 3;").replace("clock x;", "clock x, y;")
+    report = tachk.loads(f"{text}property p : Pr[<=1](<> y >= 2.9) >= 0.5;").verify()
+    assert report.estimates["p"].met is True
+
+
+def test_wrong_queries() -> None:
+    with pytest.raises(tachk.InputError, match="nowhere"):
+        tachk.loads(MODEL).verify("Pr[<=1](<> A.nowhere)")
+    report = tachk.loads(MODEL).verify("Pr[<=1](<> deadlock)", "E<> A.t")
+    assert [query.reason for query in report.record.not_checked] == [
+        "`deadlock` is not looked for in runs that are drawn"
+    ]
+    assert report.met is None
+
+
+def test_forms_of_reports(tmp_path: Path) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(MODEL + TESTS + "property bad : Pr[<=1](<> A.t) >= 0.5;\nproperty s : simulate [<=1; 2] {x};\n")
+    out = tmp_path / "out"
+    for form in (ReportForm.JSON, ReportForm.JUNIT, ReportForm.TEXT):
+        status = run_verify(Asked((str(path),)), reporting=RunReporting(form, out))
+        assert status is ExitStatus.NOT_AS_EXPECTED
+        text = out.read_text()
+        if form is ReportForm.JSON:
+            schema = json.loads((ROOT / "docs/schema/verify.schema.json").read_text())
+            answers = json.loads((ROOT / "docs/schema/estimate.schema.json").read_text())
+            document = json.loads(text)
+            jsonschema.Draft202012Validator(schema).validate(document)
+            (run,) = document["runs"]
+            for each in run["estimates"]:
+                whole = {**{name: each[name] for name in ("seed", "confidence", "alpha", "beta", "delta")}, "model": ""}
+                jsonschema.Draft202012Validator(answers).validate({**whole, "answers": [each["found"]]})
+            assert [each["met"] for each in run["estimates"]] == [True, True, True, True, False, True]
+        elif form is ReportForm.JUNIT:
+            assert 'tests="6" failures="1" errors="0" skipped="0"' in text
+            assert '<failure message="bad: Pr[&lt;=1](&lt;&gt; A.t) &gt;= 0.5: fails"' in text
+        else:
+            assert "✗ bad: Pr[<=1](<> A.t) >= 0.5: fails" in text
+
+
+def test_a_page_has_them() -> None:
+    page = tachk.loads(MODEL + TESTS + "property bad : Pr[<=1](<> A.t) >= 0.5;").verify().to_page()
+    assert "1 not as expected" in page
+    assert "<td>often</td>" in page
+
+
+def test_estimate_answers_the_same() -> None:
+    model = tachk.loads(MODEL + TESTS)
+    found = model.verify().estimates["often"].found
+    again = model.estimate("Pr[<=4](<> A.t)", seed=1)[0]
+    assert (found.low, found.high) == (again.low, again.high)  # type: ignore[union-attr]

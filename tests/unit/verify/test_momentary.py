@@ -1,0 +1,125 @@
+"""A property that holds because its trigger lasts for no time says so."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from fractions import Fraction
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.meaning.discrete import prepare
+from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
+from tachk.model.connectives import somebody_committed
+from tachk.model.expressions import Constant, LocationTest
+from tachk.model.network import Network
+from tachk.model.run import TimedState
+from tachk.verify import momentary
+from tachk.verify.verify import _decided_plainly
+from tests.support import Shape, random_case
+from tests.unit.verify.test_times import LEFT_IN_A_CHAIN
+
+MOMENTARY = "`Train.Appr` is also true for no time, in committed locations; that does not count"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Whenever Train.Appr, within 20, Train.Cross must be true.",
+        "G (Train.Appr -> F[0, 20] Train.Cross)",
+        "G (rise(Train.Appr) -> F[0, 20] Train.Cross)",
+    ],
+)
+def test_a_trigger_that_is_left_in_a_chain(text: str) -> None:
+    (verdict,) = tachk.loads(LEFT_IN_A_CHAIN).verify(text)
+    assert verdict.answer is tachk.Answer.HOLDS
+    assert [note.replace("rise(Train.Appr)", "Train.Appr") for note in verdict.notes] == [MOMENTARY]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        LEFT_IN_A_CHAIN.replace("to Occ { sync stop!; }", ""),  # the chain ends in Appr
+        LEFT_IN_A_CHAIN.replace("committed location", "urgent location"),  # no time passes, but it counts
+        LEFT_IN_A_CHAIN.replace("to Stop { sync stop?; }", "to Appr { sync stop?; }"),
+    ],
+)
+def test_a_trigger_that_lasts_needs_no_note(changed: str) -> None:
+    (verdict,) = tachk.loads(changed).verify("G (Train.Appr -> F[0, 120] Train.Cross)")
+    assert verdict.notes == ()
+
+
+def test_what_the_property_says_of_committed_states_needs_no_note() -> None:
+    report = tachk.loads(LEFT_IN_A_CHAIN).verify(
+        "A[] (Train.Appr imply Train.x <= 20)", "Train.Appr -->[<= 120] Train.Cross"
+    )
+    assert [(verdict.answer, verdict.notes) for verdict in report] == [(tachk.Answer.HOLDS, ())] * 2
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        ("G !Gate.Tell", "`!Gate.Tell` is also false for no time, in committed locations; that does not count"),
+        ("G (Gate.Free || Gate.Occ)", "`Gate.Free || Gate.Occ` is also false for no time, in committed locations;"),
+        ("!Gate.Tell must be true.", "`!Gate.Tell` is also false for no time, in committed locations;"),
+    ],
+)
+def test_a_demand_that_lapses_in_a_chain(text: str, note: str) -> None:
+    (verdict,) = tachk.loads(LEFT_IN_A_CHAIN).verify(text)
+    assert verdict.answer is tachk.Answer.HOLDS
+    assert [found.startswith(note) for found in verdict.notes] == [True]
+
+
+def test_what_is_not_known_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(momentary, "FEWEST_STATES", 4)
+    text = LEFT_IN_A_CHAIN.replace("to Occ { sync stop!; }", "").replace("to Cross { guard x >= 10; }", "")
+    (verdict,) = tachk.loads(text).verify("G (Train.Appr -> F[0, 20] Train.Stop)", limits=tachk.Limits(states=100))
+    assert all("not known" in note for note in verdict.notes)
+
+
+def visited(network: Network, condition: LocationTest, most: int = 4000) -> bool | None:
+    """By the reference semantics, with one clock at multiples of one half: whether some chain has the condition and
+    neither the state in which it begins nor the one in which it ends. None where that takes too many states."""
+    model = prepare(network)
+    pending: list[tuple[TimedState, bool, bool]] = [(initial_state(model), False, False)]
+    seen = set()
+    while pending:
+        state, before, risen = pending.pop()
+        now = satisfies(model, state, condition)
+        if any(location.committed for location in model.current(state.discrete)):
+            risen = risen or now
+        else:
+            if risen and not before and not now:
+                return True
+            before, risen = now, False
+        key = (state.discrete, tuple(min(value, 5) for value in state.clocks), before, risen)
+        if key in seen:
+            continue
+        if len(seen) > most:
+            return None
+        seen.add(key)
+        pending += [(after, before, risen) for _, after in successors(model, state)]
+        with suppress(StepError):
+            pending.append((delay(model, state, Fraction(1, 2)), before, risen))
+    return False
+
+
+def test_on_random_networks_it_is_what_the_definition_says() -> None:
+    found = {True: 0, False: 0}
+    for seed in range(70):
+        random = Random(seed)
+        case = random_case(random, Shape(deadlocks=False, clocks=1, processes=2, locations=3, constant=3))
+        condition = LocationTest(0, random.randrange(len(case.network.processes[0].locations)))
+        committed = somebody_committed(case.network)
+        if isinstance(committed, Constant):
+            continue
+        ends = momentary._ends_by_channel(case.network)
+        conditions = {momentary._Moment("it", True): condition}
+        watched, goals = momentary._watched(case.network, committed, ends, conditions)
+        (answer,) = momentary._reached(watched, goals, tachk.Limits(states=5000), _decided_plainly).values()
+        expected = visited(case.network, condition)
+        if expected is not None and answer.answer is not tachk.Answer.UNKNOWN:
+            assert (answer.answer is tachk.Answer.HOLDS) == expected, f"seed {seed}"
+            found[expected] += 1
+    assert found[True] > 0 and found[False] > 10, found
