@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.conformance import logs_of_clients
 from tachk.recordings.conformance.application_logs import with_log as with_application
-from tachk.recordings.conformance.events import Event, Recording
+from tachk.recordings.conformance.events import Event, EventLog
 
 CALLED, LEFT, BACK, TOLD_ALL, TOLD_SOME = range(5)
 BLOCKED_SLICE = 250
@@ -34,7 +34,7 @@ WORDS = {
 }
 
 
-def with_log(recording: Recording, truth: dict[str, Any]) -> Recording:
+def with_log(recording: EventLog, truth: dict[str, Any]) -> EventLog:
     """The recording with the log of all applications in it."""
     for client, log in enumerate(logs_of_clients(truth)):
         rows = tuple(
@@ -44,7 +44,7 @@ def with_log(recording: Recording, truth: dict[str, Any]) -> Recording:
             for time, what in _told(log)
         )
         if rows:
-            told = Recording(f"log of client {client}", rows, Fraction(1), None, rows[-1].time)
+            told = EventLog(f"log of client {client}", rows, Fraction(1), None, rows[-1].time)
             recording = with_application(recording, told)
     return recording
 

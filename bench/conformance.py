@@ -22,14 +22,14 @@ import tachk
 from tachk.engine.options import Limits
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
-from tachk.recordings.conformance.events import Closing, Event, Recording
+from tachk.recordings.conformance.events import Closing, Event, EventLog
 from tachk.xrce.conformance.packet_events import read_capture
 
 LADDER = ((5, 5), (5, 20), (5, 50))
 """Pairs of tolerance and lateness in milliseconds."""
 
 
-def as_told(recording: Recording, truth: dict[str, Any]) -> Recording:
+def as_told(recording: EventLog, truth: dict[str, Any]) -> EventLog:
     """The recording with what no packet tells: when the Agent was killed, and clients that ended without a DELETE.
 
     What is sent to who is not there any more does not arrive. A client that has ended says no more.
@@ -90,7 +90,7 @@ def settings(truth: dict[str, Any]) -> dict[str, int]:
 
 
 def held(
-    model: tachk.Model, recording: Recording, step: tuple[int, int], limits: Limits, explain: bool = False
+    model: tachk.Model, recording: EventLog, step: tuple[int, int], limits: Limits, explain: bool = False
 ) -> Conformance:
     """A recording held against a model, with a tolerance and a lateness."""
     assert model.loaded.recording is not None
@@ -108,7 +108,7 @@ def ladder_of(text: str) -> tuple[tuple[int, int], ...]:
 
 
 def answers(
-    model: tachk.Model, recording: Recording, seconds: float, ladder: tuple[tuple[int, int], ...]
+    model: tachk.Model, recording: EventLog, seconds: float, ladder: tuple[tuple[int, int], ...]
 ) -> Iterator[Conformance]:
     for number, step in enumerate(ladder, start=1):
         found = held(model, recording, step, Limits(seconds=seconds), explain=number == len(ladder))

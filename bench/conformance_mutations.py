@@ -23,17 +23,17 @@ from bench.application_logs import with_log
 from bench.conformance import as_told, held, settings
 from tachk.engine.options import Limits
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.events import Event, Recording
+from tachk.recordings.conformance.events import Event, EventLog
 from tachk.xrce.conformance.packet_events import read_capture
 
 LADDER = ((2, 2), (5, 5), (5, 20), (5, 50))
 MILLISECOND = Fraction(1, 10**6)
 
-Change = Callable[[Recording, int], Recording]
+Change = Callable[[EventLog, int], EventLog]
 
 
 def _cell(name: str, change: Callable[[int], int]) -> Change:
-    def changed(recording: Recording, number: int) -> Recording:
+    def changed(recording: EventLog, number: int) -> EventLog:
         event = recording.events[number]
         cells = {**event.cells, name: change(int(event.cells[name]))}
         events = (*recording.events[:number], replace(event, cells=cells), *recording.events[number + 1 :])
@@ -46,7 +46,7 @@ def _edit(what: str, by: int = 0) -> Change:
     return lambda recording, number: edited(recording, Edit(number, what, by), MILLISECOND)
 
 
-def _gone(recording: Recording, number: int) -> Recording:
+def _gone(recording: EventLog, number: int) -> EventLog:
     """Without a message and its arrivals."""
     numbers = [n for n, event in enumerate(recording.events) if n == number or event.after == number]
     for n in reversed(numbers):
@@ -90,7 +90,7 @@ def main() -> None:
         if not asked.packets_only:
             recording = with_log(recording, truth)
 
-        def accepted(other: Recording, step: tuple[int, int], model: tachk.Model = model) -> bool | None:
+        def accepted(other: EventLog, step: tuple[int, int], model: tachk.Model = model) -> bool | None:
             return held(model, other, step, Limits(seconds=30, states=asked.states)).accepted
 
         step = next((step for step in LADDER if accepted(recording, step)), None)

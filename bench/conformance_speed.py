@@ -25,7 +25,7 @@ from tachk.cli.console_script import RARELY
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.xrce.conformance.packet_events import read_capture
 
 T = TypeVar("T")
@@ -42,7 +42,7 @@ def least(rounds: int, work: Callable[[], T]) -> tuple[float, T]:
     return min(seconds), found
 
 
-def shortened(recording: Recording, share: int) -> Recording:
+def shortened(recording: EventLog, share: int) -> EventLog:
     """The first part of a recording; what happens behind it has not been recorded."""
     kept = recording.events[: len(recording.events) // share]
     closings = tuple(c for c in recording.closings if c.time <= kept[-1].time)
@@ -56,7 +56,7 @@ def measure(model: tachk.Model, path: Path, rounds: int, shares: tuple[int, ...]
         packets = sum(event.name == "sent" for event in recording.events)
         recorded = max(int(event.place.removeprefix("packet ")) for event in recording.events)
 
-        def held(run: bool, recording: Recording = recording) -> Conformance:
+        def held(run: bool, recording: EventLog = recording) -> Conformance:
             assert model.loaded.recording is not None
             return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), run=run)
 

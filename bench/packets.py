@@ -17,7 +17,7 @@ import sys
 import time
 from pathlib import Path
 
-from tachk.recordings.monitors.offline import monitor
+from tachk.api.monitoring import monitor
 from tachk.recordings.monitors.online import Monitor
 from tachk.xrce.datagrams import datagrams
 from tachk.xrce.messages import MessageReader

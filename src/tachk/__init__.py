@@ -32,8 +32,8 @@ if TYPE_CHECKING:
         loads,
         random_network,
     )
+    from tachk.api.monitoring import MonitorReport, monitor
     from tachk.recordings.monitors.mining import mine
-    from tachk.recordings.monitors.offline import MonitorReport, monitor
     from tachk.recordings.monitors.online import Monitor
     from tachk.recordings.traces.node_signal import Truth
     from tachk.simulation.stepping.library import replay, simulate
@@ -81,11 +81,11 @@ __all__ = [
 _HOMES = {
     **dict.fromkeys(("Clock", "SteppedClock", "WallClock"), "tachk.xrce.bridge.clock"),
     "Monitor": "tachk.recordings.monitors.online",
-    "MonitorReport": "tachk.recordings.monitors.offline",
+    "MonitorReport": "tachk.api.monitoring",
     "Truth": "tachk.recordings.traces.node_signal",
     "measure": "tachk.xrce.measuring.measure",
     "mine": "tachk.recordings.monitors.mining",
-    "monitor": "tachk.recordings.monitors.offline",
+    "monitor": "tachk.api.monitoring",
     "replay": "tachk.simulation.stepping.library",
     "simulate": "tachk.simulation.stepping.library",
 }

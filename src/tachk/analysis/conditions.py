@@ -14,7 +14,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.compiler.slot_layout import cell_range
+from tachk.model.cell_layout import cell_range
 from tachk.model.connectives import both, either
 from tachk.model.expressions import (
     BOOL,

@@ -12,7 +12,7 @@ from tachk.analysis.intervals import Interval, arithmetic, interval
 from tachk.base.operators import COMPARISONS, BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.engine.compiler.slot_layout import cell_range
+from tachk.model.cell_layout import cell_range
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     Aggregate,

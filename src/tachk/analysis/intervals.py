@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 from tachk.analysis.fold import Known, apply_binary, is_integer
 from tachk.base.operators import COMPARISONS, CONNECTIVES, CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
-from tachk.engine.compiler.slot_layout import cell_range
+from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import (
     Aggregate,
     Assign,

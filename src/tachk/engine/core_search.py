@@ -15,17 +15,9 @@ from tachk.base.span import NOWHERE, Span
 from tachk.base.time_limit import OutOfTimeError, check_other_limit
 from tachk.engine.compiler.program import Program
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import (
-    INTERRUPTED,
-    MACHINE_OUT_OF_MEMORY,
-    STATE_LIMIT,
-    TIME_LIMIT,
-    Progress,
-    RunTimeFault,
-    Statistics,
-)
+from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, STATE_LIMIT, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import RuntimeErrorKind
-from tachk.model.run import Participant, Transition
+from tachk.model.run import Participant, RunTimeFault, Transition
 
 _OPTION_NAMES = [name for name in vars(_core.Options) if not name.startswith("_")]
 _REASONS = {

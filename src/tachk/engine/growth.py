@@ -4,7 +4,7 @@ There are two reasons. Time may pass for ever in the last state of the path. Or 
 at least one time unit and resets no clock that counts, and that can be taken any number of times before the rest of the
 path: then every number is exceeded.
 
-The loop is found on zones that are widened by the largest constants (`tests.support.oracles.reference.widen`). Whatever
+The loop is found on zones that are widened by the largest constants (`tachk.meaning.extrapolation.widen`). Whatever
 path through widened zones exists, a run takes its transitions, since a widened zone holds only valuations that behave
 as some true one does. Let a part S of a widened zone that the first part of the path reaches lie inside what a loop
 leads to from S. Then every valuation of S is reached from one of S by the loop, and so by any number of loops in a row.
@@ -23,13 +23,13 @@ from tachk.meaning import dbm, symbolic
 from tachk.meaning.clock_constants import ClockConstants, clock_constants
 from tachk.meaning.dbm import INFINITY, Federation, Zone
 from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.extrapolation import widen
 from tachk.meaning.symbolic import Move, Situation
 from tachk.model.expressions import Expression, Variable, VariableKind
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Location, Network, Process
 from tachk.model.run import DiscreteState, Transition
 from tachk.model.types import ClockType
-from tests.support.oracles.reference import widen
 
 MOST_STEPS = 20_000
 """Transitions that are followed in search of a loop."""

@@ -6,10 +6,8 @@ from collections.abc import Callable, Sequence
 from enum import StrEnum
 
 from tachk.base.records import dataclass
-from tachk.base.span import Span
 from tachk.model.expressions import Expression
-from tachk.model.fault import RuntimeErrorKind
-from tachk.model.run import TimedTrace, Transition
+from tachk.model.run import RunTimeFault, Transition
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,26 +62,6 @@ class Status(StrEnum):
     REACHED = "reached"
     UNREACHABLE = "unreachable"
     UNDECIDED = "undecided"
-
-
-@dataclass(frozen=True, slots=True)
-class RunTimeFault:
-    """The model went wrong: ``path`` leads to the state, ``transition`` (None: a guard, an invariant or a predicate) is
-    what was being evaluated at ``span``.
-
-    Attributes:
-        detail: the values involved: ``"4 is not in [0, 3]"``; empty where they are not known.
-        run: the path with its delays; an engine leaves it None.
-        of_query: it is one of what is asked, and not of the model.
-    """
-
-    kind: RuntimeErrorKind
-    span: Span
-    path: tuple[Transition, ...]
-    transition: Transition | None
-    detail: str = ""
-    run: TimedTrace | None = None
-    of_query: bool = False
 
 
 @dataclass(frozen=True, slots=True)

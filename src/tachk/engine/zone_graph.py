@@ -15,10 +15,10 @@ from tachk.meaning import symbolic
 from tachk.meaning.clock_constants import clock_constants
 from tachk.meaning.dbm import Zone
 from tachk.meaning.discrete import prepare
+from tachk.meaning.extrapolation import widen
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.run import DiscreteState, Transition
-from tests.support.oracles.reference import widen
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.base.records import dataclass
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
@@ -112,3 +113,10 @@ def default_value(leaf: Type) -> int:
 def default_cells(type_: Type) -> tuple[int, ...]:
     """The content of an uninitialised variable; clocks and channels get 0 as a placeholder."""
     return tuple(default_value(leaf) for _, leaf in leaves(type_))
+
+
+def cell_range(type_: Type) -> tuple[int, int]:
+    """The legal values of a cell; numbers of clocks and channels in a frame are not limited."""
+    if isinstance(type_, IntType | BoolType | ScalarType):
+        return bounds(type_)
+    return CONSTANT_LOW, CONSTANT_HIGH

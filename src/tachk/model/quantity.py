@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from fractions import Fraction
 
 _UNIT = re.compile(r"\s*(\d+(?:\.\d+)?)?\s*(\S.*?)?\s*")
@@ -48,3 +49,14 @@ def bytes_(value: int) -> str:
         if value >= factor:
             return f"{value / factor:.1f} {unit}"
     return f"{value} B"
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """``4, 6..9``."""
+    found: list[list[int]] = []
+    for number in numbers:
+        if found and number == found[-1][-1] + 1:
+            found[-1].append(number)
+        else:
+            found.append([number])
+    return ", ".join(str(one[0]) if len(one) == 1 else f"{one[0]}..{one[-1]}" for one in found)

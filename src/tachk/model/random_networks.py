@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from random import Random
-from typing import TYPE_CHECKING
 
 from tachk.model.builder import (
     LocationHandle,
@@ -24,9 +23,6 @@ from tachk.model.expressions import Constant, Expression
 from tachk.model.network import Network
 from tachk.model.random_language import TOP, Language, random_copy, random_language
 from tachk.model.types import IntType
-
-if TYPE_CHECKING:
-    from hypothesis.strategies import SearchStrategy
 
 INTEGER_TOP = TOP
 """The integers of random networks range over ``[0, INTEGER_TOP]``."""
@@ -203,13 +199,6 @@ def _easy_edge(
         receive=named if 0.25 <= syncs < 0.3 else None,
         updates=[_update(random, shape, parts, []) for _ in range(random.choice((0, 1, 1)))],
     )
-
-
-def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:
-    """`random_case` as a hypothesis strategy."""
-    from hypothesis import strategies
-
-    return strategies.randoms(use_true_random=False).map(lambda random: random_case(random, shape))
 
 
 def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str = "") -> _Parts:

@@ -6,6 +6,8 @@ from enum import StrEnum
 from fractions import Fraction
 
 from tachk.base.records import dataclass
+from tachk.base.span import Span
+from tachk.model.fault import RuntimeErrorKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,3 +112,23 @@ class TimedTrace:
     @property
     def states(self) -> tuple[TimedState, ...]:
         return (self.initial, *(step.state for step in self.steps))
+
+
+@dataclass(frozen=True, slots=True)
+class RunTimeFault:
+    """The model went wrong: ``path`` leads to the state, ``transition`` (None: a guard, an invariant or a predicate) is
+    what was being evaluated at ``span``.
+
+    Attributes:
+        detail: the values involved: ``"4 is not in [0, 3]"``; empty where they are not known.
+        run: the path with its delays; an engine leaves it None.
+        of_query: it is one of what is asked, and not of the model.
+    """
+
+    kind: RuntimeErrorKind
+    span: Span
+    path: tuple[Transition, ...]
+    transition: Transition | None
+    detail: str = ""
+    run: TimedTrace | None = None
+    of_query: bool = False

@@ -10,10 +10,10 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.base.diagnostics.render_json import diagnostic_to_json
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import Direction
-from tachk.engine.outcome import RunTimeFault, Statistics
+from tachk.engine.outcome import Statistics
 from tachk.meaning.run_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
 from tachk.model.network import Network
-from tachk.model.run import Due
+from tachk.model.run import Due, RunTimeFault
 from tachk.report.record import NotRead, RunRecord
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.verdict import Extreme, Extremes, Verdict

@@ -15,12 +15,11 @@ from rich.text import Text
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.diagnostics.render import render
 from tachk.base.words import QueryKind
-from tachk.engine.outcome import RunTimeFault
 from tachk.meaning.run_view import view_event, view_path, view_trace
 from tachk.model.network import Network
 from tachk.model.quantity import bytes_, duration, grouped, seconds
 from tachk.model.query import Observer, Query
-from tachk.model.run import Due, Ending, TimedTrace
+from tachk.model.run import Due, Ending, RunTimeFault, TimedTrace
 from tachk.report.extreme_text import answer_text, value_lines, value_shown
 from tachk.report.plain_console import plain_console
 from tachk.report.record import RunRecord

@@ -7,11 +7,10 @@ from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.records import dataclass
-from tachk.engine.outcome import RunTimeFault
 from tachk.model.cell_layout import cell_layout
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
-from tachk.model.run import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
+from tachk.model.run import DiscreteState, RunTimeFault, TimedState, TimedStep, TimedTrace, Transition
 
 
 @dataclass(frozen=True, slots=True)

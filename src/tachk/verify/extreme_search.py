@@ -22,12 +22,12 @@ from tachk.engine.exact.concretise import concretise
 from tachk.engine.growth import grows_without_limit
 from tachk.engine.measuring import measure
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import Outcome, Progress, RunTimeFault, Statistics, Status
+from tachk.engine.outcome import Outcome, Progress, Statistics, Status
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
 from tachk.model.network import Network
-from tachk.model.run import Transition
+from tachk.model.run import RunTimeFault, Transition
 from tachk.model.traversal import asks_deadlock, reads_clock
 from tachk.model.types import ClockType
 

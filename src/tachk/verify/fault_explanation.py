@@ -8,11 +8,10 @@ from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import NOWHERE, Span
 from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.exact.concretise import concretise
-from tachk.engine.outcome import RunTimeFault
 from tachk.meaning.discrete import PreparedNetwork, execute_updates
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network
-from tachk.model.run import TimedTrace
+from tachk.model.run import RunTimeFault, TimedTrace
 from tachk.verify.verdict import Verdict
 
 _WHAT = {

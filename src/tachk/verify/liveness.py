@@ -17,15 +17,7 @@ from tachk.engine.exact.concretise import discrete_run
 from tachk.engine.lasso import lasso
 from tachk.engine.liveness import find_avoiding_run, find_recurring_run
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import (
-    AvoidingRun,
-    LivenessOutcome,
-    LivenessStatus,
-    Obligation,
-    Progress,
-    RunEnd,
-    RunTimeFault,
-)
+from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Obligation, Progress, RunEnd
 from tachk.engine.symmetry.tables import with_symmetry
 from tachk.meaning.clock_constants import clock_constants
 from tachk.meaning.discrete import PreparedNetwork, prepare
@@ -37,7 +29,7 @@ from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.run import DiscreteState, TimedState, TimedTrace
+from tachk.model.run import DiscreteState, RunTimeFault, TimedState, TimedTrace
 from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.transform.doubled_edges import DoubledNetwork, with_beats
 from tachk.verify.fault_explanation import explain

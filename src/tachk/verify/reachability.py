@@ -12,15 +12,7 @@ from tachk.engine.core_search import RUN_TIME_ERROR
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.guided_search import explore_along, states_along
 from tachk.engine.options import Limits, Options, SearchOrder
-from tachk.engine.outcome import (
-    INTERRUPTED,
-    STATE_LIMIT,
-    GoalOutcome,
-    Outcome,
-    Progress,
-    RunTimeFault,
-    Status,
-)
+from tachk.engine.outcome import INTERRUPTED, STATE_LIMIT, GoalOutcome, Outcome, Progress, Status
 from tachk.engine.symmetry.forgotten import with_less_known
 from tachk.engine.symmetry.tables import in_equal_parts
 from tachk.engine.zone import explore
@@ -30,7 +22,7 @@ from tachk.meaning.step import StepError
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.run import TimedTrace
+from tachk.model.run import RunTimeFault, TimedTrace
 from tachk.transform.cone_of_influence import with_spectators
 from tachk.transform.guided import guided
 from tachk.transform.observed import ObserverMove, fault_without_observer, observed, without_observer

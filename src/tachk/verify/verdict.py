@@ -6,9 +6,9 @@ from enum import StrEnum
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.records import dataclass
-from tachk.engine.outcome import RunTimeFault, Statistics
+from tachk.engine.outcome import Statistics
 from tachk.model.query import Expectation, Query
-from tachk.model.run import TimedTrace, Transition
+from tachk.model.run import RunTimeFault, TimedTrace, Transition
 from tachk.transform.observed import ObserverMove
 
 

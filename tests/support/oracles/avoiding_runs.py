@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from tachk.engine.options import Limits
-from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, RunEnd, RunTimeFault, Statistics
-from tachk.model.run import Transition
+from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, RunEnd, Statistics
+from tachk.model.run import RunTimeFault, Transition
 
 Node = TypeVar("Node")
 

@@ -18,7 +18,7 @@ from fractions import Fraction
 from math import floor
 
 from tachk.engine.options import Limits
-from tachk.engine.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics, Status
+from tachk.engine.outcome import GoalOutcome, Outcome, Statistics, Status
 from tachk.meaning.clock_constants import clock_constants, interval
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
@@ -26,7 +26,7 @@ from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import Assign, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.run import TimedState, Transition
+from tachk.model.run import RunTimeFault, TimedState, Transition
 from tachk.model.traversal import walk, with_bodies
 from tachk.model.types import ClockType
 

@@ -17,20 +17,20 @@ from dataclasses import dataclass, field, replace
 
 from tachk.base.operators import BinaryOperator
 from tachk.engine.options import Limits
-from tachk.engine.outcome import LivenessOutcome, Obligation, RunEnd, RunTimeFault, Statistics
+from tachk.engine.outcome import LivenessOutcome, Obligation, RunEnd, Statistics
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.avoidance import elapse_before, ends_in_deadlock, idles_for_ever
 from tachk.meaning.clock_constants import ClockConstants, clock_constants
 from tachk.meaning.dbm import Federation, Zone
 from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.extrapolation import widen
 from tachk.meaning.symbolic import Situation
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.run import DiscreteState, Transition
+from tachk.model.run import DiscreteState, RunTimeFault, Transition
 from tachk.model.types import ClockType
 from tests.support.oracles.avoiding_runs import Budget, Graph, LimitError, avoiding_run, build, outcome_of
-from tests.support.oracles.reference import widen
 
 Node = tuple[DiscreteState, Zone, bool]
 """``beat``: the transition to it was taken when the last one of that kind was at least one time unit ago."""

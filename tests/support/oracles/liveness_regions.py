@@ -14,14 +14,14 @@ from fractions import Fraction
 from functools import partial
 
 from tachk.engine.options import Limits
-from tachk.engine.outcome import LivenessOutcome, Obligation, RunEnd, RunTimeFault, Statistics
+from tachk.engine.outcome import LivenessOutcome, Obligation, RunEnd, Statistics
 from tachk.meaning.clock_constants import clock_constants
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.step import StepError, initial_state, satisfies, successors
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.run import TimedState, Transition
+from tachk.model.run import RunTimeFault, TimedState, Transition
 from tests.support.oracles.avoiding_runs import Budget, Condition, Graph, LimitError, avoiding_run, build, outcome_of
 from tests.support.oracles.digitised import Clocks, delayed, region_steps
 

@@ -15,16 +15,17 @@ from dataclasses import field
 
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
-from tachk.engine.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics, Status
+from tachk.engine.outcome import GoalOutcome, Outcome, Statistics, Status
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.clock_constants import ClockConstants, clock_constants
 from tachk.meaning.dbm import Federation, Zone
 from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.extrapolation import widen
 from tachk.meaning.symbolic import Move, Situation
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.run import DiscreteState, Transition
+from tachk.model.run import DiscreteState, RunTimeFault, Transition
 
 
 @dataclass(eq=False, slots=True)
@@ -166,19 +167,3 @@ def _look(search: _Search, node: _Node) -> None:
             hits: Federation = symbolic.where(search.model, node.situation, goal)
             if symbolic.intersections([node.zone], hits):
                 search.found[number] = node.path()
-
-
-def widen(constants: ClockConstants, zone: Zone) -> Federation:
-    """The zone without what no constraint of the network can tell; there are finitely many such zones."""
-    pieces = [zone]
-    for diagonal in constants.diagonals:
-        sides = (diagonal, dbm.complement(diagonal))
-        pieces = [part for piece in pieces for side in sides if (part := dbm.constrain(piece, side)) is not None]
-    return [_kept_to_its_side(constants, dbm.extrapolate_max(piece, constants.maximum), piece) for piece in pieces]
-
-
-def _kept_to_its_side(constants: ClockConstants, widened: Zone, piece: Zone) -> Zone:
-    sides = (side for diagonal in constants.diagonals for side in (diagonal, dbm.complement(diagonal)))
-    kept = dbm.constrain_all(widened, (side for side in sides if side[2] >= piece[side[0], side[1]]))
-    assert kept is not None
-    return kept

@@ -15,7 +15,8 @@ from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
 from tachk.model.network import Network
-from tachk.model.random_networks import Case, Shape, cases, random_case
+from tachk.model.random_networks import Case, Shape, random_case
+from tests.support.random_cases import cases
 
 ROOT = Path(__file__).parents[3]
 SCHEMA = json.loads((ROOT / "docs/schema/network.schema.json").read_text(encoding="utf-8"))

@@ -8,12 +8,12 @@ import pytest
 
 from tachk.base.span import Source, Span
 from tachk.base.words import Direction, QueryKind
-from tachk.engine.outcome import RunTimeFault, Statistics
+from tachk.engine.outcome import Statistics
 from tachk.model.expressions import BOOL, Assign, Constant, Index, Reference, Variable, VariableKind
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.query import Expectation, Query
-from tachk.model.run import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.model.run import DiscreteState, Participant, RunTimeFault, TimedState, TimedStep, TimedTrace, Transition
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType
 from tachk.report.record import NotChecked, RunRecord
 from tachk.verify.verdict import Answer, Verdict

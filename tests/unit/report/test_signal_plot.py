@@ -10,8 +10,8 @@ import pytest
 from matplotlib.image import imread
 
 import tachk
+from tachk.api.monitoring import MonitorReport
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.recordings.monitors.offline import MonitorReport
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.report.monitor.plot_rows import Band, bands_of, formula_rows, steps, thresholds

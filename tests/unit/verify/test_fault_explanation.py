@@ -9,10 +9,10 @@ import pytest
 from tachk.base.diagnostics.codes.run_time_codes import RUN_TIME_CODES
 from tachk.base.diagnostics.render import render
 from tachk.base.span import Source
-from tachk.engine.outcome import RunTimeFault
 from tachk.formats.loading.load import load_model
 from tachk.meaning.discrete import prepare
 from tachk.model.fault import RuntimeErrorKind
+from tachk.model.run import RunTimeFault
 from tachk.verify.fault_explanation import diagnostic_of, explain
 from tachk.verify.verdict import Verdict
 from tachk.verify.verify import verify

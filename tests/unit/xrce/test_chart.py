@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 from click.testing import CliRunner
 
 from tachk.cli.main import app
-from tachk.xrce.report.sequence_chart import chart_of_capture, ranges
+from tachk.model.quantity import ranges
+from tachk.xrce.report.sequence_chart import chart_of_capture
 from tachk.xrce.transmissions import read_transmissions
 from tests.unit.xrce.captures import CREATE_CLIENT, RECORDED, needs_recorded, pcap, udp
 from tests.unit.xrce.test_measure import acknack, heartbeat, write

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from tachk.api.monitoring import MonitorReport
 from tachk.cli.actions.judged import Judged, print_warnings
 from tachk.cli.exit_status import ExitStatus
-from tachk.recordings.monitors.offline import Judging, MonitorReport, judge
+from tachk.recordings.monitors.offline import Judging, judge
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,8 @@ from tachk.engine.compiler.bounds import ConstraintRange
 from tachk.engine.compiler.codegen import CodeGenerator
 from tachk.engine.compiler.hybrid import flow_test
 from tachk.engine.compiler.program import NO_CODE, ClockConstraint, Comparison, Condition, FlowTest, Test
-from tachk.engine.compiler.slot_layout import SlotLayout, cell_range
+from tachk.engine.compiler.slot_layout import SlotLayout
+from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import (
     Binary,
     Constant,

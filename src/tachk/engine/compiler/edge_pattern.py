@@ -18,7 +18,8 @@ from tachk.base.records import dataclass
 from tachk.base.time_limit import check_time
 from tachk.engine.compiler.assembler import Assembler
 from tachk.engine.compiler.program import NO_CODE, Condition, ProgramEdge, Test, Update
-from tachk.engine.compiler.slot_layout import SlotLayout, cell_range
+from tachk.engine.compiler.slot_layout import SlotLayout
+from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import (
     Assign,
     Binary,

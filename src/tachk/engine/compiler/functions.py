@@ -12,8 +12,8 @@ from tachk.analysis.fold import Known, fold, is_integer
 from tachk.base.span import Span
 from tachk.engine.compiler.assembler import Assembler, Label
 from tachk.engine.compiler.bytecode import Opcode
-from tachk.engine.compiler.slot_layout import SlotLayout, cell_range
-from tachk.model.cell_layout import default_value
+from tachk.engine.compiler.slot_layout import SlotLayout
+from tachk.model.cell_layout import cell_range, default_value
 from tachk.model.expressions import (
     Assert,
     Block,

@@ -24,7 +24,7 @@ from tachk.base.span import Span
 from tachk.engine.compiler.bounds import ConstraintRange
 from tachk.engine.compiler.condition_code import ConditionCompiler, check_bound
 from tachk.engine.compiler.program import Comparison, DeadlockLiteral, Disjunct, Goal
-from tachk.engine.compiler.slot_layout import cell_range
+from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.traversal import asks_deadlock, reads_clock
 

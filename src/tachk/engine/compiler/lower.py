@@ -43,7 +43,8 @@ from tachk.engine.compiler.program import (
     ProgramLocation,
     Update,
 )
-from tachk.engine.compiler.slot_layout import SlotLayout, cell_range
+from tachk.engine.compiler.slot_layout import SlotLayout
+from tachk.model.cell_layout import cell_range
 from tachk.model.connectives import negation
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.floating import DOUBLE

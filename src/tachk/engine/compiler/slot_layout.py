@@ -8,10 +8,10 @@ from tachk.analysis.fold import Known, known_cell
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.engine.compiler.program import ProgramChannel, Slot
-from tachk.model.cell_layout import default_value
+from tachk.model.cell_layout import cell_range, default_value
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
-from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
+from tachk.model.types import ChannelType, ClockType, IntType, Type, leaves
 
 
 class SlotLayout:
@@ -97,13 +97,6 @@ class SlotLayout:
 
     def is_state(self, slot: int) -> bool:
         return slot < self.state_slots
-
-
-def cell_range(type_: Type) -> tuple[int, int]:
-    """The legal values of a cell; numbers of clocks and channels in a frame are not limited."""
-    if isinstance(type_, IntType | BoolType | ScalarType):
-        return bounds(type_)
-    return CONSTANT_LOW, CONSTANT_HIGH
 
 
 def _initial_value_outside(slot: Slot, initial: int, variable: Variable) -> Diagnostic:

@@ -18,11 +18,11 @@ from tachk.meaning import dbm, symbolic
 from tachk.meaning.clock_constants import clock_constants
 from tachk.meaning.dbm import INFINITY, Constraint, Zone, bound_value, is_strict
 from tachk.meaning.discrete import prepare
+from tachk.meaning.extrapolation import widen
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.run import DiscreteState
-from tests.support.oracles.reference import widen
 
 ZONES = 4000
 """So many are explored at most."""

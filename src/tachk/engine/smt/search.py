@@ -13,15 +13,7 @@ from collections.abc import Sequence
 
 from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.options import Limits
-from tachk.engine.outcome import (
-    INTERRUPTED,
-    GoalOutcome,
-    Outcome,
-    Progress,
-    RunTimeFault,
-    Statistics,
-    Status,
-)
+from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engine.smt.proofs import Proofs
 from tachk.engine.smt.relation import relation
 from tachk.engine.smt.solving import Asking, GaveUpError
@@ -29,6 +21,7 @@ from tachk.engine.smt.targets import Targets
 from tachk.engine.smt.unrolling import Unrolled
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
+from tachk.model.run import RunTimeFault
 
 DEPTH = 64
 """How many steps are unrolled where no limit is given."""

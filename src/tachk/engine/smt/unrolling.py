@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import z3
 
-from tachk.engine.outcome import GoalOutcome, RunTimeFault, Status
+from tachk.engine.outcome import GoalOutcome, Status
 from tachk.engine.smt.evaluator import PossibleFault
 from tachk.engine.smt.frame import Frame
 from tachk.engine.smt.solving import Asking
 from tachk.engine.smt.targets import Targets
 from tachk.engine.smt.terms import Formula, any_of, conj
-from tachk.model.run import Transition
+from tachk.model.run import RunTimeFault, Transition
 
 
 class Unrolled:

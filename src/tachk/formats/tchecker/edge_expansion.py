@@ -14,10 +14,10 @@ from tachk.analysis.fold import Known, fold, fold_place, known_cell, negate
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.base.words import Direction
-from tachk.engine.compiler.slot_layout import cell_range
 from tachk.formats.tchecker.expression_writer import TermPrinter, cells, initial_cells, refused, written_out
 from tachk.formats.tchecker.leaves import leaf_types
 from tachk.frontend.declarations.channels import channel_variable
+from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Index, Reference, Variable
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import walk

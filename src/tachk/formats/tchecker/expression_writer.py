@@ -15,8 +15,7 @@ from tachk.analysis.fold import Known, cannot_fail, fold, fold_place, known_cell
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
 from tachk.base.span import Span
-from tachk.engine.compiler.slot_layout import cell_range
-from tachk.model.cell_layout import default_cells
+from tachk.model.cell_layout import cell_range, default_cells
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     BOOL,

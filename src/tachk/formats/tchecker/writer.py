@@ -18,12 +18,11 @@ from tachk.analysis.fold import Known, fold_place, known_values
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label, UnsupportedError
 from tachk.base.span import Span
 from tachk.base.words import Direction
-from tachk.engine.compiler.slot_layout import cell_range
 from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choices
 from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, refused, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
-from tachk.model.cell_layout import begun_clocks
+from tachk.model.cell_layout import begun_clocks, cell_range
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Network, Process
 from tachk.model.query import Query

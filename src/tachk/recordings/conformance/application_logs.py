@@ -14,14 +14,14 @@ from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import is_whole
-from tachk.recordings.conformance.events import Cell, Event, Recording
-from tachk.xrce.conformance.carried import samples_in
+from tachk.recordings.captures import capture_readers
+from tachk.recordings.conformance.events import Cell, Event, EventLog
 
 WRITTEN, CLIENT, DETAIL = "written", "client", "detail"
 _WRITES = (WRITTEN, "written_best_effort")
 
 
-def with_log(recording: Recording, log: Recording) -> Recording:
+def with_log(recording: EventLog, log: EventLog) -> EventLog:
     """The recording with the events of a log. Times of a log beside a capture are since 1970.
 
     What is told behind the end of the recording, or of its client in it, is left out. Raises UsageError for a log that
@@ -30,7 +30,7 @@ def with_log(recording: Recording, log: Recording) -> Recording:
     samples: dict[Cell | None, deque[int]] = defaultdict(deque)
     for number, event in enumerate(recording.events):
         if event.name in _WRITES and _is_sample(event.cells.get(DETAIL)):
-            samples[event.cells.get(CLIENT)].extend([number] * samples_in(event.cells.get(DETAIL)))
+            samples[event.cells.get(CLIENT)].extend([number] * _samples_in(event.cells.get(DETAIL)))
     added: list[Event] = []
     before: dict[Cell | None, int] = {}
     for event, time in zip(log.events, _times(recording, log), strict=True):
@@ -50,6 +50,10 @@ def with_log(recording: Recording, log: Recording) -> Recording:
     return _merged(recording, added)
 
 
+def _samples_in(detail: Cell | None) -> int:
+    return max((reader.samples_in(detail) for reader in capture_readers()), default=1)
+
+
 def _is_sample(detail: Cell | None) -> bool:
     """Less than 0 is what the client asks for or creates."""
     return not isinstance(detail, int) or detail >= 0
@@ -60,12 +64,12 @@ def _client(event: Event) -> Cell | None:
     return int(cell) if isinstance(cell, str) and is_whole(cell.strip()) else cell
 
 
-def _end(recording: Recording, client: Cell | None) -> Fraction:
+def _end(recording: EventLog, client: Cell | None) -> Fraction:
     ends = (c.time for c in recording.closings if c.column == CLIENT and c.value == client)
     return min([recording.end, *ends])
 
 
-def _times(recording: Recording, log: Recording) -> Iterator[Fraction]:
+def _times(recording: EventLog, log: EventLog) -> Iterator[Fraction]:
     """In the unit of the recording, since its start. Raises UsageError."""
     if (recording.unit is None) != (log.unit is None):
         bare, other = (log, recording) if log.unit is None else (recording, log)
@@ -76,7 +80,7 @@ def _times(recording: Recording, log: Recording) -> Iterator[Fraction]:
     return (event.time * scale - recording.epoch for event in log.events)
 
 
-def _merged(recording: Recording, added: Sequence[Event]) -> Recording:
+def _merged(recording: EventLog, added: Sequence[Event]) -> EventLog:
     """``after`` of what is added names events of the recording."""
     known = list(enumerate(recording.events))
     numbered = sorted([*known, *((-1, event) for event in added)], key=lambda pair: pair[1].time)

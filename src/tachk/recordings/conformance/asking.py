@@ -13,20 +13,17 @@ from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
+from tachk.recordings.captures import capture_reader, capture_readers
 from tachk.recordings.conformance.application_logs import with_log
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_tables import read_events
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.nearby import SHORT_WORK, smallest_edit
 from tachk.recordings.conformance.question import ExplanationDetail, Question
 from tachk.recordings.conformance.queues import Constants
 from tachk.recordings.conformance.tolerances import duration, least
-from tachk.xrce.conformance.carried import BEST_EFFORT, most_pieces
-from tachk.xrce.conformance.packet_events import SUFFIXES, read_capture
 
 AUTO = "auto"
-CLIENT = "client"
-"""What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
 _STATES_OF_EDIT = 20_000
 _STATES_OF_EVENT = 20
 """So many states at most, and so many more for each event, are stored when a recording is held against the model with
@@ -43,7 +40,8 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
 
     events = _read(Path(recording), asked)
     constants = constants_of(loaded)
-    _check_room(events, constants)
+    for reader in capture_readers():
+        reader.check_room(events, constants)
     started = monotonic()
     lateness = None if asked.late is None else duration(asked.late, network.time_unit)
 
@@ -61,7 +59,7 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
     def left() -> Limits:
         return limits.after(monotonic() - started)
 
-    def accepts(other: Recording) -> bool:
+    def accepts(other: EventLog) -> bool:
         exact = found.tolerance, found.late
         few = left().of_states(_STATES_OF_EDIT + _STATES_OF_EVENT * len(other.events))
         tried = conform(network, mapping, other, constants, *exact, limits=few, run=False, explain=False)
@@ -75,38 +73,18 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
         return replace(found, left_out="whether an edit of the recording would make it a run")
 
 
-def _read(path: Path, asked: Question) -> Recording:
+def _read(path: Path, asked: Question) -> EventLog:
     """A capture of packets, or a file of events; with the logs of applications."""
-    if path.suffix not in SUFFIXES:
+    reader = capture_reader(path)
+    if reader is None:
         recording = read_events(path, asked.unit)
     elif asked.unit is not None:
         raise UsageError("a capture has its own times: it takes no unit")
     else:
-        recording = read_capture(path, asked.ports)
+        recording = reader.read_events(path, asked.ports)
     for log in asked.applications:
         recording = with_log(recording, read_events(Path(log)))
     return recording
-
-
-def _check_room(recording: Recording, constants: Constants) -> None:
-    """Raises UsageError if a recording has more than the model has room for."""
-    own = [event.cells for event in recording.events if CLIENT in event.cells]
-    largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)
-    clients = len({str(cells[CLIENT]).strip() for cells in own})  # a log has text where a capture has numbers
-    best_effort = any(cells.get("kind") == BEST_EFFORT for cells in own)
-    for name, found, what in (
-        ("CLIENTS", clients, "clients (or sessions)"),
-        ("PIECES", most_pieces(recording), "pieces of one sample before its last one"),
-        ("LARGEST_WORD", largest, "as content of a message that carries several samples"),
-    ):
-        known = constants(name)
-        if known is not None and found > known:
-            raise UsageError(f"{recording.source} has {found} {what}, but the model {known}", f"set -D {name}={found}")
-    if best_effort and constants("BEST_EFFORT_STREAMS") == 0:
-        raise UsageError(
-            f"{recording.source} has messages of best-effort streams, but the model has no such streams",
-            "set -D BEST_EFFORT_STREAMS=true",
-        )
 
 
 def constants_of(loaded: LoadedModel) -> Constants:

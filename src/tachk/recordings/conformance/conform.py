@@ -27,7 +27,7 @@ from tachk.model.recording import RecordingMap
 from tachk.model.run import Transition
 from tachk.model.selections import check_selections
 from tachk.recordings.conformance.edits import Edit
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.exact_runs import moments_of_run
 from tachk.recordings.conformance.followers import Following, follow
 from tachk.recordings.conformance.parts import Part, can_be_apart, parts_of, restricted, set_apart
@@ -111,7 +111,7 @@ class Conformance:
     tolerance: Fraction
     late: Fraction
     time_unit: str
-    recording: Recording
+    recording: EventLog
     queues: Queues
     statistics: Statistics
     runs: tuple[Run, ...] = ()
@@ -126,7 +126,7 @@ class Conformance:
 def conform(
     network: Network,
     mapping: RecordingMap,
-    recording: Recording,
+    recording: EventLog,
     constants: Constants,
     tolerance: Fraction | None = None,
     late: Fraction | None = None,

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from tachk.base.exact_numbers import is_whole
 from tachk.base.records import dataclass
-from tachk.recordings.conformance.events import Event, Recording
+from tachk.recordings.conformance.events import Event, EventLog
 from tachk.recordings.conformance.refusal import Offer
 
 _NEAR = 6
@@ -41,7 +41,7 @@ class Edit:
 
 
 def edits(
-    recording: Recording, event: int, offers: Sequence[Offer], origin: Fraction, scale: Fraction
+    recording: EventLog, event: int, offers: Sequence[Offer], origin: Fraction, scale: Fraction
 ) -> Iterator[Edit]:
     """The edits near an event, the smallest first: this event lost, doubled, moved to where the model would have it, or
     in other words, another one put in; its neighbours lost or doubled; this one moved.
@@ -62,7 +62,7 @@ def edits(
     yield from (Edit(event, "moved", by) for by in _SHIFTS)
 
 
-def _of_offer(recording: Recording, event: int, offer: Offer, now: int) -> Iterator[Edit]:
+def _of_offer(recording: EventLog, event: int, offer: Offer, now: int) -> Iterator[Edit]:
     """That the event was what the model would have done, or that this happened, too."""
     here = recording.events[event]
     shift = max(offer.earliest - now, 0) + min((now if offer.latest is None else offer.latest) - now, 0)
@@ -75,7 +75,7 @@ def _of_offer(recording: Recording, event: int, offer: Offer, now: int) -> Itera
         yield Edit(event, "added", shift, offer.name, offer.cells, arrives)
 
 
-def edited(recording: Recording, edit: Edit, scale: Fraction) -> Recording:
+def edited(recording: EventLog, edit: Edit, scale: Fraction) -> EventLog:
     """The recording after an edit, sorted by time."""
     numbered: list[tuple[int, Event]] = list(enumerate(recording.events))
     event = recording.events[edit.event]
@@ -96,7 +96,7 @@ def edited(recording: Recording, edit: Edit, scale: Fraction) -> Recording:
     return replace(recording, events=_renumbered([event for _, event in numbered], place))
 
 
-def _added(recording: Recording, edit: Edit, time: Fraction) -> Iterator[tuple[int, Event]]:
+def _added(recording: EventLog, edit: Edit, time: Fraction) -> Iterator[tuple[int, Event]]:
     """The event that is put in, and its arrival."""
     number = len(recording.events)
     yield number, Event(time, edit.name, dict(edit.cells), "put in")
@@ -107,7 +107,7 @@ def _added(recording: Recording, edit: Edit, time: Fraction) -> Iterator[tuple[i
         yield number + 1, Event(later, arrival.name, dict(edit.cells), "put in", number)
 
 
-def _like(recording: Recording, event: int, name: str, cells: tuple[tuple[str, int], ...]) -> int | None:
+def _like(recording: EventLog, event: int, name: str, cells: tuple[tuple[str, int], ...]) -> int | None:
     """The number of an event near this one that arrived and is most like one that is put in; None if there is none."""
     arrived = {e.after for e in recording.events if e.after is not None}
     like = [n for n in arrived if recording.events[n].name == name]
@@ -118,11 +118,11 @@ def _like(recording: Recording, event: int, name: str, cells: tuple[tuple[str, i
     return max(like, key=lambda n: (same(n), -abs(n - event)), default=None)
 
 
-def _says(recording: Recording, event: Event, cells: tuple[tuple[str, int], ...]) -> bool:
+def _says(recording: EventLog, event: Event, cells: tuple[tuple[str, int], ...]) -> bool:
     return all(_value(recording, name, event.cells.get(name)) == cell for name, cell in cells)
 
 
-def _value(recording: Recording, column: str, cell: object) -> object:
+def _value(recording: EventLog, column: str, cell: object) -> object:
     """What a cell says, as the model has it where that is known here: a number, or a word of the recording."""
     if not isinstance(cell, str):
         return cell

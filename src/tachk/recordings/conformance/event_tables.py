@@ -12,7 +12,7 @@ from typing import Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.time_units import NANOSECONDS, SPELLINGS
-from tachk.recordings.conformance.events import Cell, Event, Recording
+from tachk.recordings.conformance.events import Cell, Event, EventLog
 
 TIME, NAME, ID, AFTER = "time", "event", "id", "after"
 """The columns with a meaning of their own. All others are what events say."""
@@ -21,7 +21,7 @@ _LONGEST = 100
 """Nothing that is measured has such a one, and numbers with it fill the memory."""
 
 
-def read_events(path: Path, unit: str | None = None) -> Recording:
+def read_events(path: Path, unit: str | None = None) -> EventLog:
     """The events of a file; the system is started at time 0 of the file.
 
     Args:
@@ -56,7 +56,7 @@ def read_events(path: Path, unit: str | None = None) -> Recording:
             known[own] = len(events)
         events.append(Event(time, name, cells, place, known[after] if after else None))
     end = events[-1].time if events else Fraction(0)
-    return Recording(str(path), tuple(events), _length(unit, path), Fraction(0), end)
+    return EventLog(str(path), tuple(events), _length(unit, path), Fraction(0), end)
 
 
 def _bare(name: str) -> tuple[str, str]:

@@ -53,7 +53,7 @@ class Closing:
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class EventLog:
     """Attributes:
     source: the name of the file.
     events: in the order in which they were recorded; times do not decrease.

@@ -21,7 +21,7 @@ from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.conform import Conformance, Reached
 from tachk.recordings.conformance.edits import Edit, edited, edits
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.followers import Following, follow
 from tachk.recordings.conformance.parts import restricted
 from tachk.recordings.conformance.queues import Constants, Queues, make_queues
@@ -70,11 +70,11 @@ class _Start:
 def smallest_edit(
     network: Network,
     mapping: RecordingMap,
-    recording: Recording,
+    recording: EventLog,
     constants: Constants,
     found: Conformance,
     left: Callable[[], Limits],
-    accepts: Callable[[Recording], bool],
+    accepts: Callable[[EventLog], bool],
     work: int | None = None,
 ) -> EditSearch:
     """The first edit near the event where a recording leaves a model that makes it a run.
@@ -115,7 +115,7 @@ class Near:
         self,
         network: Network,
         mapping: RecordingMap,
-        recording: Recording,
+        recording: EventLog,
         constants: Constants,
         found: Conformance,
         left: Callable[[], Limits],
@@ -134,7 +134,7 @@ class Near:
         self.numbers = [number for number in range(top) if number not in happened]
         self.recording = replace(_cut(recording, self.numbers, top), start=found.queues.origin)
 
-    def accepts(self, recording: Recording) -> bool:
+    def accepts(self, recording: EventLog) -> bool:
         """Whether each part of the model has a run along these events."""
         queues = make_queues(self.network, self.mapping, recording, self.constants, *self.exact)
         return all(self._part(start, known, queues) for start, known in zip(self.starts, self.known, strict=True))
@@ -182,7 +182,7 @@ def _start(reached: Reached, base: int) -> tuple[_Start, set[int]]:
     return _Start(reached, end_of(reached.following, reached.program, path, actions)), missing
 
 
-def _top(recording: Recording, event: int) -> int:
+def _top(recording: EventLog, event: int) -> int:
     """The number of the event before which the recording is cut: behind the longest silence shortly behind an event."""
     events = recording.events
     if event + _BEHIND.stop >= len(events):
@@ -190,7 +190,7 @@ def _top(recording: Recording, event: int) -> int:
     return max((event + n for n in _BEHIND), key=lambda n: events[n].time - events[n - 1].time)
 
 
-def _cut(recording: Recording, numbers: Sequence[int], top: int) -> Recording:
+def _cut(recording: EventLog, numbers: Sequence[int], top: int) -> EventLog:
     """The recording with these events alone, as far as before an event."""
     place = {number: n for n, number in enumerate(numbers)}
     events = [recording.events[number] for number in numbers]

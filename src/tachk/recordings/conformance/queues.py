@@ -26,7 +26,7 @@ from tachk.model.expressions import Constant, Expression, Index, Reference, Vari
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, IntType, ScalarType
-from tachk.recordings.conformance.events import Closing, Event, Recording
+from tachk.recordings.conformance.events import Closing, Event, EventLog
 
 _SHOWN = 30
 """So many characters of a cell are shown."""
@@ -96,7 +96,7 @@ class Queues:
 def make_queues(
     network: Network,
     mapping: RecordingMap,
-    recording: Recording,
+    recording: EventLog,
     constants: Constants,
     tolerance: Fraction,
     late: Fraction,
@@ -151,7 +151,7 @@ def make_queues(
 
 
 def _passed(
-    recording: Recording, place: Mapping[int, tuple[int, int]], outgoing: Sequence[bool]
+    recording: EventLog, place: Mapping[int, tuple[int, int]], outgoing: Sequence[bool]
 ) -> dict[int, tuple[tuple[int, int], ...]]:
     """For each event from outside how many events of the model passed the same place before it, by queue.
 
@@ -194,7 +194,7 @@ def around(queues: Queues, happened: Sequence[int]) -> Queues:
     return replace(queues, queues=tuple(near))
 
 
-def _scale(network: Network, recording: Recording) -> Fraction:
+def _scale(network: Network, recording: EventLog) -> Fraction:
     """Units of the model in a unit of the recording."""
     if recording.unit is None:
         return Fraction(1)
@@ -207,7 +207,7 @@ def _scale(network: Network, recording: Recording) -> Fraction:
     return recording.unit / length
 
 
-def _closing(recording: Recording, visible: VisibleEvents, common: Mapping[Variable, int]) -> Closing | None:
+def _closing(recording: EventLog, visible: VisibleEvents, common: Mapping[Variable, int]) -> Closing | None:
     """The first closing that ends the recording of a queue."""
     found = [
         closing
@@ -239,7 +239,7 @@ class _Clock:
     origin: int
 
     @staticmethod
-    def of(recording: Recording, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _Clock:
+    def of(recording: EventLog, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _Clock:
         """In which all times of a recording, and others in units of the model, are whole."""
         different = {event.time.denominator for event in recording.events}
         parts = lcm(lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others))
@@ -355,7 +355,7 @@ def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
 class _Reader:
     """Sorts the events of a recording into queues."""
 
-    def __init__(self, mapping: RecordingMap, recording: Recording, constants: Constants) -> None:
+    def __init__(self, mapping: RecordingMap, recording: EventLog, constants: Constants) -> None:
         self.mapping = mapping
         self.recording = recording
         self.constants = constants

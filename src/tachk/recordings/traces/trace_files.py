@@ -38,9 +38,12 @@ def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -
 
 
 def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
-    from tachk.xrce.traces.trace_packets import open_packets
+    from tachk.recordings.captures import capture_reader
 
-    return open_packets(path, time, unit, ports)
+    reader = capture_reader(path)
+    if reader is None:
+        raise UsageError(f"no protocol that tachk knows is read from {path.suffix} files")
+    return reader.open_trace(path, time, unit, ports)
 
 
 def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:

@@ -14,10 +14,9 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.records import dataclass
-from tachk.model.quantity import duration
+from tachk.model.quantity import duration, ranges
 from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase
 from tachk.report.sequence.run_steps import RunStep, RunSteps
-from tachk.xrce.report.sequence_chart import ranges
 
 _THROUGH_A_LINK = re.compile(r"(send|deliver)\[(\w+)\]\[(\w+)\]")
 _CATEGORIES = {

@@ -10,9 +10,10 @@ from typing import assert_never
 from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
 from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.options import Engine, Limits, Options
-from tachk.engine.outcome import INTERRUPTED, Outcome, Progress, RunTimeFault
+from tachk.engine.outcome import INTERRUPTED, Outcome, Progress
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.query import Query
+from tachk.model.run import RunTimeFault
 from tachk.transform.observed import fault_without_observer, observed
 from tachk.verify import reachability
 from tachk.verify.fault_explanation import explain

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.xrce.events import Event, events
 from tachk.xrce.messages import Endpoint, one_message
 from tachk.xrce.submessages import submessages
@@ -128,7 +128,7 @@ def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[Event] | N
     return list(events(submessages(one_message(bytes([0x81, 0x80, 0, 0]) + octets)), [_NOBODY]))
 
 
-def most_pieces(recording: Recording) -> int:
+def most_pieces(recording: EventLog) -> int:
     """How many pieces of one sample the Agent sends to a client before the last one."""
     pieces = {
         (int(event.cells["link"]), int(event.cells["number"]))

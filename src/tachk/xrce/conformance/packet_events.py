@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
-from tachk.recordings.conformance.events import Cell, Closing, Event, Recording
+from tachk.recordings.conformance.events import Cell, Closing, Event, EventLog
 from tachk.xrce.conformance.carried import BEST_EFFORT, Contents, UnknownContentError, begins_sample
 from tachk.xrce.conformance.unspoken import Objects
 from tachk.xrce.events import Event as Submessage
@@ -63,7 +63,7 @@ def _event(row: _Row, place: Sequence[int]) -> Event:
     return Event(Fraction(time), name, cells, f"packet {packet}", behind, optional, inferred, passes)
 
 
-def read_capture(path: Path, ports: Iterable[int] = ()) -> Recording:
+def read_capture(path: Path, ports: Iterable[int] = ()) -> EventLog:
     """The events of a capture; the model starts shortly before the first of them.
 
     Where only one side of the way was recorded, each message may have arrived or not. Raises UsageError.
@@ -92,7 +92,7 @@ class _Reader:
         self.deleted: list[int | None] = [None] * links
         self.created = [0] * links
 
-    def recording(self, begin: int, end: int) -> Recording:
+    def recording(self, begin: int, end: int) -> EventLog:
         """Times are counted from ``begin``, in nanoseconds."""
         for one in self.transmissions:
             self._transmission(one, begin)
@@ -109,7 +109,7 @@ class _Reader:
             for column, value in _of_client(self.client[link])
         )
         end_time = Fraction(end - begin)
-        return Recording(str(self.path), tuple(events), Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
+        return EventLog(str(self.path), tuple(events), Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
 
     def _transmission(self, one: Transmission, begin: int) -> None:
         if self.deleted[one.link] is not None:

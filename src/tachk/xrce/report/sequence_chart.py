@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
+from tachk.model.quantity import ranges
 from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Phase
 from tachk.xrce.events import Event
 from tachk.xrce.measuring.sleeps import sleeps
@@ -141,14 +142,3 @@ def label_of(events: Sequence[Event]) -> str:
     if len(events) == 1 and "status" in first.fields:
         words += f" {first.fields['status']}"
     return words
-
-
-def ranges(numbers: Sequence[int]) -> str:
-    """``4, 6..9``."""
-    found: list[list[int]] = []
-    for number in numbers:
-        if found and number == found[-1][-1] + 1:
-            found[-1].append(number)
-        else:
-            found.append([number])
-    return ", ".join(str(one[0]) if len(one) == 1 else f"{one[0]}..{one[-1]}" for one in found)

@@ -15,7 +15,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.events import Event, Recording
+from tachk.recordings.conformance.events import Event, EventLog
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[4]
@@ -26,7 +26,7 @@ UP, DOWN = 0, 3
 """The links of the publisher to the Agent, and of the Agent to the subscriber."""
 
 
-def is_run(recording: Recording) -> bool | None:
+def is_run(recording: EventLog) -> bool | None:
     settings = {"CLIENT_JITTER": 5, "AGENT_JITTER": 5, "MISSED_ROUNDS": 1, "EXACT_BITMAPS": True}
     model = tachk.load(MODELS / "recorded.ta", BEST_EFFORT_STREAMS=True, LARGEST_WORD=2**20 - 1, **settings)
     assert model.loaded.recording is not None
@@ -44,11 +44,11 @@ def is_run(recording: Recording) -> bool | None:
     return found.accepted
 
 
-def capture(name: str) -> Recording:
+def capture(name: str) -> EventLog:
     return read_capture(CAPTURES / f"{name}.pcap")
 
 
-def numbers(recording: Recording, name: str, link: int, number: int) -> list[int]:
+def numbers(recording: EventLog, name: str, link: int, number: int) -> list[int]:
     """The events about a message of a best-effort stream."""
     wanted = {"link": link, "kind": "BEST_EFFORT", "number": number}
     return [
@@ -56,12 +56,12 @@ def numbers(recording: Recording, name: str, link: int, number: int) -> list[int
     ]
 
 
-def changed(recording: Recording, number: int, change: Callable[[Event], Event]) -> Recording:
+def changed(recording: EventLog, number: int, change: Callable[[Event], Event]) -> EventLog:
     events = recording.events
     return replace(recording, events=(*events[:number], change(events[number]), *events[number + 1 :]))
 
 
-def without(recording: Recording, gone: Sequence[int]) -> Recording:
+def without(recording: EventLog, gone: Sequence[int]) -> EventLog:
     for number in sorted(gone, reverse=True):
         recording = edited(recording, Edit(number, "lost"), MILLISECOND)
     return recording

@@ -9,7 +9,7 @@ import pytest
 import tachk
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
-from tachk.recordings.conformance.events import Closing, Event, Recording
+from tachk.recordings.conformance.events import Closing, Event, EventLog
 
 MODEL = """
 time_unit = 1 ms;
@@ -55,6 +55,6 @@ def test_what_a_sender_does_at_once_is_recorded_before_the_end(messages: int, by
     assert model.loaded.recording is not None
     sent = tuple(Event(Fraction(9), "sent", {"link": 0}, f"line {n}") for n in range(messages))
     closings = (Closing("link", 0, Fraction(10), by_sender),)
-    recording = Recording("run.csv", sent, None, Fraction(0), Fraction(30), closings)
+    recording = EventLog("run.csv", sent, None, Fraction(0), Fraction(30), closings)
     found = conform(model.network, model.loaded.recording, recording, constants_of(model.loaded))
     assert found.accepted is expected

@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 
 import tachk
+from tachk.api.monitoring import monitor
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.application_logs import with_log
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.event_tables import read_events
-from tachk.recordings.conformance.events import Recording
-from tachk.recordings.monitors.offline import monitor
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.traces.node_signal import Truth
 from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.events import decode
@@ -127,7 +127,7 @@ def test_read_data_stops_the_agent() -> None:
     assert accepted("dead_time_3s_read", late=20, READER_STOP=0) is False
 
 
-def log(clients: list[list[dict[str, Any]]], path: Path) -> Recording:
+def log(clients: list[list[dict[str, Any]]], path: Path) -> EventLog:
     """What clients printed, as the log of an application: the first one writes samples, the second one sleeps."""
     what = {"ready": ("TOLD_ALL", "CALLED"), "written": ("CALLED",), "asleep": ("LEFT",), "awake": ("BACK",)}
     rows = [

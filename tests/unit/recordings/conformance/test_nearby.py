@@ -19,7 +19,7 @@ from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.edits import edited, edits
 from tachk.recordings.conformance.event_tables import read_events
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.followers import follow
 from tachk.recordings.conformance.parts import restricted
 from tachk.recordings.conformance.queues import make_queues
@@ -38,13 +38,13 @@ from tests.unit.recordings.conformance.small_models import (
 ROOT = Path(__file__).parents[4]
 
 
-def _near(model: tachk.Model, recording: Recording, found: Conformance) -> nearby.Near:
+def _near(model: tachk.Model, recording: EventLog, found: Conformance) -> nearby.Near:
     assert model.loaded.recording is not None
     names = constants_of(model.loaded)
     return nearby.Near(model.network, model.loaded.recording, recording, names, found, tachk.Limits)
 
 
-def _events(recording: Recording) -> list[Event]:
+def _events(recording: EventLog) -> list[Event]:
     rows = [event for event in recording.events if event.name != "end"]
     return [
         Event(int(e.time), int(e.cells["m"]), e.name, int(e.cells["k"]), int(e.cells.get("number") or 0)) for e in rows
@@ -128,7 +128,7 @@ def test_a_short_search_for_an_edit_says_how_many_were_not_tried() -> None:
     def search(work: int | None) -> nearby.Found:
         asked.append(0)
 
-        def refuse(_: Recording) -> bool:
+        def refuse(_: EventLog) -> bool:
             asked[-1] += 1
             return False
 

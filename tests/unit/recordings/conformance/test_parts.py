@@ -13,7 +13,7 @@ import tachk
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_tables import read_events
-from tachk.recordings.conformance.events import Recording
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.parts import can_be_apart, parts_of, set_apart
 from tachk.recordings.conformance.queues import make_queues
 from tachk.xrce.conformance.packet_events import read_capture
@@ -49,7 +49,7 @@ recording {{
 """
 
 
-def _whole_and_parts(model: tachk.Model, recording: Recording, tolerance: int, late: int) -> list[Conformance]:
+def _whole_and_parts(model: tachk.Model, recording: EventLog, tolerance: int, late: int) -> list[Conformance]:
     mapping = model.loaded.recording
     assert mapping is not None
     names = constants_of(model.loaded)

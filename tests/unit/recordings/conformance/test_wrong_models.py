@@ -19,7 +19,7 @@ import tachk
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.events import Event, Recording
+from tachk.recordings.conformance.events import Event, EventLog
 from tachk.recordings.conformance.nearby import smallest_edit
 from tachk.xrce.conformance.packet_events import read_capture
 
@@ -37,7 +37,7 @@ def load(**settings: int) -> tachk.Model:
     return tachk.load(MODEL, **SETTINGS, **{"HISTORY": 4, "INPUT_HISTORY": 8} | settings)
 
 
-def accepted(recording: Recording, exact: int = 2, late: int = 2, **settings: int) -> bool | None:
+def accepted(recording: EventLog, exact: int = 2, late: int = 2, **settings: int) -> bool | None:
     model = load(**settings)
     assert model.loaded.recording is not None
     found = conform(
@@ -54,7 +54,7 @@ def accepted(recording: Recording, exact: int = 2, late: int = 2, **settings: in
     return found.accepted
 
 
-def with_log(recording: Recording) -> Recording:
+def with_log(recording: EventLog) -> EventLog:
     """With the calls of the run function: all of them until each publisher has written its last sample."""
     told = []
     for client, log in enumerate(json.loads(TWO.with_suffix(".json").read_text(encoding="utf-8"))["clients"]):
@@ -71,11 +71,11 @@ def with_log(recording: Recording) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def two() -> Recording:
+def two() -> EventLog:
     return with_log(read_capture(TWO))
 
 
-def test_with_a_log_it_is_a_run(two: Recording) -> None:
+def test_with_a_log_it_is_a_run(two: EventLog) -> None:
     assert accepted(two, CLIENTS=3, HISTORY=8)
 
 
@@ -92,7 +92,7 @@ def test_with_a_log_it_is_a_run(two: Recording) -> None:
         {"ANSWER_DATA": 0},
     ],
 )
-def test_wrong_constants(two: Recording, wrong: dict[str, int]) -> None:
+def test_wrong_constants(two: EventLog, wrong: dict[str, int]) -> None:
     assert accepted(two, CLIENTS=3, **{"HISTORY": 8} | wrong) is False
 
 
@@ -112,15 +112,15 @@ def test_another_dead_time() -> None:
 # ---- changed recordings ---------------------------------------------------------------------------------------------
 
 
-def gone(recording: Recording, number: int) -> Recording:
+def gone(recording: EventLog, number: int) -> EventLog:
     """Without a message and its arrivals."""
     for n in reversed([n for n, e in enumerate(recording.events) if n == number or e.after == number]):
         recording = edited(recording, Edit(n, "lost"), MILLISECOND)
     return recording
 
 
-def cell(name: str, change: Callable[[int], int]) -> Callable[[Recording, int], Recording]:
-    def changed(recording: Recording, number: int) -> Recording:
+def cell(name: str, change: Callable[[int], int]) -> Callable[[EventLog, int], EventLog]:
+    def changed(recording: EventLog, number: int) -> EventLog:
         event = recording.events[number]
         other = replace(event, cells={**event.cells, name: change(int(event.cells[name]))})
         return replace(recording, events=(*recording.events[:number], other, *recording.events[number + 1 :]))
@@ -128,11 +128,11 @@ def cell(name: str, change: Callable[[int], int]) -> Callable[[Recording, int], 
     return changed
 
 
-def early(recording: Recording, number: int) -> Recording:
+def early(recording: EventLog, number: int) -> EventLog:
     return edited(recording, Edit(number, "moved", -35), MILLISECOND)
 
 
-def twice(recording: Recording, number: int) -> Recording:
+def twice(recording: EventLog, number: int) -> EventLog:
     return edited(recording, Edit(number, "doubled"), MILLISECOND)
 
 
@@ -149,16 +149,14 @@ def twice(recording: Recording, number: int) -> Recording:
         ("ACKNACK", 3, cell("detail", lambda n: n ^ 1)),
     ],
 )
-def test_changed_recordings(
-    two: Recording, kind: str, link: int, change: Callable[[Recording, int], Recording]
-) -> None:
+def test_changed_recordings(two: EventLog, kind: str, link: int, change: Callable[[EventLog, int], EventLog]) -> None:
     """The first message of the kind on a link."""
     sent = (n for n, e in enumerate(two.events) if e.name == "sent" and e.cells["kind"] == kind)
     number = next(n for n in sent if two.events[n].cells["link"] == link)
     assert accepted(change(two, number), CLIENTS=3, HISTORY=8) is False
 
 
-def test_the_last_heartbeat_of_the_agent_is_early(two: Recording) -> None:
+def test_the_last_heartbeat_of_the_agent_is_early(two: EventLog) -> None:
     """No later one says when the round was."""
     sent = (n for n, e in enumerate(two.events) if e.name == "sent" and e.cells["kind"] == "HEARTBEAT")
     last = [n for n in sent if two.events[n].cells["link"] == 5][-1]
@@ -177,7 +175,7 @@ def limits() -> tachk.Limits:
     ],
 )
 def test_the_smallest_edit_undoes_a_change(
-    two: Recording, kind: str, link: int, change: Callable[[Recording, int], Recording], what: str
+    two: EventLog, kind: str, link: int, change: Callable[[EventLog, int], EventLog], what: str
 ) -> None:
     sent = [n for n, e in enumerate(two.events) if e.name == "sent" and e.cells["kind"] == kind]
     number = [n for n in sent if two.events[n].cells["link"] == link][-1 if what == "added" else 0]
@@ -185,7 +183,7 @@ def test_the_smallest_edit_undoes_a_change(
     mapping, names = model.loaded.recording, constants_of(model.loaded)
     assert mapping is not None
 
-    def ask(recording: Recording, explain: bool) -> Conformance:
+    def ask(recording: EventLog, explain: bool) -> Conformance:
         two_ms = Fraction(2), Fraction(2)
         return conform(model.network, mapping, recording, names, *two_ms, limits=limits(), run=False, explain=explain)
 

@@ -12,8 +12,8 @@ import jsonschema
 import pytest
 
 import tachk
+from tachk.api.monitoring import MonitorReport
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.recordings.monitors.offline import MonitorReport
 from tachk.report.monitor.plot_rows import line
 from tachk.report.monitor.signal_plot import draw_record
 from tachk.report.monitor.words import explain_verdict

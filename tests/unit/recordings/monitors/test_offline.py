@@ -17,8 +17,8 @@ import pandas as pd
 import pytest
 
 import tachk
+from tachk.api.monitoring import MonitorReport
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.recordings.monitors.offline import MonitorReport
 from tachk.recordings.monitors.record import cell_text
 from tachk.recordings.traces.core_monitor import truth_signals
 from tachk.recordings.traces.monitor_program import MonitorProgram

@@ -9,10 +9,11 @@ from random import Random
 import numpy as np
 import pytest
 
+from tachk.api.monitoring import MonitorReport
 from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.formulas import NamedFormula
-from tachk.recordings.monitors.offline import Judging, MonitorReport, verdict_on
+from tachk.recordings.monitors.offline import Judging, verdict_on
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind

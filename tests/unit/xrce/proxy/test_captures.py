@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import pytest
 
-from tachk.recordings.monitors.offline import monitor
+from tachk.api.monitoring import monitor
 from tachk.recordings.traces.node_signal import Truth
 from tachk.xrce.events import Event, decode
 from tachk.xrce.wire import Kind

@@ -1,0 +1,45 @@
+"""Captures of networks: a reader for each protocol, from the table `captures` of `tachk.base.plugins`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from tachk.base.plugins import plugins
+
+if TYPE_CHECKING:
+    from tachk.recordings.conformance.events import Cell, EventLog
+    from tachk.recordings.conformance.queues import Constants
+    from tachk.recordings.traces.trace import Recording
+
+
+class CaptureReader(Protocol):
+    """What reads captures of one protocol.
+
+    Attributes:
+        suffixes: how the names of such files end.
+    """
+
+    suffixes: tuple[str, ...]
+
+    def open_trace(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+        """The capture as columns of values over time. Raises InputError, UsageError."""
+
+    def read_events(self, path: Path, ports: Sequence[int]) -> EventLog:
+        """The capture as events in the words of the models of the protocol. Raises UsageError."""
+
+    def samples_in(self, detail: Cell | None) -> int:
+        """How many samples of an application a message with this content carries."""
+
+    def check_room(self, recording: EventLog, constants: Constants) -> None:
+        """Raises UsageError if a recording, captured or not, has more than the constants of a model leave room for."""
+
+
+def capture_readers() -> tuple[CaptureReader, ...]:
+    return plugins("captures")
+
+
+def capture_reader(path: Path) -> CaptureReader | None:
+    """What reads the file, by the ending of its name; None: it is no capture."""
+    return next((each for each in capture_readers() if path.suffix.lower() in each.suffixes), None)

@@ -1,0 +1,64 @@
+"""DDS-XRCE as a reader of captures: `tachk.recordings.captures.CaptureReader`. Loads nothing before it reads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tachk.base.diagnostics.diagnostic import UsageError
+
+if TYPE_CHECKING:
+    from tachk.recordings.conformance.events import Cell, EventLog
+    from tachk.recordings.conformance.queues import Constants
+    from tachk.recordings.traces.trace import Recording
+
+CLIENT = "client"
+"""What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
+
+
+class DdsXrce:
+    """Captures of the packets between clients and Agents."""
+
+    suffixes = (".pcap", ".pcapng")
+
+    def open_trace(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+        from tachk.xrce.traces.trace_packets import open_packets
+
+        return open_packets(path, time, unit, ports)
+
+    def read_events(self, path: Path, ports: Sequence[int]) -> EventLog:
+        from tachk.xrce.conformance.packet_events import read_capture
+
+        return read_capture(path, ports)
+
+    def samples_in(self, detail: Cell | None) -> int:
+        from tachk.xrce.conformance.carried import samples_in
+
+        return samples_in(detail)
+
+    def check_room(self, recording: EventLog, constants: Constants) -> None:
+        from tachk.xrce.conformance.carried import BEST_EFFORT, most_pieces
+
+        own = [event.cells for event in recording.events if CLIENT in event.cells]
+        largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)
+        clients = len({str(cells[CLIENT]).strip() for cells in own})  # a log has text where a capture has numbers
+        best_effort = any(cells.get("kind") == BEST_EFFORT for cells in own)
+        for name, found, what in (
+            ("CLIENTS", clients, "clients (or sessions)"),
+            ("PIECES", most_pieces(recording), "pieces of one sample before its last one"),
+            ("LARGEST_WORD", largest, "as content of a message that carries several samples"),
+        ):
+            known = constants(name)
+            if known is not None and found > known:
+                raise UsageError(
+                    f"{recording.source} has {found} {what}, but the model {known}", f"set -D {name}={found}"
+                )
+        if best_effort and constants("BEST_EFFORT_STREAMS") == 0:
+            raise UsageError(
+                f"{recording.source} has messages of best-effort streams, but the model has no such streams",
+                "set -D BEST_EFFORT_STREAMS=true",
+            )
+
+
+DDS_XRCE = DdsXrce()
