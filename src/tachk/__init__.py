@@ -1,7 +1,6 @@
 """Model checking of networks of timed automata.
 
-``tachk.load("train.ta", N=3).verify()`` reads a model, instantiates it and checks its properties; see
-`tachk.api.model`.
+``tachk.load("train.ta", N=3).verify()`` reads a model, instantiates it and checks its properties; see `tachk.api`.
 """
 
 from __future__ import annotations

@@ -16,11 +16,8 @@ if not (ROOT / "CONTRIBUTING.md").is_file():
     pytest.skip("needs a checkout", allow_module_level=True)
 
 USED_OTHERWISE = {
-    "tests.support.oracles.digitised": "the oracles that the engine is tested against",
-    "tests.support.oracles.reference": "the oracle that the engine is tested against",
-    "tests.support.oracles.liveness_reference": "the oracle that the engine is tested against",
-    "tests.support.oracles.liveness_regions": "the oracle that the engine is tested against",
-    "tachk.model.builder": "docs/python.md: networks from Python",
+    "tachk.meaning.avoidance.elapse_before": "the oracle that the search for lassos is tested against",
+    "tachk.xrce.captures.DDS_XRCE": "tachk.base.plugins: a row of a table",
     "tachk.formats.network_json.network.network_from_json": "docs/uppaal.md: networks from JSON",
     "tachk.formats.network_json.network.same_network": "docs/uppaal.md",
     "tachk.logic.patterns.patterns": "docs/sentence_pictures.py",

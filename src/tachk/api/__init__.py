@@ -1,1 +1,1 @@
-"""The library: models, and what one asks of them and of recordings. Scripts find all of it in `tachk`."""
+"""The library: models, recordings, and what scripts ask about them. ``import tachk`` is enough."""

@@ -1,5 +1,5 @@
-"""Exploration of the states of a network: `options` and `outcome` are what goes in and what comes out.
+"""Exploration of the states of a network: `options` go in, an `outcome` comes out.
 
-`zone` is the engine in use, in C++. `reference` (zones, in plain Python) and `digitised` (sampled clock values) are the
-oracles that it is compared with. `concretise` makes a path into a run with exact delays, by solving a `schedule`.
+`compiler` makes the program that the core runs, `symmetry` finds its interchangeable processes, `zone` and `liveness`
+search, `smt` is the second engine, `exact` makes a path into a run with exact delays.
 """

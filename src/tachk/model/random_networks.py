@@ -1,7 +1,6 @@
 """Random networks and predicates, for tests of engines against each other.
 
-`random_case` draws from a `random.Random`, so a seed names a case; `cases` is the same generator as a hypothesis
-strategy, which can shrink what it finds.
+`random_case` draws from a `random.Random`, so a seed names a case.
 """
 
 from __future__ import annotations

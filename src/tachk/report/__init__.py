@@ -1,4 +1,4 @@
-"""What people and programs get to read. `record` is the outcome of a run, which every form of report takes.
+"""Rendering of results for people and programs. `record` is the outcome of a run, which every form of report takes.
 
-`run` tells runs, `monitor` what monitors found; `quantity` and `json_text` say how numbers and JSON look everywhere.
+`run` prints runs, `monitor` judged traces; `json_text` writes JSON, `drawing` makes pictures.
 """

@@ -1,4 +1,4 @@
 """From queries to answers: `plan` says what has to be searched for, `verify` searches, `verdict` is the answer.
 
-`observed` puts observers beside a network, `fault_explanation` makes a run-time error into a run.
+`fault_explanation` makes a run-time error into a run.
 """

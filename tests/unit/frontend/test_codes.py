@@ -44,7 +44,7 @@ def test_good_example_has_no_finding(code: str) -> None:
 def test_every_reported_code_is_explained() -> None:
     reported = {
         code
-        for room in ("frontend", "loading")
+        for room in ("frontend", "formats/loading")
         for path in (TACHK / room).rglob("*.py")
         for code in re.findall(r'"([EW]0\d{3})"', path.read_text("utf-8"))
     }

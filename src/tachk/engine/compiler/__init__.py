@@ -1,6 +1,5 @@
 """From a typed network to the program that the core executes.
 
-In order of reading: `lower` (the whole), `slot_layout`, `fold` and `intervals` (what is known before a run),
-`conditions` and `condition_code`, `codegen` and `functions` (code for the machine of `bytecode`), `bounds` and `goal`,
-`features` (what the core cannot do), `program` (the result).
+In order of reading: `lower` (the whole), `slot_layout`, `condition_code`, `codegen` and `functions` (code for the
+machine of `bytecode`), `bounds` and `goal`, `features` (what the core cannot do), `program` (the result).
 """

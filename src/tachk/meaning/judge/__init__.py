@@ -1,1 +1,1 @@
-"""The independent check of what engines claim; it knows the meaning of networks and no engine."""
+"""The independent check of runs and certificates; it knows the meaning of networks and no engine."""

@@ -1,4 +1,1 @@
-"""Pictures of templates.
-
-`placement` finds coordinates, `layout_completion` keeps those that are known, `svg` and `png` draw.
-"""
+"""Pictures of templates and sequence charts: `svg` and `png` draw."""

@@ -2,6 +2,6 @@
 
 In order of reading: `claims` (what a file says of a run), `run_file`, `report_file` and `files` (reading and writing
 such files), `reasons` (why a step cannot be taken), `replaying` (whether claims are a run), `refusals` (messages about
-that), `offers` (what can happen next, and when), `session` (a run with its past and future), `stepper` (what it answers
-to lines that are typed), `signals` (a run as a recording).
+that), `offers` (what can happen next, and when), `session` (a run with its past and future), `signals` (a run as a
+recording).
 """

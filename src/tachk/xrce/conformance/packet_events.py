@@ -30,7 +30,6 @@ from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Transmission, read_transmissions
 from tachk.xrce.wire import SESSIONS_OF_NOBODY, Kind
 
-SUFFIXES = (".pcap", ".pcapng")
 _CLIENT_OBJECT = "FFFE"
 _KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
 
