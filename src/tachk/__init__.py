@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from tachk.api.mining import mine
     from tachk.api.model import (
         Answer,
         Engine,
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
         random_network,
     )
     from tachk.api.monitoring import MonitorReport, monitor
-    from tachk.recordings.monitors.mining import mine
     from tachk.recordings.monitors.online import Monitor
     from tachk.recordings.traces.node_signal import Truth
     from tachk.simulation.stepping.library import replay, simulate
@@ -83,7 +83,7 @@ _HOMES = {
     "MonitorReport": "tachk.api.monitoring",
     "Truth": "tachk.recordings.traces.node_signal",
     "measure": "tachk.xrce.measuring.measure",
-    "mine": "tachk.recordings.monitors.mining",
+    "mine": "tachk.api.mining",
     "monitor": "tachk.api.monitoring",
     "replay": "tachk.simulation.stepping.library",
     "simulate": "tachk.simulation.stepping.library",

@@ -33,6 +33,7 @@ from tachk.recordings.monitors.candidates import (
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.given_constants import constants_by_name
 from tachk.recordings.monitors.locations import located
+from tachk.recordings.monitors.mined import Mined, MinedTrace
 from tachk.recordings.monitors.monotone import Effect, Occurrence, joint_effect, occurrences
 from tachk.recordings.monitors.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
 from tachk.recordings.monitors.reading import HeldValues
@@ -44,7 +45,6 @@ from tachk.recordings.traces.logs.several_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Recording, Trace
 from tachk.recordings.traces.trace_files import open_trace
-from tachk.report.monitor.mined import Mined, MinedTrace
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.walk import nodes_of_kind
@@ -65,21 +65,7 @@ def mine(
     constants: Mapping[str, str | float | Fraction] | None = None,
     select: Sequence[str] = (),
 ) -> Mined:
-    """Finds the tightest value of a parameter with which traces satisfy a formula.
-
-    Args:
-        formula: as for `tachk.monitor`; one formula, in which the parameter is a name in bounds or conditions.
-        traces: each as for `tachk.monitor`.
-        over: the name of the parameter with the least and the greatest value that it may have.
-        step: try the multiples of this number only; without it bisection looks at all values that matter, and values
-            that are tried one by one are whole numbers.
-        time, unit, end, constants, select: as for `tachk.monitor`. What is open at the end counts as satisfied, unless
-            ``end="strong"``.
-
-    Raises:
-        InputError: the formula or a trace is wrong.
-        UsageError: something has no meaning.
-    """
+    """As `tachk.api.mining.mine`."""
     formulas = selected(formulas_of(formula, constants), select)
     if len(formulas) != 1:
         names = ", ".join(named.name for named in formulas)

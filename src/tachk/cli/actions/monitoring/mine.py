@@ -6,13 +6,13 @@ import json
 import re
 from dataclasses import dataclass
 
+from tachk.api.mining import mine
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.recordings.monitors.formulas import check_order
-from tachk.recordings.monitors.mining import mine
 from tachk.recordings.traces.conventions import Ending
 
 _NUMBER = r"-?\d+(?:\.\d+)?"
