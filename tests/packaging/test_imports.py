@@ -54,7 +54,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "engine/simulation/splitting.py",
         "engine/simulation/trials.py",
         "engine/zone.py",
-        "memory_limit.py",
+        "base/memory_limit.py",
         "recordings/traces/core_monitor.py",
         "recordings/traces/linear_monitor.py",
         "recordings/traces/monitor_group.py",

@@ -30,7 +30,7 @@ LIBRARIES = {
     "construct": {"xrce"},
     "h5py": {"recordings.traces.logs"},
     "jinja2": {"formats.uppaal", "report"},
-    "jsonschema": {"report"},
+    "jsonschema": {"formats"},
     "lark": {"syntax.parsing"},
     "markdown_it": {"report.page"},
     "markupsafe": {"formats.uppaal", "report.page"},
