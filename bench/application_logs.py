@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.conformance import logs_of_clients
 from tachk.recordings.conformance.application_logs import with_log as with_application
-from tachk.recordings.conformance.events import Event, EventLog
+from tachk.recordings.conformance.events import EventLog, RecordedEvent
 
 CALLED, LEFT, BACK, TOLD_ALL, TOLD_SOME = range(5)
 BLOCKED_SLICE = 250
@@ -38,9 +38,9 @@ def with_log(recording: EventLog, truth: dict[str, Any]) -> EventLog:
     """The recording with the log of all applications in it."""
     for client, log in enumerate(logs_of_clients(truth)):
         rows = tuple(
-            Event(Fraction(time), "written", {"client": client}, "log")
+            RecordedEvent(Fraction(time), "written", {"client": client}, "log")
             if what is None
-            else Event(Fraction(time), "told", {"client": client, "what": what}, "log")
+            else RecordedEvent(Fraction(time), "told", {"client": client, "what": what}, "log")
             for time, what in _told(log)
         )
         if rows:

@@ -22,7 +22,7 @@ import tachk
 from tachk.engine.options import Limits
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
-from tachk.recordings.conformance.events import Closing, Event, EventLog
+from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
 LADDER = ((5, 5), (5, 20), (5, 50))
@@ -37,7 +37,7 @@ def as_told(recording: EventLog, truth: dict[str, Any]) -> EventLog:
     ends = {2 * client: end for client, end in _ended(truth)}
     killed = min([a["t_wall_ns"] for a in truth.get("agent", []) if "KILL" in a["event"]], default=None)
 
-    def arrives(event: Event) -> bool:
+    def arrives(event: RecordedEvent) -> bool:
         link = int(event.cells.get("link", 0))
         gone = killed if link % 2 == 0 else ends.get(link - 1)
         return event.name != "arrived" or gone is None or event.time + recording.epoch < gone

@@ -23,7 +23,7 @@ from bench.application_logs import with_log
 from bench.conformance import as_told, held, settings
 from tachk.engine.options import Limits
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.events import Event, EventLog
+from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
 LADDER = ((2, 2), (5, 5), (5, 20), (5, 50))
@@ -54,11 +54,11 @@ def _gone(recording: EventLog, number: int) -> EventLog:
     return recording
 
 
-def _is(kind: str) -> Callable[[Event], bool]:
+def _is(kind: str) -> Callable[[RecordedEvent], bool]:
     return lambda event: event.name == "sent" and event.cells.get("kind") == kind
 
 
-CHANGES: dict[str, tuple[Callable[[Event], bool], Change]] = {
+CHANGES: dict[str, tuple[Callable[[RecordedEvent], bool], Change]] = {
     "message missing": (_is("DATA"), _gone),
     "HEARTBEAT missing": (_is("HEARTBEAT"), _gone),
     "HEARTBEAT number + 1": (_is("HEARTBEAT"), _cell("number", lambda n: n + 1)),

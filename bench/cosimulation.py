@@ -20,8 +20,8 @@ from random_agreement import SHAPES
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing
-from tachk.simulation.fmi.description import Version
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationOptions
+from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.unit import closed_unit
 from tests.support import random_case
 from tests.support.simulated.cosimulated import Driving, disagreements, extract
@@ -42,9 +42,9 @@ def agree(count: int, seed: int) -> int:
             random = Random(number)
             network = random_case(random, SHAPES[number % len(SHAPES)]).network
             policy = random.choice(list(Policy))
-            drawing = Drawing(number, 20 * TICKS_PER_UNIT, policy, steps=100)
-            drivings = [Driving(Version.THREE, random.choice(STEPS), True)]
-            drivings += [Driving(version, random.choice(STEPS), False) for version in Version]
+            drawing = SimulationOptions(number, 20 * TICKS_PER_UNIT, policy, steps=100)
+            drivings = [Driving(FmiVersion.THREE, random.choice(STEPS), True)]
+            drivings += [Driving(version, random.choice(STEPS), False) for version in FmiVersion]
             try:
                 found = list(disagreements(network, drawing, number % 7, drivings, Path(folder)))
             except (UnsupportedError, InputError):
@@ -61,7 +61,7 @@ def speed() -> None:
     for path, constants, seconds in MODELS:
         network = tachk.load(path, **constants).network
         with tempfile.TemporaryDirectory() as folder:
-            extracted = extract(closed_unit(network, "unit"), Version.THREE, Path(folder))
+            extracted = extract(closed_unit(network, "unit"), FmiVersion.THREE, Path(folder))
             events, used = max((_events(extracted, seconds) for _ in range(3)), key=lambda found: found[0] / found[1])
         print(f"{path}: {events / used / 1e3:.0f} thousand events/s ({events} events)")
 

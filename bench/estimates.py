@@ -18,7 +18,7 @@ from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.simulation.statistics.estimate import Estimated, Mean, Settings, Split, estimate
 from tachk.simulation.statistics.rare import Splitting
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.sampling import RunSource
 from tachk.simulation.statistics.stopping import Floats, Places, StoppingRule
 
 CONFIDENCES = (0.9, 0.95, 0.99, 0.999)
@@ -239,7 +239,7 @@ def _answer(text: str, constants: dict[str, int], query: str, settings: Settings
 
 def known() -> None:
     """Intervals of confidence 0.999 from 200,000 runs, beside the exact value."""
-    settings = Settings(Source(seed=1, threads=2), 0.999, runs=200_000)
+    settings = Settings(RunSource(seed=1, threads=2), 0.999, runs=200_000)
     for name, text, query, exact in KNOWN:
         found = _answer(text, {}, query, settings)
         assert isinstance(found, Estimated | Mean)
@@ -251,7 +251,7 @@ def known() -> None:
 def rare() -> None:
     for name, text, constants, query, exact in RARE:
         began = monotonic()
-        found = _answer(text, constants, query, Settings(Source(seed=1, threads=2), splitting=Splitting()))
+        found = _answer(text, constants, query, Settings(RunSource(seed=1, threads=2), splitting=Splitting()))
         assert isinstance(found, Split)
         half = (found.high - found.low) / 2
         print(

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from tachk.xrce.packets import read_packets
 from tachk.xrce.transmissions import read_transmissions
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 _HEADERS = 42
 """Bytes of Ethernet, IPv4 and UDP."""
@@ -73,13 +73,18 @@ class Prolonged:
         found = read_transmissions(path)
         whole = [one for one in found.transmissions if one.arrivals]
         last = {
-            (one.to_agent, event.kind): one for one in whole for event in one.events if event.kind is not Kind.DELETE
+            (one.to_agent, event.kind): one
+            for one in whole
+            for event in one.events
+            if event.kind is not SubmessageKind.DELETE
         }
-        self.end = min(one.packet for one in whole if any(event.kind is Kind.DELETE for event in one.events)) - 1
-        write, handed = last[True, Kind.WRITE_DATA], last[False, Kind.DATA]
+        self.end = (
+            min(one.packet for one in whole if any(event.kind is SubmessageKind.DELETE for event in one.events)) - 1
+        )
+        write, handed = last[True, SubmessageKind.WRITE_DATA], last[False, SubmessageKind.DATA]
         own = [one for one in whole if one.link == write.link and one.packet > write.packet]
-        answer = next(one for one in own if not one.to_agent and one.events[0].kind is Kind.ACKNACK)
-        confirmation = last[True, Kind.ACKNACK]
+        answer = next(one for one in own if not one.to_agent and one.events[0].kind is SubmessageKind.ACKNACK)
+        confirmation = last[True, SubmessageKind.ACKNACK]
         self.write, self.handed, self.answer, self.confirmation = (
             Hops(self.packets[one.packet - 1].octets, self.packets[one.arrivals[0].packet - 1].octets)
             for one in (write, handed, answer, confirmation)
@@ -188,7 +193,9 @@ def main() -> None:
     written(packets, asked.out)
     if asked.without:
         found = read_transmissions(asked.out).transmissions
-        gone = [one for one in found if any(event.kind is Kind.WRITE_DATA for event in one.events)][-asked.without]
+        gone = [one for one in found if any(event.kind is SubmessageKind.WRITE_DATA for event in one.events)][
+            -asked.without
+        ]
         out = {gone.packet, *(arrival.packet for arrival in gone.arrivals or ())}
         written([packet for number, packet in enumerate(packets, 1) if number not in out], asked.out)
     print(f"{asked.out}: {len(packets)} packets")

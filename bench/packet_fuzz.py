@@ -18,7 +18,7 @@ from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
-from tachk.xrce.events import Event, decode, decode_serial
+from tachk.xrce.events import SubmessageEvent, decode, decode_serial
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.report.json import event_to_json
 from tachk.xrce.report.text import event_to_text
@@ -124,7 +124,7 @@ def damaged(octets: bytes, rnd: random.Random, how_often: float = 0.1) -> bytes:
     return octets[:place] + bytes([rnd.randrange(256)]) * rnd.randrange(3) + octets[place + 1 :]
 
 
-def told(events: Iterator[Event]) -> Counter[str]:
+def told(events: Iterator[SubmessageEvent]) -> Counter[str]:
     found: Counter[str] = Counter()
     for event in events:
         event_to_text(event, 0)

@@ -80,7 +80,7 @@ def _with_numbers(trace: ExactTrace) -> ExactTrace:
 def _ours(formula: syntax.Formula, half_open: bool) -> syntax.Formula:
     """The formula with ``p > 0`` for ``p`` and the closed until and since for RTAMT's."""
     match formula:
-        case syntax.Truth(value=value):
+        case syntax.TruthConstant(value=value):
             return _compared_with_zero("one", ">" if value else "<")
         case syntax.Atom(expression=ast.NameExpression(name=name)):
             return _compared_with_zero(name, ">")
@@ -110,7 +110,7 @@ def _compared_with_zero(name: str, operator: str) -> syntax.Formula:
 def _text(formula: syntax.Formula) -> str:
     """The formula as RTAMT reads it."""
     match formula:
-        case syntax.Truth(value=value):
+        case syntax.TruthConstant(value=value):
             return "(one > 0)" if value else "(one < 0)"
         case syntax.Atom(expression=ast.NameExpression(name=name)):
             return f"({name} > 0)"

@@ -18,7 +18,7 @@ from random_agreement import SHAPES
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationEnding, SimulationOptions
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.network import Network
@@ -40,7 +40,7 @@ def speed() -> None:
         best = 0.0
         for _ in range(5):
             began = time.process_time()
-            drawn = runs.draw(Drawing(1, until * TICKS_PER_UNIT), range(2_000_000 // until // 10 + 1))
+            drawn = runs.draw(SimulationOptions(1, until * TICKS_PER_UNIT), range(2_000_000 // until // 10 + 1))
             transitions = sum(run.transitions for run in drawn)
             best = max(best, transitions / (time.process_time() - began))
         plain = _plain_speed(network, min(until, 200))
@@ -70,10 +70,10 @@ def agree(count: int, seed: int) -> int:
             continue
         model = prepare(network)
         for policy in Policy:
-            drawing = Drawing(number, 20 * TICKS_PER_UNIT, policy, steps=60)
+            drawing = SimulationOptions(number, 20 * TICKS_PER_UNIT, policy, steps=60)
             for run in simulated.draw(drawing, range(2), WITH_STATES):
                 endings[run.ending] += 1
-                if run.ending is Ending.INITIAL or not len(run.times):
+                if run.ending is SimulationEnding.INITIAL or not len(run.times):
                     continue
                 runs += 1
                 try:

@@ -30,16 +30,16 @@ from tachk.meaning import dbm
 from tachk.meaning.dbm import Zone
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.certificate import (
-    Block,
+    CertificateHeader,
     CertificateReader,
     CertificateWriter,
-    Header,
-    Kind,
     MalformedCertificateError,
+    ProofKind,
+    StateBlock,
     read_certificates,
     starts,
 )
-from tachk.meaning.judge.exchanges import Group, exchange
+from tachk.meaning.judge.exchanges import ExchangeGroup, exchange
 from tachk.meaning.symbolic import elapse, fire, initial_situation, intersections, situation, where
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -189,7 +189,7 @@ def _tampered(proof: Proof, random: Random) -> bytes:
     return stream.getvalue()
 
 
-def _with_other_groups(header: Header, random: Random) -> Header:
+def _with_other_groups(header: CertificateHeader, random: Random) -> CertificateHeader:
     """A number of what is interchangeable changed, or something of it left out."""
     if not header.groups:
         return header
@@ -198,7 +198,7 @@ def _with_other_groups(header: Header, random: Random) -> Header:
     name = random.choice(("slots", "clocks", "channels", "names", "tables", "cyclic"))
     if name == "cyclic":
         told[name] = not told[name]
-        return replace(header, groups=tuple(map(Group.from_json, groups)))
+        return replace(header, groups=tuple(map(ExchangeGroup.from_json, groups)))
     part = [list(own) for own in told[name]]
     filled = [own for own in part if own]
     if filled and random.random() < 0.5:
@@ -213,10 +213,10 @@ def _with_other_groups(header: Header, random: Random) -> Header:
     else:
         random.shuffle(part)
     told[name] = part
-    return replace(header, groups=tuple(map(Group.from_json, groups)))
+    return replace(header, groups=tuple(map(ExchangeGroup.from_json, groups)))
 
 
-def _everything(elements: list[Element], groups: Sequence[Group], dimension: int) -> Iterator[Element]:
+def _everything(elements: list[Element], groups: Sequence[ExchangeGroup], dimension: int) -> Iterator[Element]:
     """All that exchanges make of elements."""
     arrangements = [
         [[(m + turn) % g.size for m in range(g.size)] for turn in range(g.size)]
@@ -248,10 +248,10 @@ def _elements(certificate: Proof | CertificateReader) -> list[Element]:
     return found
 
 
-def _block(elements: list[Element], width: int) -> Block:
+def _block(elements: list[Element], width: int) -> StateBlock:
     groups = [list(group) for _, group in groupby(elements, lambda element: (element.discrete, element.rank > 0))]
     told = [constraint for element in elements for constraint in element.told]
-    return Block(
+    return StateBlock(
         np.array([group[0].discrete for group in groups], np.int64).reshape(len(groups), width),
         np.array([len(group) for group in groups], np.int64),
         np.array([element.rank for element in elements], np.int64),
@@ -261,13 +261,13 @@ def _block(elements: list[Element], width: int) -> Block:
     )
 
 
-def _change(elements: list[Element], random: Random, kind: Kind) -> None:
+def _change(elements: list[Element], random: Random, kind: ProofKind) -> None:
     """A change of a bound, a number of a discrete state, a rank, or of what there is."""
     if not elements:
         return
     element = random.choice(elements)
     change = random.choice((-2, -1, 1, 2, random.randint(-20, 20)))
-    match random.randrange(10 if kind is Kind.INEVITABLE else 8):
+    match random.randrange(10 if kind is ProofKind.INEVITABLE else 8):
         case 0 | 1 | 2 if element.told:
             number = random.randrange(len(element.told))
             place, bound = element.told[number]

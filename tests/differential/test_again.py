@@ -10,7 +10,7 @@ from tachk.base.span import NOWHERE, Source
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.made_network import scope_of
 from tachk.frontend.queries.observer_processes import elaborate_temporal
 from tachk.model.connectives import negation
@@ -53,7 +53,7 @@ def elaborated(network: Network, form: str, atoms: dict[str, ast.Expression]) ->
     formula, _ = parse_formula(Source("f", form.replace("a", A).replace("b", B).replace("c", C)))
     assert formula is not None
     named = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
-    context = Context(Findings())
+    context = Context(DiagnosticCollector())
     query = elaborate_temporal(ast.TemporalFormula(NOWHERE, named), "q", scope_of(network), context, "", None)
     conditions = [condition(atom, scope_of(network), context) for atom in atoms.values()]
     assert query is not None

@@ -14,18 +14,18 @@ import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.base.span import Source
 from tachk.cli.main import app
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import is_statistical
 from tachk.frontend.queries.statistical import read_statistical
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import Trajectories
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import Column, all_columns
 from tachk.simulation.runs import Runs, steps_of
-from tachk.simulation.statistics.estimate import Drawn
+from tachk.simulation.statistics.estimate import DrawnRuns
 from tachk.simulation.stepping.replaying import replay_claims
 from tachk.simulation.stepping.run_file import read_run_file, steps_text
 from tachk.simulation.stepping.signals import signals_of
@@ -155,10 +155,10 @@ def compare(text: str, query: str, seed: int) -> int:
     """The number of rows of runs of a model, and of the replay of the same runs, which have to be equal."""
     loaded = load_model(Source("<text>", text), keeps_doubles=True)
     network = loaded.network
-    runs, names = Runs(network, all_values(loaded, query)), Names(network)
+    runs, names = Runs(network, all_values(loaded, query)), RunNames(network)
     rows = 0
-    drawing = Drawing(seed, 12 * TICKS_PER_UNIT, steps=12)
-    for run in runs.draw(drawing, range(2), Recorded(actions=True, observed=True)):
+    drawing = SimulationOptions(seed, 12 * TICKS_PER_UNIT, steps=12)
+    for run in runs.draw(drawing, range(2), RecordedChanges(actions=True, observed=True)):
         if run.fault is not None:
             continue
         replayed = replay_claims(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
@@ -221,5 +221,5 @@ def test_constants_in_scripts() -> None:
     (run,) = tachk.simulate(model, until=8)
     assert (run["low"].tolist(), run["room"].tolist()) == ([True] * len(run.times), [3.0] * len(run.times))
     (drawn,) = model.estimate("simulate [<=8] {level, 2 * level, level < LIMIT, 0.5 * level}")
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     assert [line.values.tolist() for line in drawn.runs[0].lines] == [[1, 1], [2, 2], [1, 1], [0.5, 0.5]]

@@ -18,7 +18,7 @@ from tachk.engine.program_image import encode
 from tachk.meaning.discrete import prepare
 from tachk.meaning.initial_state import check_initial_state
 from tachk.model.expressions import BOOL, Constant
-from tests.support import Case, Shape, cases, random_case
+from tests.support import RandomCase, Shape, cases, random_case
 from tests.support.agreement import VARIANTS, Effort, compare
 
 EFFORT = Effort(reference=200, sampled=300)
@@ -123,7 +123,7 @@ def test_engines_agree_on_run_time_errors(shape: str) -> None:
 
 @settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(cases(Shape(processes=2, locations=3, clocks=2, constant=3)))
-def test_engines_agree_on_networks_that_hypothesis_finds(case: Case) -> None:
+def test_engines_agree_on_networks_that_hypothesis_finds(case: RandomCase) -> None:
     assert compare(case, (), EFFORT).problems == ()
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import tachk
 from tachk.cli.actions.simulation.formulas import truths_on
-from tachk.engine.simulation.simulator import Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.engine.simulation.simulator import horizon as ticks_until
 from tachk.logic.horizon import horizon
 from tachk.recordings.monitors.formulas import NamedFormula
@@ -65,16 +65,16 @@ def flagged(unit: str = "") -> tachk.Model:
 
 def monitored(
     model: tachk.Model, formula: Formula, until: Fraction, runs: int, seed: int
-) -> tuple[Counter[Truth], Counter[Ending]]:
+) -> tuple[Counter[Truth], Counter[SimulationEnding]]:
     """The verdicts of ``tachk simulate --monitor`` and how its runs end."""
     network = model.network
     end = ticks_until(until)
     drawn = Runs(network, chosen_columns(network, FLAGS))
     named = (NamedFormula("p", "", formula, unit=network.time_unit),)
-    drawing = Drawing(seed, end.ticks, ticks_per_unit=end.ticks_per_unit)
+    drawing = SimulationOptions(seed, end.ticks, ticks_per_unit=end.ticks_per_unit)
     truths: Counter[Truth] = Counter()
-    endings: Counter[Ending] = Counter()
-    for run in drawn.draw(drawing, range(runs), Recorded(observed=True)):
+    endings: Counter[SimulationEnding] = Counter()
+    for run in drawn.draw(drawing, range(runs), RecordedChanges(observed=True)):
         truths[truths_on(drawn.trace(run), named)["p"]] += 1
         endings[run.ending] += 1
     return truths, endings
@@ -84,7 +84,7 @@ def monitored(
 def test_runs_are_judged_as_monitors_judge_them(unit: str) -> None:
     model, random, runs = flagged(unit), Random(5), 12
     seen: Counter[Truth] = Counter()
-    ended: Counter[Ending] = Counter()
+    ended: Counter[SimulationEnding] = Counter()
     for number in range(40):
         formula = random_formula(random, SHAPE, 2)
         reach = horizon(formula)
@@ -102,4 +102,4 @@ def test_runs_are_judged_as_monitors_judge_them(unit: str) -> None:
         seen += truths
         ended += endings
     assert all(seen[truth] > 10 for truth in Truth)
-    assert {Ending.HORIZON, Ending.TIME_LOCK, Ending.FAULT} <= set(ended)
+    assert {SimulationEnding.HORIZON, SimulationEnding.TIME_LOCK, SimulationEnding.FAULT} <= set(ended)

@@ -13,7 +13,7 @@ from tachk.engine.options import NEVER, Limits, Options
 from tachk.engine.symmetry.tables import with_symmetry
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.automorphism import Automorphisms
-from tachk.meaning.judge.exchanges import Group, MalformedGroupError, exchange
+from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError, exchange
 from tachk.verify.certificates import Proof, find_proof, is_provable
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
@@ -45,7 +45,7 @@ def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
         slots = [slot for slot in range(processes + len(layout.initial)) if slot not in pinned]
         program = with_symmetry(lower(model.network, [])[0], model.network, [])
         for table in program.interchangeable:
-            group = Group(table.slots, table.clocks, table.channels, table.names, table.tables, table.cyclic)
+            group = ExchangeGroup(table.slots, table.clocks, table.channels, table.names, table.tables, table.cyclic)
             for _ in range(4):
                 try:
                     reason = proving.objection(group)

@@ -16,7 +16,7 @@ from tachk.formats.exported import Writing
 from tachk.formats.loading.load import load_model
 from tachk.formats.network_document import network_model
 from tachk.formats.uppaal.portability import portability
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -43,6 +43,6 @@ def test_random_networks(seed: int) -> None:
     answers = reached(original.network)
     for form, name in ((ExportFormat.XML, "again.xml"), (ExportFormat.XTA, "again.xta")):
         again = load_model(Source(name, export_model(original, form, Writing()).text))
-        found = [d for d in portability(again, Version.UPPAAL_5_0) if d.code.startswith("E")]
+        found = [d for d in portability(again, UppaalVersion.UPPAAL_5_0) if d.code.startswith("E")]
         assert found == []
         assert reached(again.network) == answers

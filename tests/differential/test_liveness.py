@@ -12,7 +12,7 @@ from tachk.engine.liveness import find_avoiding_run
 from tachk.engine.options import NEVER, BoundScope, Extrapolation, Limits, Options
 from tachk.engine.outcome import LivenessOutcome, LivenessStatus, Obligation
 from tachk.model.expressions import BOOL, Unary
-from tests.support import Case, Shape, random_case
+from tests.support import RandomCase, Shape, random_case
 from tests.support.obligations import random_obligations
 from tests.support.oracles.liveness_regions import check_by_regions
 
@@ -54,7 +54,7 @@ SHAPES = {
 }
 
 
-def answers(case: Case, obligation: Obligation) -> list[LivenessOutcome]:
+def answers(case: RandomCase, obligation: Obligation) -> list[LivenessOutcome]:
     """What the variants find."""
     asked = [p for p in (obligation.goal, obligation.trigger) if p is not None]
     program, goals = lower(case.network, [both for p in asked for both in (p, Unary(UnaryOperator.NOT, p, BOOL))])

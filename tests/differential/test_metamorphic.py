@@ -26,12 +26,12 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Process
 from tachk.model.types import ClockType
-from tests.support import Case, Shape, random_case
+from tests.support import RandomCase, Shape, random_case
 
 FACTOR = 3
 
 
-def statuses(case: Case) -> list[Status]:
+def statuses(case: RandomCase) -> list[Status]:
     program, goals = lower(case.network, case.predicates)
     return [goal.status for goal in zone.explore(program, goals, limits=Limits(states=20_000)).goals]
 
@@ -59,7 +59,7 @@ def rewritten(expression: Expression, change: Callable[[Expression], Expression]
             return change(expression)
 
 
-def everywhere(case: Case, change: Callable[[Expression], Expression]) -> Case:
+def everywhere(case: RandomCase, change: Callable[[Expression], Expression]) -> RandomCase:
     def optional(expression: Expression | None) -> Expression | None:
         return None if expression is None else rewritten(expression, change)
 
@@ -74,10 +74,10 @@ def everywhere(case: Case, change: Callable[[Expression], Expression]) -> Case:
         )
 
     network = replace(case.network, processes=tuple(process(p) for p in case.network.processes))
-    return Case(network, tuple(rewritten(p, change) for p in case.predicates))
+    return RandomCase(network, tuple(rewritten(p, change) for p in case.predicates))
 
 
-def slower(case: Case) -> Case:
+def slower(case: RandomCase) -> RandomCase:
     """All constants of time multiplied."""
 
     def times(expression: Expression) -> Expression:
@@ -95,7 +95,7 @@ def slower(case: Case) -> Case:
     return everywhere(case, change)
 
 
-def other_order(case: Case) -> Case:
+def other_order(case: RandomCase) -> RandomCase:
     """The processes in reverse order."""
     last = len(case.network.processes) - 1
 
@@ -108,19 +108,19 @@ def other_order(case: Case) -> Case:
     return replace(changed, network=replace(changed.network, processes=changed.network.processes[::-1]))
 
 
-def idle_clock(case: Case) -> Case:
+def idle_clock(case: RandomCase) -> RandomCase:
     """One more clock, which nothing looks at."""
     clock = Variable("idle", ClockType(), VariableKind.GLOBAL, (0,))
     return replace(case, network=replace(case.network, variables=(clock, *case.network.variables)))
 
 
-def idle_process(case: Case) -> Case:
+def idle_process(case: RandomCase) -> RandomCase:
     """One more process, with one location."""
     process = Process("Idle", "Idle", (Location("Here"),), ())
     return replace(case, network=replace(case.network, processes=(*case.network.processes, process)))
 
 
-def split_edges(case: Case) -> Case:
+def split_edges(case: RandomCase) -> RandomCase:
     """Every internal edge in two: the guard, then the updates, with a committed location in between."""
 
     def process(p: Process) -> Process:
@@ -150,7 +150,7 @@ def split_edges(case: Case) -> Case:
         (split_edges, Shape(deadlocks=False, committed=False)),
     ],
 )
-def test_a_change_that_keeps_behaviour_keeps_answers(change: Callable[[Case], Case], shape: Shape) -> None:
+def test_a_change_that_keeps_behaviour_keeps_answers(change: Callable[[RandomCase], RandomCase], shape: Shape) -> None:
     for seed in range(60):
         case = random_case(Random(seed), shape)
         assert statuses(change(case)) == statuses(case), f"seed {seed}"

@@ -21,7 +21,7 @@ from tachk.syntax.formulas.printer import print_formula
 from tachk.transform.observed import observed
 from tachk.verify.verdict import Answer
 from tachk.verify.verify import verify
-from tests.support import Case, Shape, random_case
+from tests.support import RandomCase, Shape, random_case
 from tests.support.agreement import VARIANTS, Effort, compare
 from tests.support.exact_monitor import verdict
 from tests.support.observer_agreement import (
@@ -173,7 +173,7 @@ def test_no_option_changes_the_verdict_of_an_observer(block: int) -> None:
         query = random_watched(random, network)
         if query is not None:
             assert query.target is not None
-            case = Case(observed(network, query.observer), (query.target,))
+            case = RandomCase(observed(network, query.observer), (query.target,))
             assert compare(case, VARIANTS, Effort(200, 300)).problems == (), f"seed {seed}"
 
 

@@ -12,7 +12,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.options import LocalTimes, Options, SearchOrder
 from tachk.engine.outcome import Status
 from tachk.engine.zone import explore
-from tachk.model.random_networks import Case, Shape, random_case
+from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.agreement import Effort, compare
 from tests.support.endless.awaited_agreement import SHAPES as ENDLESS
 from tests.support.endless.awaited_agreement import elaborated
@@ -35,7 +35,7 @@ SHAPES = (
 )
 
 
-def observing_case(seed: int) -> Case:
+def observing_case(seed: int) -> RandomCase:
     """A network one process of which observes, wherever it is, with a single goal, so that some stay out of sight."""
     random = Random(seed)
     case = random_case(random, SHAPES[seed % len(SHAPES)])

@@ -12,7 +12,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.engine.outcome import Outcome, Status
 from tachk.engine.zone import explore
-from tachk.model.random_networks import Case, Shape, random_case
+from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.oracles import reference
 
 ON = Options(partial_order=True, local_times=LocalTimes.NEVER)
@@ -29,14 +29,14 @@ SHAPES = (
 VARIANTS = (ON, replace(ON, order=SearchOrder.DFS), replace(ON, order=SearchOrder.BFS, subsumption=False))
 
 
-def one_goal(seed: int) -> Case:
+def one_goal(seed: int) -> RandomCase:
     """Of several goals none could be left out of sight."""
     random = Random(seed)
     case = random_case(random, SHAPES[seed % len(SHAPES)])
     return replace(case, predicates=(random.choice(case.predicates),))
 
 
-def searched(case: Case, options: Options) -> Outcome:
+def searched(case: RandomCase, options: Options) -> Outcome:
     program, goals = lower(case.network, case.predicates)
     return explore(program, goals, options, Limits(states=3_000))
 

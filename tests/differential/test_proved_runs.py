@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tachk.cli.main import app
-from tachk.engine.simulation.simulator import Ending
+from tachk.engine.simulation.simulator import SimulationEnding
 from tachk.recordings.traces.node_signal import Truth
 from tests.support.simulated.proved import FORMS, proved_on_runs
 from tests.support.simulated.replayed import judged_twice
@@ -22,8 +22,15 @@ def test_a_proved_formula_is_false_on_no_simulated_run() -> None:
 def test_runs_that_end_early_are_judged_as_their_replays() -> None:
     found = [judged for seed in range(80) for judged in judged_twice(seed, runs=2)]
     assert [judged for judged in found if not judged.agrees] == []
-    assert {judged.ending for judged in found} >= set(Ending) - {Ending.INITIAL, Ending.ZENO, Ending.END_OF_TIME}
-    assert {judged.ending for judged in found if judged.simulated is Truth.FALSE} >= {Ending.STEPS, Ending.HORIZON}
+    assert {judged.ending for judged in found} >= set(SimulationEnding) - {
+        SimulationEnding.INITIAL,
+        SimulationEnding.ZENO,
+        SimulationEnding.END_OF_TIME,
+    }
+    assert {judged.ending for judged in found if judged.simulated is Truth.FALSE} >= {
+        SimulationEnding.STEPS,
+        SimulationEnding.HORIZON,
+    }
 
 
 TWO_STEPS = "process P() { clock x; init location a { to b { guard x >= 1; } } location b { to a; } } system P;"

@@ -11,7 +11,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.engine.outcome import Outcome
 from tachk.engine.zone import explore
-from tachk.model.random_networks import Case, Shape, random_case
+from tachk.model.random_networks import RandomCase, Shape, random_case
 
 WHOLE = Options(rows_after=2**32 - 1, local_times=LocalTimes.NEVER)
 SHAPES = (
@@ -30,7 +30,7 @@ VARIANTS = (
 )
 
 
-def searched(case: Case, options: Options) -> Outcome:
+def searched(case: RandomCase, options: Options) -> Outcome:
     program, goals = lower(case.network, case.predicates)
     outcome = explore(program, goals, options, Limits(states=1_000))
     return replace(outcome, statistics=replace(outcome.statistics, seconds=0.0, user_seconds=0.0, peak_bytes=0))

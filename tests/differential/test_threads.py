@@ -13,7 +13,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.engine.outcome import Outcome, Status
 from tachk.engine.zone import explore, explore_everything
-from tachk.model.random_networks import Case, Shape, random_case
+from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.oracles import reference
 from tests.support.symmetric.cases import random_symmetric_case
 
@@ -43,7 +43,7 @@ def told(outcome: Outcome) -> Outcome:
     return replace(outcome, statistics=replace(outcome.statistics, seconds=0.0, user_seconds=0.0, threads=1))
 
 
-def searched(case: Case, options: Options, limits: Limits) -> Outcome:
+def searched(case: RandomCase, options: Options, limits: Limits) -> Outcome:
     program, goals = lower(case.network, case.predicates)
     return told(explore(program, goals, options, limits))
 

@@ -14,7 +14,7 @@ from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.exported import Writing
 from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 
 MODELS = data_root() / "models"
 WRITTEN = [*sorted((MODELS / "classics").glob("*.ta")), MODELS / "micro_xrce_dds" / "client_3_0.ta"]
@@ -30,7 +30,7 @@ def test_uppaal_takes_the_export(path: Path) -> None:
     ends = [next(ElementTree.fromstring(xml).iter("system")).text, xta]
     assert all(end is not None and _END.search(_COMMENT.sub("", end)) for end in ends)
     for name, text in (("again.xml", xml), ("again.xta", xta)):
-        found = portability(load_model(Source(name, text)), Version.UPPAAL_5_0)
+        found = portability(load_model(Source(name, text)), UppaalVersion.UPPAAL_5_0)
         # Queries about deadlocks that UPPAAL refuses are comments in XML, from which tachk reads them again.
         assert [d for d in found if d.code.startswith("E") and d.code != "E0815"] == []
 

@@ -17,7 +17,7 @@ from tachk.engine.core_search import core_options
 from tachk.engine.options import BoundScope, Extrapolation, Options, SearchOrder
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.floating import FloatingOperation
-from tachk.recordings.traces.monitor_program import NodeKind, Relation, ValueOperator
+from tachk.recordings.traces.monitor_program import AtomRelation, NodeKind, ValueOperator
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -73,7 +73,7 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
         ("csv/csv_reader.hpp", "CsvFaultKind", _core.CsvFaultKind),
         ("monitoring/linear/linear_monitor.hpp", "RobustnessKind", _core.Measure),
         ("monitoring/monitor_program.hpp", "ValueOperator", ValueOperator),
-        ("monitoring/monitor_program.hpp", "Relation", Relation),
+        ("monitoring/monitor_program.hpp", "Relation", AtomRelation),
         ("monitoring/monitor_program.hpp", "NodeKind", NodeKind),
     ],
 )

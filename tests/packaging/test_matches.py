@@ -34,8 +34,8 @@ REASONS = {
     "Anything else is walked as it is built, whatever it is.": {
         "model/traversal.reads_clock",
         "frontend/context.Context.effects_of",
-        "model/metas._Search.value",
-        "recordings/monitors/line_compiler._Checker.without_first_instant",
+        "model/metas._LastingMetas.value",
+        "recordings/monitors/line_compiler._LineChecker.without_first_instant",
     },
     "Anything else goes to a function that names every member.": {
         "engine/compiler/codegen.CodeGenerator.address",
@@ -88,7 +88,7 @@ REASONS = {
     "What is looked for, findings or words, concerns these kinds only.": {
         "frontend/expressions/changed_places.changed_first",
         "frontend/expressions/name_expressions.misuse_help",
-        "recordings/monitors/line_compiler._Checker.not_linear",
+        "recordings/monitors/line_compiler._LineChecker.not_linear",
         "recordings/monitors/line_compiler.line_findings",
     },
 }

@@ -16,7 +16,7 @@ from tachk.engine.outcome import Outcome, Status
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.query import Query
-from tachk.model.random_networks import Case
+from tachk.model.random_networks import RandomCase
 from tachk.verify.verdict import Answer
 from tachk.verify.verify import verify
 from tests.support.oracles import digitised, reference
@@ -82,7 +82,7 @@ class Agreement:
     problems: tuple[str, ...]
 
 
-def compare(case: Case, variants: Sequence[Options] = VARIANTS, effort: Effort = Effort()) -> Agreement:
+def compare(case: RandomCase, variants: Sequence[Options] = VARIANTS, effort: Effort = Effort()) -> Agreement:
     """Runs the zone engine, with all variants of its options, and the oracles, and turns what they find into runs."""
     outcomes = {"reference": reference.explore(case.network, case.predicates, Limits(states=effort.reference))}
     sampled = Limits(states=effort.sampled)
@@ -99,7 +99,7 @@ def compare(case: Case, variants: Sequence[Options] = VARIANTS, effort: Effort =
     return Agreement(outcomes, (*problems, *_lengths(outcomes), *_runs(case, outcomes, stopwatches), *answers))
 
 
-def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome]:
+def _zone_outcomes(case: RandomCase, variants: Sequence[Options]) -> dict[str, Outcome]:
     try:
         program, goals = lower(case.network, case.predicates)
     except UnsupportedError:
@@ -118,7 +118,7 @@ def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome
     return outcomes
 
 
-def _smt_outcomes(case: Case, limits: Limits) -> dict[str, Outcome]:
+def _smt_outcomes(case: RandomCase, limits: Limits) -> dict[str, Outcome]:
     """What the second engine finds, if it encodes the network."""
     from tachk.engine.smt.search import explore
 
@@ -128,7 +128,7 @@ def _smt_outcomes(case: Case, limits: Limits) -> dict[str, Outcome]:
         return {}
 
 
-def _answers(case: Case, outcomes: dict[str, Outcome]) -> Iterator[str]:
+def _answers(case: RandomCase, outcomes: dict[str, Outcome]) -> Iterator[str]:
     """What is wrong with the verdicts: processes are left out, paths get their runs, errors their explanation."""
     queries = [Query(f"q{number}", QueryKind.POSSIBLY, goal) for number, goal in enumerate(case.predicates)]
     for limits in (ZONE_LIMITS, Limits(states=outcomes["zone"].statistics.states_stored // 2)):
@@ -205,7 +205,7 @@ def _by_goal(outcomes: dict[str, Outcome]) -> Iterator[tuple[int, dict[str, Stat
 _ORACLES = ("reference", "regions")
 
 
-def _runs(case: Case, outcomes: dict[str, Outcome], stopwatches: bool) -> Iterator[str]:
+def _runs(case: RandomCase, outcomes: dict[str, Outcome], stopwatches: bool) -> Iterator[str]:
     model = prepare(case.network)
     for name, outcome in outcomes.items():
         for number, goal in enumerate(outcome.goals):

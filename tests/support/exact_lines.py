@@ -81,7 +81,7 @@ def above(formula: syntax.Formula, worth: Worth, level: Level = None) -> ExactSi
         return above(part, worth, level)
 
     match formula:
-        case syntax.Truth(value=value):
+        case syntax.TruthConstant(value=value):
             return _constant(value)
         case syntax.Atom(expression=expression):
             return _condition(expression, worth, level)

@@ -121,7 +121,7 @@ def value_at(formula: syntax.Formula, trace: ExactTrace, instant: Fraction) -> V
 def satisfaction(formula: syntax.Formula, trace: ExactTrace) -> ExactSignal:
     """The value at every instant. Durations in the formula have to be numbers, in the time unit of the trace."""
     match formula:
-        case syntax.Truth(value=value):
+        case syntax.TruthConstant(value=value):
             return signal_of({Fraction(0)}, lambda _: TRUE if value else FALSE)
         case syntax.Atom(expression=expression):
             return _of_states(trace, lambda state: condition(expression, state))

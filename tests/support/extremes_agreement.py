@@ -12,7 +12,7 @@ from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Status
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference
 from tachk.model.query import Query
-from tachk.model.random_networks import Case
+from tachk.model.random_networks import RandomCase
 from tachk.model.types import ClockType, IntType
 from tachk.verify.verdict import Answer, Extreme
 from tachk.verify.verify import verify
@@ -41,7 +41,7 @@ class ExtremesAgreement:
     problems: tuple[str, ...] = ()
 
 
-def expressions_of(case: Case, random: Random, differences: bool) -> tuple[Expression, ...]:
+def expressions_of(case: RandomCase, random: Random, differences: bool) -> tuple[Expression, ...]:
     """Some that can be measured: a clock, an integer and perhaps the difference of two clocks."""
     variables = [variable for variable in case.network.all_variables() if not variable.declared_meta]
     clocks = [Reference(variable) for variable in variables if isinstance(variable.type, ClockType)]
@@ -54,7 +54,7 @@ def expressions_of(case: Case, random: Random, differences: bool) -> tuple[Expre
 
 
 def compare_extremes(
-    case: Case, expressions: Sequence[Expression], options: Sequence[Options], oracle_states: int = 1500
+    case: RandomCase, expressions: Sequence[Expression], options: Sequence[Options], oracle_states: int = 1500
 ) -> ExtremesAgreement:
     """Asks for the bounds of expressions over the first predicate of a case, with each of the options."""
     where = case.predicates[0]
@@ -96,7 +96,7 @@ def _missing_runs(found: Sequence[tuple[Extreme | None, Extreme | None]]) -> Ite
 
 
 def _against_oracle(
-    case: Case,
+    case: RandomCase,
     where: Expression,
     expression: Expression,
     found: tuple[Extreme | None, Extreme | None] | None,

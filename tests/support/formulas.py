@@ -139,7 +139,7 @@ def random_trace(random: Random, shape: FormulaShape) -> ExactTrace:
 
 def _leaf(random: Random, shape: FormulaShape) -> syntax.Formula:
     if random.random() < shape.constants:
-        return syntax.Truth(NOWHERE, random.random() < 0.5)
+        return syntax.TruthConstant(NOWHERE, random.random() < 0.5)
     kind = random.random()
     if shape.edges and kind < 0.08:
         return syntax.Change(NOWHERE, _changing(random, shape))

@@ -14,7 +14,7 @@ from tachk.engine.outcome import LivenessOutcome, LivenessStatus, Obligation
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError
 from tachk.meaning.judge.replay_lasso import replay_lasso
-from tachk.model.random_networks import Case
+from tachk.model.random_networks import RandomCase
 from tachk.model.traversal import asks_deadlock
 from tests.support.agreement import UNWIDENED_LIMITS, ZONE_LIMITS, Effort, option_name
 from tests.support.oracles.liveness_reference import check_by_zones
@@ -38,7 +38,7 @@ class LivenessAgreement:
 
 
 def compare_obligation(
-    case: Case, obligation: Obligation, variants: Sequence[Options], effort: Effort = _EFFORT
+    case: RandomCase, obligation: Obligation, variants: Sequence[Options], effort: Effort = _EFFORT
 ) -> LivenessAgreement:
     """Looks for a run that avoids the goal: with the search, all variants of its options, and both oracles; what is
     found must become a run with delays that the judge accepts. Networks with stopwatches have no oracle."""
@@ -52,7 +52,7 @@ def compare_obligation(
     )
 
 
-def _searched(case: Case, obligation: Obligation, variants: Sequence[Options]) -> dict[str, LivenessOutcome]:
+def _searched(case: RandomCase, obligation: Obligation, variants: Sequence[Options]) -> dict[str, LivenessOutcome]:
     stopwatches = any(location.rates for process in case.network.processes for location in process.locations)
     if stopwatches and any(asks_deadlock(e) for e in (obligation.goal, obligation.trigger) if e is not None):
         return {}  # which is refused
@@ -91,7 +91,7 @@ def _missed_faults(outcomes: dict[str, LivenessOutcome]) -> Iterator[str]:
         yield f"a run-time error is met by {met}, not by {none}"
 
 
-def _runs(case: Case, obligation: Obligation, outcomes: dict[str, LivenessOutcome]) -> Iterator[str]:
+def _runs(case: RandomCase, obligation: Obligation, outcomes: dict[str, LivenessOutcome]) -> Iterator[str]:
     model = prepare(case.network)
     tried = set()
     for name, outcome in outcomes.items():

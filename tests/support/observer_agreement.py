@@ -19,7 +19,7 @@ from tachk.engine.outcome import Status
 from tachk.engine.zone import explore
 from tachk.formats.loading.load import load_model
 from tachk.frontend.context import Context
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.made_network import scope_of
 from tachk.frontend.queries.observer_processes import elaborate_temporal
@@ -125,7 +125,7 @@ def replaying(trace: ExactTrace, stops: bool = True) -> LoadedModel:
 def query_of(formula: Formula, model: LoadedModel) -> Query | None:
     """The query that asks for a violation; None where there is no observer for the formula."""
     node = ast.TemporalFormula(NOWHERE, formula)
-    return elaborate_temporal(node, "property", model.scope, Context(Findings()), "", None)
+    return elaborate_temporal(node, "property", model.scope, Context(DiagnosticCollector()), "", None)
 
 
 def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:
@@ -145,7 +145,7 @@ def random_watched(random: Random, network: Network) -> Query | None:
     atoms = {name: random_atom(random, network) for name in FLAGS}
     watched = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
     node = ast.TemporalFormula(NOWHERE, watched)
-    return elaborate_temporal(node, "property", scope_of(network), Context(Findings()), "", None)
+    return elaborate_temporal(node, "property", scope_of(network), Context(DiagnosticCollector()), "", None)
 
 
 def random_atom(random: Random, network: Network) -> ast.Expression:

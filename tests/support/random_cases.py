@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tachk.model.random_networks import Case, Shape, random_case
+from tachk.model.random_networks import RandomCase, Shape, random_case
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 _PLAIN = Shape()
 
 
-def cases(shape: Shape = _PLAIN) -> SearchStrategy[Case]:
+def cases(shape: Shape = _PLAIN) -> SearchStrategy[RandomCase]:
     """`random_case` as a hypothesis strategy."""
     from hypothesis import strategies
 

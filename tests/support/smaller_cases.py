@@ -41,9 +41,9 @@ def _candidates(case: MonitoringCase) -> Iterator[MonitoringCase]:
 def _smaller_formulas(formula: syntax.Formula) -> Iterator[syntax.Formula]:
     parts = syntax.operands(formula)
     yield from parts
-    if not isinstance(formula, syntax.Truth):
-        yield syntax.Truth(NOWHERE, False)
-        yield syntax.Truth(NOWHERE, True)
+    if not isinstance(formula, syntax.TruthConstant):
+        yield syntax.TruthConstant(NOWHERE, False)
+        yield syntax.TruthConstant(NOWHERE, True)
     if isinstance(formula, syntax.And | syntax.Or) and len(parts) > 2:
         for left_out in range(len(parts)):
             yield replace(formula, operands=parts[:left_out] + parts[left_out + 1 :])

@@ -20,8 +20,8 @@ from tachk.base.operators import (
     CONSTANT_LOW,
     BinaryOperator,
     Failure,
-    Group,
     OperandError,
+    OperandGroup,
     UnaryOperator,
     wrapped,
 )
@@ -175,4 +175,6 @@ def test_unary() -> None:
 
 def test_groups() -> None:
     assert {"==", "!=", "<", "<=", ">", ">="} == COMPARISONS
-    assert {o for o in BinaryOperator if o.group is Group.ARITHMETIC} == set(BinaryOperator) - COMPARISONS - CONNECTIVES
+    assert {o for o in BinaryOperator if o.group is OperandGroup.ARITHMETIC} == set(
+        BinaryOperator
+    ) - COMPARISONS - CONNECTIVES

@@ -36,7 +36,7 @@ Cell = tuple[Variable, int | None]
 """A variable and the first index; None: any element of it, or the variable as a whole."""
 
 
-class Cells:
+class ComponentSet:
     """A set of cells that knows which cells overlap it."""
 
     def __init__(self, cells: Iterable[Cell] = ()) -> None:

@@ -149,13 +149,13 @@ def split_conjunction(expression: Expression, known: Known) -> Conjunction:
 
     Raises UnsupportedError for a disjunction in which both sides have clocks.
     """
-    parts = _Parts()
+    parts = _Conjuncts()
     parts.split(fold(expression, known), True, None, known)
     return Conjunction(tuple(parts.integers), tuple(parts.clocks))
 
 
 @dataclass(slots=True)
-class _Parts:
+class _Conjuncts:
     """What a conjunction consists of. An expression that is split with ``positive`` false is one that is negated; with
     a condition it has to hold where that does."""
 

@@ -100,7 +100,7 @@ class Estimable:
         """
         from tachk.simulation.orders import ordered, orders_of
         from tachk.simulation.statistics.estimate import Settings, estimate
-        from tachk.simulation.statistics.sampling import Source
+        from tachk.simulation.statistics.sampling import RunSource as Source
 
         if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
             raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
@@ -144,7 +144,7 @@ def answers_among(
         return {}
     from tachk.simulation.statistics.answers import answer_statistical
     from tachk.simulation.statistics.estimate import Settings
-    from tachk.simulation.statistics.sampling import Source
+    from tachk.simulation.statistics.sampling import RunSource as Source
 
     settings = Settings(Source(options.seed, 0, max(options.threads, 1)))
     found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, seconds)

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from tachk.verify.campaign.run import Progress as CampaignProgress
     from tachk.verify.scheduling.in_order import VerifyProgress
     from tachk.verify.semantic_lint.findings import DeepCheck
-    from tachk.verify.synthesis.parameters import Parameter
+    from tachk.verify.synthesis.parameters import VariedConstant
     from tachk.verify.times import Times
 
 __all__ = [
@@ -383,7 +383,7 @@ class Model(Estimable):
     def synthesize(
         self,
         *query: str,
-        over: str | Iterable[str | Parameter] | Mapping[str, object] | Grid,
+        over: str | Iterable[str | VariedConstant] | Mapping[str, object] | Grid,
         property: str | None = None,
         answer: Answer = Answer.HOLDS,
         options: Options | None = None,

@@ -195,7 +195,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
             begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
             robustness: draw the robustness of each formula over time, too.
         """
-        from tachk.report.monitor.plot_rows import Stretch
+        from tachk.report.monitor.plot_rows import PlotRange
         from tachk.report.monitor.signal_plot import Plot, plot_record
 
         trace = self.record.trace
@@ -204,7 +204,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
         right = float(max(trace.end, 1)) if end is None else (end - origin) * scale
         if not left < right:
             raise UsageError("the trace has nothing between these times")
-        span = Stretch(left, right)
+        span = PlotRange(left, right)
         if path is not None:
             plot_record(self.record, Path(path), span, robustness)
         return Plot(self.record, span, robustness)

@@ -24,7 +24,7 @@ def wrapped(value: int) -> int:
     return (value - CONSTANT_LOW) % 2**32 + CONSTANT_LOW
 
 
-class Group(Enum):
+class OperandGroup(Enum):
     """What an operator takes and gives."""
 
     ARITHMETIC = 1
@@ -122,7 +122,7 @@ class BinaryOperator(StrEnum):
         return _ROWS[self].level
 
     @property
-    def group(self) -> Group:
+    def group(self) -> OperandGroup:
         return _ROWS[self].group
 
     @property
@@ -165,7 +165,7 @@ class BinaryOperator(StrEnum):
     def holds(self, left: int | Fraction, right: int | Fraction) -> bool:
         """Whether a comparison is true of two numbers or clock values."""
         row = _ROWS[self]
-        if row.group is not Group.COMPARISON:
+        if row.group is not OperandGroup.COMPARISON:
             raise ValueError(f"{self} is not a comparison")
         return bool(row.meaning(left, right))
 
@@ -193,7 +193,7 @@ _EVERY = ((CONSTANT_LOW, CONSTANT_HIGH),)
 _UPPAAL_4, _UPPAAL_5 = (4, 0), (5, 0)
 
 
-class _Row(NamedTuple):
+class _OperatorRow(NamedTuple):
     """One operator; the columns are explained at the properties of `BinaryOperator`.
 
     Attributes:
@@ -202,7 +202,7 @@ class _Row(NamedTuple):
     """
 
     level: int
-    group: Group
+    group: OperandGroup
     meaning: Callable[[Any, Any], int]
     since: tuple[int, int] | None = _UPPAAL_4
     associative: bool = False
@@ -214,35 +214,35 @@ class _Row(NamedTuple):
     mirrored: str = ""
 
 
-_A, _C, _L = Group.ARITHMETIC, Group.COMPARISON, Group.CONNECTIVE
+_A, _C, _L = OperandGroup.ARITHMETIC, OperandGroup.COMPARISON, OperandGroup.CONNECTIVE
 _DIVISORS = ((CONSTANT_LOW, -1), (1, CONSTANT_HIGH))
 _DISTANCES = ((0, 31),)
 _EXPONENTS = ((0, CONSTANT_HIGH),)
 _O = BinaryOperator
 _ROWS = {
-    _O.OR: _Row(3, _L, lambda a, b: a != 0 or b != 0, associative=True, word="or", decided_by=True),
-    _O.IMPLY: _Row(3, _L, lambda a, b: a == 0 or b != 0, decided_by=False),
-    _O.XOR: _Row(3, _L, lambda a, b: (a != 0) != (b != 0), _UPPAAL_5, associative=True),
-    _O.AND: _Row(4, _L, lambda a, b: a != 0 and b != 0, associative=True, word="and", decided_by=False),
-    _O.BIT_OR: _Row(5, _A, op.or_, associative=True),
-    _O.BIT_XOR: _Row(6, _A, op.xor, associative=True),
-    _O.BIT_AND: _Row(7, _A, op.and_, associative=True),
-    _O.EQUAL: _Row(8, _C, op.eq, negated="!=", mirrored="=="),
-    _O.NOT_EQUAL: _Row(8, _C, op.ne, negated="==", mirrored="!="),
-    _O.LESS: _Row(9, _C, op.lt, negated=">=", mirrored=">"),
-    _O.LESS_EQUAL: _Row(9, _C, op.le, negated=">", mirrored=">="),
-    _O.GREATER: _Row(9, _C, op.gt, negated="<=", mirrored="<"),
-    _O.GREATER_EQUAL: _Row(9, _C, op.ge, negated="<", mirrored="<="),
-    _O.MINIMUM: _Row(10, _A, min, associative=True),
-    _O.MAXIMUM: _Row(10, _A, max, associative=True),
-    _O.SHIFT_LEFT: _Row(11, _A, op.lshift, failure=Failure.SHIFT, rights=_DISTANCES),
-    _O.SHIFT_RIGHT: _Row(11, _A, op.rshift, failure=Failure.SHIFT, rights=_DISTANCES),
-    _O.ADD: _Row(12, _A, op.add, associative=True),
-    _O.SUBTRACT: _Row(12, _A, op.sub),
-    _O.MULTIPLY: _Row(13, _A, op.mul, associative=True),
-    _O.DIVIDE: _Row(13, _A, _quotient, failure=Failure.DIVISION, rights=_DIVISORS),
-    _O.MODULO: _Row(13, _A, lambda a, b: a - _quotient(a, b) * b, failure=Failure.DIVISION, rights=_DIVISORS),
-    _O.POWER: _Row(
+    _O.OR: _OperatorRow(3, _L, lambda a, b: a != 0 or b != 0, associative=True, word="or", decided_by=True),
+    _O.IMPLY: _OperatorRow(3, _L, lambda a, b: a == 0 or b != 0, decided_by=False),
+    _O.XOR: _OperatorRow(3, _L, lambda a, b: (a != 0) != (b != 0), _UPPAAL_5, associative=True),
+    _O.AND: _OperatorRow(4, _L, lambda a, b: a != 0 and b != 0, associative=True, word="and", decided_by=False),
+    _O.BIT_OR: _OperatorRow(5, _A, op.or_, associative=True),
+    _O.BIT_XOR: _OperatorRow(6, _A, op.xor, associative=True),
+    _O.BIT_AND: _OperatorRow(7, _A, op.and_, associative=True),
+    _O.EQUAL: _OperatorRow(8, _C, op.eq, negated="!=", mirrored="=="),
+    _O.NOT_EQUAL: _OperatorRow(8, _C, op.ne, negated="==", mirrored="!="),
+    _O.LESS: _OperatorRow(9, _C, op.lt, negated=">=", mirrored=">"),
+    _O.LESS_EQUAL: _OperatorRow(9, _C, op.le, negated=">", mirrored=">="),
+    _O.GREATER: _OperatorRow(9, _C, op.gt, negated="<=", mirrored="<"),
+    _O.GREATER_EQUAL: _OperatorRow(9, _C, op.ge, negated="<", mirrored="<="),
+    _O.MINIMUM: _OperatorRow(10, _A, min, associative=True),
+    _O.MAXIMUM: _OperatorRow(10, _A, max, associative=True),
+    _O.SHIFT_LEFT: _OperatorRow(11, _A, op.lshift, failure=Failure.SHIFT, rights=_DISTANCES),
+    _O.SHIFT_RIGHT: _OperatorRow(11, _A, op.rshift, failure=Failure.SHIFT, rights=_DISTANCES),
+    _O.ADD: _OperatorRow(12, _A, op.add, associative=True),
+    _O.SUBTRACT: _OperatorRow(12, _A, op.sub),
+    _O.MULTIPLY: _OperatorRow(13, _A, op.mul, associative=True),
+    _O.DIVIDE: _OperatorRow(13, _A, _quotient, failure=Failure.DIVISION, rights=_DIVISORS),
+    _O.MODULO: _OperatorRow(13, _A, lambda a, b: a - _quotient(a, b) * b, failure=Failure.DIVISION, rights=_DIVISORS),
+    _O.POWER: _OperatorRow(
         14, _A, lambda a, b: pow(a, b, 2**32), _UPPAAL_5, failure=Failure.NEGATIVE_EXPONENT, rights=_EXPONENTS
     ),
 }
@@ -251,5 +251,5 @@ _UNARY: dict[UnaryOperator, Callable[[int], int]] = {
     UnaryOperator.NOT: lambda a: int(a == 0),
 }
 
-COMPARISONS = frozenset(each for each in BinaryOperator if each.group is Group.COMPARISON)
-CONNECTIVES = frozenset(each for each in BinaryOperator if each.group is Group.CONNECTIVE)
+COMPARISONS = frozenset(each for each in BinaryOperator if each.group is OperandGroup.COMPARISON)
+CONNECTIVES = frozenset(each for each in BinaryOperator if each.group is OperandGroup.CONNECTIVE)

@@ -29,7 +29,7 @@ class TableForm(StrEnum):
     JSON = "json"
 
 
-class Evidence(StrEnum):
+class EvidenceChoice(StrEnum):
     """Which run is given as the evidence for an answer."""
 
     SOME = "some"

@@ -10,13 +10,13 @@ from random import Random
 
 from tachk.base.diagnostics.diagnostic import TachkError
 from tachk.base.exact_numbers import DIGITS, exact_number, is_whole
-from tachk.meaning.run_view import Names, Snapshot
+from tachk.meaning.run_view import RunNames, Snapshot
 from tachk.meaning.step import StepError
 from tachk.model.fault import EvaluationFault
 from tachk.model.quantity import decimal, duration
 from tachk.report.run.trace_text import change_lines, event_lines
 from tachk.simulation.stepping.files import constants_of, read_claims
-from tachk.simulation.stepping.offers import Offer
+from tachk.simulation.stepping.offers import EnabledTransition
 from tachk.simulation.stepping.reasons import why_no_delay
 from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.run_file import SUFFIX, run_text
@@ -200,7 +200,7 @@ class Stepper:
     # ---- what is shown ----------------------------------------------------------------------------------------------
 
     @property
-    def _names(self) -> Names:
+    def _names(self) -> RunNames:
         return self.session.names
 
     def _snapshot(self, position: int) -> Snapshot:
@@ -253,7 +253,7 @@ class Stepper:
                 f"time can pass for {bound} {decimal(offers.delays.last)}" if offers.delays.last else "no time can pass"
             )
 
-    def _told(self, offer: Offer) -> list[str]:
+    def _told(self, offer: EnabledTransition) -> list[str]:
         event = self._names.event(self.session.state.discrete, offer.transition)
         return [line.plain for line in event_lines(event, 100)]
 

@@ -30,7 +30,7 @@ _STEP = 64
 _ENDED_FROM_OUTSIDE = (_core.Status.RUNNING, _core.Status.TIME_LIMIT)
 
 
-class Stretch:
+class BudgetedSearch:
     """A part of a search, which ends with the status STATE_LIMIT once so many states are stored, or explored."""
 
     def __init__(self, search: RunningSearch, *, stored: int | None = None, explored: int | None = None) -> None:
@@ -85,10 +85,10 @@ def in_one_order(
     one = replace(options, partial_order=True, threads=1)
     explorer = _core.Explorer(encode(program, goals), core_options(one), core_limits(limits))
     start = time.perf_counter()
-    status, reason = run_in_slices(Stretch(explorer, explored=FIRST_IN_ONE_ORDER), start, limits, progress)
+    status, reason = run_in_slices(BudgetedSearch(explorer, explored=FIRST_IN_ONE_ORDER), start, limits, progress)
     if status is _core.Status.STATE_LIMIT and 4 * explorer.reduced_states() >= FIRST_IN_ONE_ORDER:
         left = limits.after(time.perf_counter() - start)
-        stretch = Stretch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
+        stretch = BudgetedSearch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
         status, reason = run_in_slices(stretch, time.perf_counter(), left, progress)
     decided = status is _core.Status.FINISHED and not explorer.any_failure()
     return explorer if decided else None, _ended_from_outside(status, reason)
@@ -107,7 +107,7 @@ def depth_first(
     deep = replace(options, order=SearchOrder.DFS, threads=1)
     apart = replace(program, interchangeable=())
     explorer = _core.Explorer(encode(apart, goals), core_options(deep), core_limits(limits))
-    status, reason = run_in_slices(Stretch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
+    status, reason = run_in_slices(BudgetedSearch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
     reached = all(explorer.reached(number) is not None for number, goal in enumerate(goals) if goal.decides)
     return explorer if reached else None, _ended_from_outside(status, reason)
 

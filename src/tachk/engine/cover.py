@@ -15,7 +15,7 @@ from tachk.engine.core_search import core_limits, core_options, run_in_slices
 from tachk.engine.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Options
 from tachk.engine.outcome import Progress
 from tachk.engine.program_image import encode
-from tachk.meaning.judge.certificate import Block
+from tachk.meaning.judge.certificate import StateBlock
 
 ZONES_IN_A_BLOCK = 4096
 
@@ -43,7 +43,7 @@ class Cover:
 
     groups: int
     zones: int
-    blocks: Callable[[], Iterator[Block]]
+    blocks: Callable[[], Iterator[StateBlock]]
 
 
 def find_cover(
@@ -196,11 +196,11 @@ def find_descent(
 def _told(parts: _core.CoverParts) -> Cover:
     groups = parts.groups()
 
-    def blocks() -> Iterator[Block]:
+    def blocks() -> Iterator[StateBlock]:
         first = 0
         while first < groups:
             discretes, of_groups, *columns = parts.part(first, ZONES_IN_A_BLOCK)
-            yield Block(discretes.reshape(len(of_groups), -1), of_groups, *columns)
+            yield StateBlock(discretes.reshape(len(of_groups), -1), of_groups, *columns)
             first += len(of_groups)
 
     return Cover(groups, parts.zones(), blocks)

@@ -57,7 +57,7 @@ def grows_without_limit(
 
 
 def _grows(model: PreparedNetwork, path: Sequence[Transition], where: Expression, numbers: tuple[int, ...]) -> bool:
-    walk = _Walk(model, clock_constants(model.network, [where]))
+    walk = _PathWalk(model, clock_constants(model.network, [where]))
     reached = walk.along(path)
     if reached is None or any(state.here.stopped for state in reached):
         return False
@@ -105,7 +105,7 @@ class _OutOfSteps(Exception):
     pass
 
 
-class _Walk:
+class _PathWalk:
     """Goes along paths. The last clock of the model belongs to nobody."""
 
     def __init__(self, model: PreparedNetwork, constants: ClockConstants) -> None:

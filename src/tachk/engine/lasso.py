@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from tachk.engine.exact.concretise import at_end, conditions, discrete_run, of_phase, reached, timed_trace
-from tachk.engine.exact.schedule import Moment, Requirement, any_solution, earliest
+from tachk.engine.exact.schedule import PhaseConstraint, Requirement, any_solution, earliest
 from tachk.engine.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.engine.periodic import repeating
 from tachk.meaning import avoidance, dbm, symbolic
@@ -111,7 +111,11 @@ class _Course:
 def _never_in(phase: int, zone: Zone) -> Requirement:
     """The clocks are at no moment of a phase in a zone: some upper bound or difference is false at its beginning, or
     some lower bound at its end. The differences of a canonical zone say when its bounds are never true at once."""
-    return [(Moment(phase, c[0] == 0, complement(c)),) for c in zone.constraints() if c != (0, c[1], LESS_EQUAL_ZERO)]
+    return [
+        (PhaseConstraint(phase, c[0] == 0, complement(c)),)
+        for c in zone.constraints()
+        if c != (0, c[1], LESS_EQUAL_ZERO)
+    ]
 
 
 def _ending(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> TimedTrace | None:
@@ -156,7 +160,7 @@ def _recurrent(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation)
     again = avoidance.recurring(model, course.states[start:-1], run.loop, obligation.goal)
     requirements = [*course.requirements, _no_delay(model, len(course.path))]
     requirements += [
-        [tuple(Moment(phase, False, c) for c in zone.constraints()) for zone in again]
+        [tuple(PhaseConstraint(phase, False, c) for c in zone.constraints()) for zone in again]
         for phase in (start, len(course.path))
     ]
     durations = earliest(course.phases, requirements)
@@ -167,4 +171,4 @@ def _recurrent(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation)
 
 
 def _no_delay(model: PreparedNetwork, phase: int) -> Requirement:
-    return [(Moment(phase, True, (model.dimension, 0, LESS_EQUAL_ZERO)),)]
+    return [(PhaseConstraint(phase, True, (model.dimension, 0, LESS_EQUAL_ZERO)),)]

@@ -27,7 +27,7 @@ from tachk.model.run import Transition
 
 
 @dataclass(frozen=True, slots=True)
-class Measurement:
+class ExtremeMeasurement:
     """The extreme value of one measure among the states of a search.
 
     Attributes:
@@ -50,7 +50,7 @@ def measure(
     options: Options = Options(),
     limits: Limits = Limits(),
     progress: Progress | None = None,
-) -> tuple[Outcome, tuple[Measurement | None, ...]]:
+) -> tuple[Outcome, tuple[ExtremeMeasurement | None, ...]]:
     """Explores everything, unless all of some goals are reached or a limit is hit, and measures all states.
 
     A measurement is None where no state was measured. That of a clock tells of the abstraction of the zones beyond its
@@ -69,10 +69,10 @@ def measure(
     return outcome, tuple(_measurement(program, explorer, number) for number in range(len(measures)))
 
 
-def _measurement(program: Program, explorer: _core.Explorer, number: int) -> Measurement | None:
+def _measurement(program: Program, explorer: _core.Explorer, number: int) -> ExtremeMeasurement | None:
     found = explorer.extreme(number)
     if found is None:
         return None
     value, strict, node = found
     actions = explorer.path(node)
-    return Measurement(value, strict, transitions_of(program, actions), actions)
+    return ExtremeMeasurement(value, strict, transitions_of(program, actions), actions)

@@ -11,7 +11,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from tachk.engine.exact.schedule import Moment, Phase, Requirement
+from tachk.engine.exact.schedule import PhaseConstraint, Requirement, SchedulePhase
 from tachk.meaning.dbm import INFINITY, bound_value, is_strict
 from tachk.meaning.repetition import Sight
 
@@ -23,7 +23,7 @@ MILLISECONDS = 2000
 
 
 def repeating(
-    phases: Sequence[Phase], requirements: Sequence[Requirement], start: int, sight: Sight, takes_time: bool
+    phases: Sequence[SchedulePhase], requirements: Sequence[Requirement], start: int, sight: Sight, takes_time: bool
 ) -> list[Fraction] | None:
     """The durations of the phases of a run that can go on from the beginning of the last phase as it went on from that
     of phase ``start``; None if none was found.
@@ -38,7 +38,7 @@ def repeating(
 
 
 def _solve(
-    phases: Sequence[Phase],
+    phases: Sequence[SchedulePhase],
     requirements: Sequence[Requirement],
     start: int,
     sight: Sight,
@@ -64,7 +64,7 @@ def _solve(
             passed -= moments[k + 1] - moments[k]
         return passed + start_value * unit
 
-    def formula(moment: Moment) -> z3.BoolRef:
+    def formula(moment: PhaseConstraint) -> z3.BoolRef:
         i, j, raw = moment.constraint
         if raw >= INFINITY:
             return z3.BoolVal(True)

@@ -146,7 +146,7 @@ def _ran(
 
     status, reason = _core.Status.STATE_LIMIT, ""
     if attempts.are_made(options, limits):
-        stretch = attempts.Stretch(explorer, stored=attempts.STORED)
+        stretch = attempts.BudgetedSearch(explorer, stored=attempts.STORED)
         status, reason = run_in_slices(stretch, start, limits, progress)
         others = (attempts.in_one_order, attempts.depth_first) if status is _core.Status.STATE_LIMIT else ()
         reason = "" if others else reason

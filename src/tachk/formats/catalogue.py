@@ -69,7 +69,7 @@ def _munta(model: LoadedModel, writing: Writing) -> Exported:
     return Exported(to_muntax(model.network, model.queries))
 
 
-class _Row(NamedTuple):
+class _FormatRow(NamedTuple):
     """The ending of the files of a format, and what writes one."""
 
     suffix: str
@@ -77,13 +77,13 @@ class _Row(NamedTuple):
 
 
 _FORMATS = {
-    ExportFormat.XTA: _Row(".xta", _xta),
-    ExportFormat.XML: _Row(".xml", _xml),
-    ExportFormat.QUERIES: _Row(".q", _queries),
-    ExportFormat.TCHECKER: _Row(".tck", _tchecker),
-    ExportFormat.DOT: _Row(".dot", _dot),
-    ExportFormat.JSON: _Row(".json", _json),
-    ExportFormat.MUNTA: _Row(".muntax", _munta),
+    ExportFormat.XTA: _FormatRow(".xta", _xta),
+    ExportFormat.XML: _FormatRow(".xml", _xml),
+    ExportFormat.QUERIES: _FormatRow(".q", _queries),
+    ExportFormat.TCHECKER: _FormatRow(".tck", _tchecker),
+    ExportFormat.DOT: _FormatRow(".dot", _dot),
+    ExportFormat.JSON: _FormatRow(".json", _json),
+    ExportFormat.MUNTA: _FormatRow(".muntax", _munta),
 }
 
 SUFFIXES = tuple(row.suffix for row in _FORMATS.values())

@@ -33,7 +33,7 @@ from tachk.syntax.rewrite import fresh_name, names_in
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class ModelDifference:
     """Attributes:
     where: the part of the model: ``"declarations"``, ``"template Train"``, ``"system"``, ``"properties"``.
     what: what changed: ``"location Safe"``, ``"edge A -> B"``.
@@ -46,9 +46,9 @@ class Change:
     after: str | None
 
 
-def difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
+def difference(before: PlainModel, after: PlainModel) -> tuple[ModelDifference, ...]:
     """What changed from one model to the other, in the order of the models."""
-    changes: list[Change] = []
+    changes: list[ModelDifference] = []
     _compare("declarations", _declarations(before.declarations), _declarations(after.declarations), changes)
     old = {template.name.name: template for template in before.templates}
     new = {template.name.name: template for template in after.templates}
@@ -57,7 +57,9 @@ def difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
         if name not in new or name not in old:
             count = len((old.get(name) or new[name]).locations)
             text = f"{count} location{'' if count == 1 else 's'}"
-            changes.append(Change(where, "the template", text if name in old else None, text if name in new else None))
+            changes.append(
+                ModelDifference(where, "the template", text if name in old else None, text if name in new else None)
+            )
         else:
             _compare_templates(where, old[name], new[name], changes)
     _compare("system", _system(before), _system(after), changes)
@@ -67,14 +69,14 @@ def difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
     return tuple(changes)
 
 
-def least_difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
+def least_difference(before: PlainModel, after: PlainModel) -> tuple[ModelDifference, ...]:
     """`difference`, where a name that was replaced for some version of UPPAAL may be the same name."""
     changes = difference(before, after)
     repaired = difference(with_repaired_names(before), with_repaired_names(after))
     return repaired if len(repaired) < len(changes) else changes
 
 
-def print_difference(changes: Sequence[Change]) -> str:
+def print_difference(changes: Sequence[ModelDifference]) -> str:
     """One heading for each part of the model, one or two lines for each change."""
     lines: list[str] = []
     heading = ""
@@ -101,15 +103,15 @@ def _joined(what: str, text: str | None) -> str:
 # ---- parts ----------------------------------------------------------------------------------------------------------
 
 
-def _compare(where: str, before: Mapping[str, str], after: Mapping[str, str], changes: list[Change]) -> None:
+def _compare(where: str, before: Mapping[str, str], after: Mapping[str, str], changes: list[ModelDifference]) -> None:
     for name in dict.fromkeys((*before, *after)):
         old, new = before.get(name), after.get(name)
         if old != new:
-            changes.append(Change(where, name, old, new))
+            changes.append(ModelDifference(where, name, old, new))
 
 
 def _compare_many(
-    where: str, before: Iterable[tuple[str, str]], after: Iterable[tuple[str, str]], changes: list[Change]
+    where: str, before: Iterable[tuple[str, str]], after: Iterable[tuple[str, str]], changes: list[ModelDifference]
 ) -> None:
     """Compares things that may occur several times; one that went and one that came of the same name are a change."""
     old, new = Counter(before), Counter(after)
@@ -118,11 +120,11 @@ def _compare_many(
         partner = next((item for item in come if item[0] == what), None)
         if partner is not None:
             come.remove(partner)
-        changes.append(Change(where, what, text, None if partner is None else partner[1]))
-    changes += [Change(where, what, None, text) for what, text in come]
+        changes.append(ModelDifference(where, what, text, None if partner is None else partner[1]))
+    changes += [ModelDifference(where, what, None, text) for what, text in come]
 
 
-def _compare_templates(where: str, before: ast.Template, after: ast.Template, changes: list[Change]) -> None:
+def _compare_templates(where: str, before: ast.Template, after: ast.Template, changes: list[ModelDifference]) -> None:
     before, after = _with_named_choices(before), _with_named_choices(after)
     _compare(where, _head(before), _head(after), changes)
     _compare(where, _declarations(before.declarations), _declarations(after.declarations), changes)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from tachk.base.records import dataclass
 
 if TYPE_CHECKING:
-    from tachk.formats.plain.plain_model import Step
+    from tachk.formats.plain.plain_model import PlainRewriting
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,4 +35,4 @@ class Exported:
 
     text: str
     queries: str = ""
-    steps: tuple[Step, ...] = ()
+    steps: tuple[PlainRewriting, ...] = ()

@@ -7,10 +7,10 @@ from dataclasses import field
 
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.open_constants import OpenConstants
 from tachk.model.cell_layout import CellLayout, cell_bounds
-from tachk.model.evaluate import Cells, Environment, Place, evaluate_cells
+from tachk.model.evaluate import Environment, Place, StoredCells, evaluate_cells
 from tachk.model.expressions import (
     Assign,
     Call,
@@ -75,7 +75,7 @@ class Context:
     hybrid_clocks: the names of plain clocks that are taken for hybrid ones, where `keeps_doubles`.
     """
 
-    findings: Findings
+    findings: DiagnosticCollector
     constants: set[Variable] = field(default_factory=set)
     effects: dict[Function, Effects] = field(default_factory=dict)
     in_query: bool = False
@@ -191,7 +191,7 @@ class Context:
         self.open_constants.note(touched.reads, expression.span)
         for variable in touched.reads & self.constants:
             ranges = [cell_bounds(leaf) for _, leaf in leaves(variable.type)]
-            environment.frame[variable] = Place(Cells(list(variable.initial), ranges), 0)
+            environment.frame[variable] = Place(StoredCells(list(variable.initial), ranges), 0)
         try:
             return evaluate_cells(expression, environment)
         except EvaluationFault as fault:

@@ -9,7 +9,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, Label, Severity, by_pl
 from tachk.base.span import Span
 
 
-class Findings:
+class DiagnosticCollector:
     """Collects diagnostics. One place of the text gets each code at most once, however often it is elaborated
     (a template is, once for each of its instances)."""
 

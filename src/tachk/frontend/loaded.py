@@ -11,7 +11,7 @@ from tachk.base.records import dataclass
 from tachk.base.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.hybrid_clocks import hybrid_clocks
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.overrides import constant_overrides
@@ -98,7 +98,7 @@ def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
     if loaded.refusals:
         return
     for reading in other_readings(loaded.items):
-        context = Context(Findings(), budget=Budget(INSTANCES))
+        context = Context(DiagnosticCollector(), budget=Budget(INSTANCES))
         result = elaborate_each_property(reading.items, loaded.document.span, loaded.overrides, context)
         yield (
             reading.place,
@@ -130,7 +130,7 @@ def with_constants(
         InputError: the model is wrong with these values.
         UsageError: there is no such constant.
     """
-    findings = Findings()
+    findings = DiagnosticCollector()
     given = constant_overrides(values, loaded.items, findings)
     items = [
         replace(item, expectation=None) if isinstance(item, ast.PropertyDeclaration) else item
@@ -161,7 +161,7 @@ def with_hybrid_clocks(loaded: LoadedModel, names: Collection[str]) -> LoadedMod
 
     Raises InputError where the model is wrong then.
     """
-    findings = Findings()
+    findings = DiagnosticCollector()
     hybrid = hybrid_clocks(loaded.items, names)
     context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=True, hybrid_clocks=hybrid)
     result = elaborate_each_property(loaded.items, loaded.document.span, loaded.overrides, context)
@@ -183,7 +183,7 @@ def temporal_formula_of(loaded: LoadedModel, node: ast.TemporalFormula) -> Formu
     """What a temporal property of the model says, bounds in its time units; None where it is wrong."""
     from tachk.frontend.queries.observer_processes import temporal_formula
 
-    return temporal_formula(node, loaded.scope, replace(loaded.context, findings=Findings(), in_query=True))
+    return temporal_formula(node, loaded.scope, replace(loaded.context, findings=DiagnosticCollector(), in_query=True))
 
 
 def elaborate_query_file(
@@ -196,6 +196,6 @@ def elaborate_query_file(
         first: the number of the first query.
     """
     known = loaded.context
-    own = replace(known, findings=Findings(), in_query=False, scalar_sets=0, budget=Budget(INSTANCES))
+    own = replace(known, findings=DiagnosticCollector(), in_query=False, scalar_sets=0, budget=Budget(INSTANCES))
     queries, unchecked = elaborate_entries(parse_each_query(source), loaded.scope, own, first)
     return queries, explained(unchecked, loaded.refusals)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tachk.frontend.context import Context
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import LocationSymbol, ProcessSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Reference, Variable
@@ -31,4 +31,4 @@ def made_model(network: Network, document: ast.Document) -> LoadedModel:
     Args:
         document: how the network would be written; empty where it cannot be.
     """
-    return LoadedModel(network, (), (), (), document, document.items, scope_of(network), Context(Findings()))
+    return LoadedModel(network, (), (), (), document, document.items, scope_of(network), Context(DiagnosticCollector()))

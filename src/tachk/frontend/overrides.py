@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from tachk.base.diagnostics.diagnostic import Severity, UsageError
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.span import Source
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression
 
@@ -16,7 +16,7 @@ _BOOLEAN_WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false", "t
 
 
 def constant_overrides(
-    constants: Mapping[str, int | bool | str], items: Iterable[ast.Item], findings: Findings
+    constants: Mapping[str, int | bool | str], items: Iterable[ast.Item], findings: DiagnosticCollector
 ) -> dict[str, ast.Expression]:
     """The new values of global constants. Raises UsageError for a name that is none."""
     known, variables = _declared_names(items)

@@ -20,7 +20,7 @@ FIRST = "below all others"
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class PriorityInterpretation:
     """Attributes:
     place: where it has `default`, in words.
     items: of the model, with `default` in that place.
@@ -30,7 +30,7 @@ class Reading:
     items: tuple[ast.Item, ...]
 
 
-def other_readings(items: Sequence[ast.Item]) -> Iterator[Reading]:
+def other_readings(items: Sequence[ast.Item]) -> Iterator[PriorityInterpretation]:
     """All readings but `FIRST`, from the lowest place to the highest; none where the declaration says its own."""
     nodes = [item for item in items if isinstance(item, ast.ChannelPriorityDeclaration)]
     if len(nodes) != 1 or says_default(nodes[0]):
@@ -38,7 +38,7 @@ def other_readings(items: Sequence[ast.Item]) -> Iterator[Reading]:
     node = nodes[0]
     for place, groups in _places(node.groups, ast.NameExpression(Span(node.span.source, *_end(node)), "default")):
         placed = replace(node, groups=groups)
-        yield Reading(place, tuple(placed if item is node else item for item in items))
+        yield PriorityInterpretation(place, tuple(placed if item is node else item for item in items))
 
 
 def says_default(node: ast.ChannelPriorityDeclaration) -> bool:

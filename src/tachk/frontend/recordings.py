@@ -29,7 +29,7 @@ def elaborate_recording(
     for other in found[1:]:
         label = Label(found[0].span, "the first one")
         context.findings.add("E0450", other.span, "a second `recording`", "join the two", (label,))
-    return _Reader(processes, scope, context).recording(found[0])
+    return _RecordingClauseReader(processes, scope, context).recording(found[0])
 
 
 def channels_of(items: Iterable[ast.Item]) -> frozenset[str]:
@@ -53,7 +53,7 @@ def _name(channel: ast.Expression) -> str:
     return channel.name if isinstance(channel, ast.NameExpression) else ""
 
 
-class _Reader:
+class _RecordingClauseReader:
     def __init__(self, processes: Sequence[Process], scope: Scope, context: Context) -> None:
         self.processes = processes
         self.scope = scope

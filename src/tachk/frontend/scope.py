@@ -9,7 +9,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.records import dataclass
 from tachk.base.span import NOWHERE, Span
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.model.expressions import Constant, Expression, Function, Reference
 from tachk.model.types import Type
 from tachk.syntax import ast
@@ -161,7 +161,7 @@ class Scope:
             scope = scope.parent
         return None
 
-    def declare(self, name: ast.Identifier, symbol: Symbol, findings: Findings) -> None:
+    def declare(self, name: ast.Identifier, symbol: Symbol, findings: DiagnosticCollector) -> None:
         """Adds a name; a second declaration at the same level is a finding, and the first one stays."""
         first = self.symbols.get(name.name)
         if first is None:

@@ -29,7 +29,7 @@ from tachk.syntax.formula import (
     Or,
     Rise,
     Since,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
 )
@@ -47,7 +47,7 @@ def bound_directions(formula: Formula, easier: Easier = True) -> Directions:
         easier: whether the formula is true more often where a part is; False below a negation.
     """
     match formula:
-        case Truth() | Atom() | Change():
+        case TruthConstant() | Atom() | Change():
             return
         case Not(operand=operand):
             yield from bound_directions(operand, _turned(easier))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tachk.base.span import Span
-from tachk.syntax.formula import And, Formula, Implies, Not, Or, Truth
+from tachk.syntax.formula import And, Formula, Implies, Not, Or, TruthConstant
 
 
 def negation(formula: Formula) -> Formula:
@@ -11,8 +11,8 @@ def negation(formula: Formula) -> Formula:
     match formula:
         case Not(operand=operand):
             return operand
-        case Truth(value=value):
-            return Truth(formula.span, not value)
+        case TruthConstant(value=value):
+            return TruthConstant(formula.span, not value)
         case _:
             return Not(formula.span, formula)
 
@@ -23,8 +23,8 @@ def conjuncts(formula: Formula) -> tuple[Formula, ...]:
 
 def both(span: Span, left: Formula, right: Formula) -> Formula:
     """A conjunction that is flat and without parts that are always true."""
-    parts = tuple(p for formula in (left, right) for p in conjuncts(formula) if p != Truth(p.span, True))
-    return And(span, parts) if len(parts) > 1 else parts[0] if parts else Truth(span, True)
+    parts = tuple(p for formula in (left, right) for p in conjuncts(formula) if p != TruthConstant(p.span, True))
+    return And(span, parts) if len(parts) > 1 else parts[0] if parts else TruthConstant(span, True)
 
 
 def either(span: Span, left: Formula, right: Formula) -> Formula:
@@ -34,4 +34,4 @@ def either(span: Span, left: Formula, right: Formula) -> Formula:
 
 def implies(span: Span, left: Formula, right: Formula) -> Formula:
     """An implication, or only the right side where the left one is always true."""
-    return right if left == Truth(span, True) else Implies(span, left, right)
+    return right if left == TruthConstant(span, True) else Implies(span, left, right)

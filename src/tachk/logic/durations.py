@@ -32,7 +32,7 @@ def resolve(
         InputError: with all that is wrong: a unit that cannot be converted, a negative bound, an upper bound below the
             lower one, what ``evaluate`` reports.
     """
-    resolver = _Resolver(evaluate, unit, remedy)
+    resolver = _DurationResolver(evaluate, unit, remedy)
     result = rewrite(formula, resolver.change)
     if resolver.found:
         raise InputError(sorted(resolver.found, key=lambda diagnostic: diagnostic.span.start))
@@ -52,7 +52,7 @@ def scaled(formula: Formula, factor: Fraction) -> Formula:
     return formula if factor == 1 else rewrite(formula, change)
 
 
-class _Resolver:
+class _DurationResolver:
     """Changes durations innermost first, then looks at the intervals that they make."""
 
     def __init__(self, evaluate: Evaluate, unit: str, remedy: str) -> None:

@@ -31,7 +31,7 @@ from tachk.syntax.formula import (
     Or,
     Rise,
     Since,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
     operands,
@@ -69,7 +69,7 @@ def outside_fragment(formula: Formula) -> Offence | None:
 
 def _offences(formula: Formula, top: bool = False) -> Iterator[Offence]:
     match formula:
-        case Truth() | Atom() | Change():
+        case TruthConstant() | Atom() | Change():
             return
         case And(operands=parts) if top:
             for part in parts:

@@ -21,7 +21,7 @@ from tachk.syntax.formula import (
     Or,
     Rise,
     Since,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
     operands,
@@ -48,7 +48,7 @@ def horizon(formula: Formula) -> Fraction | None:
             return None if upper is None else upper + ahead
         case Once(interval=interval) | Historically(interval=interval):
             return max(Fraction(0), ahead - _number(interval.lower))
-        case Truth() | Atom() | Not() | And() | Or() | Implies() | Rise() | Fall() | Change() | Since():
+        case TruthConstant() | Atom() | Not() | And() | Or() | Implies() | Rise() | Fall() | Change() | Since():
             return ahead
 
 

@@ -33,7 +33,7 @@ from tachk.syntax.formula import (
     Not,
     Once,
     Rise,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
 )
@@ -62,7 +62,7 @@ class _Meaning:
                 return self.existence(response)
             case s.MustRecur():
                 return self.recurrence(response)
-            case s.MustHaveBeen(within=None) if isinstance(self.sentence.scope, s.Between | s.AfterUntil):
+            case s.MustHaveBeen(within=None) if isinstance(self.sentence.scope, s.BetweenScope | s.AfterUntil):
                 return self.precedence(response, self.sentence.scope)
             case (
                 s.MustBeTrue() | s.MustStay() | s.MustStayUntil() | s.MustStayOn() | s.MustNotOccur() | s.MustHaveBeen()
@@ -80,11 +80,11 @@ class _Meaning:
                 return self.always(implies(span, instant, demand))
             case s.After(start=start):
                 return self.always(implies(span, both(span, self.once(start), instant), demand))
-            case s.While(condition=condition):
+            case s.WhileScope(condition=condition):
                 return self.always(implies(span, both(span, condition, instant), demand))
-            case s.Before(end=end):
+            case s.BeforeScope(end=end):
                 return self.before(end, implies(span, instant, demand))
-            case s.Between(start=start, end=end):
+            case s.BetweenScope(start=start, end=end):
                 return self.between(start, end, implies(span, instant, demand))
             case s.AfterUntil(start=start, end=end):
                 return self.after_until(start, end, implies(span, instant, demand))
@@ -105,18 +105,18 @@ class _Meaning:
                 return Implies(span, entered, Eventually(span, interval, both(span, start, found)))
             case s.After(start=start):
                 return self.always(implies(span, self.first(start), found))
-            case s.While(condition=condition):
+            case s.WhileScope(condition=condition):
                 inside = both(span, condition, wanted)
                 return self.always(Implies(span, Rise(span, condition), Until(span, interval, condition, inside)))
-            case s.Before(end=end) if response.within is None:
+            case s.BeforeScope(end=end) if response.within is None:
                 return WeakUntil(span, negation(end), both(span, wanted, negation(end)))
-            case s.Before(end=end):
+            case s.BeforeScope(end=end):
                 return implies(span, Eventually(span, self.unbounded(), end), self.eventually(interval, wanted))
-            case s.Between(start=start, end=end) if response.within is None:
+            case s.BetweenScope(start=start, end=end) if response.within is None:
                 opened = self.opened(start, end, bounded=False)
                 before = WeakUntil(span, negation(end), both(span, wanted, negation(end)))
                 return self.always(Implies(span, opened, before))
-            case s.Between(start=start, end=end):
+            case s.BetweenScope(start=start, end=end):
                 opened = self.opened(start, end, bounded=True)
                 return self.always(Implies(span, opened, self.eventually(interval, wanted)))
             case s.AfterUntil(start=start, end=end):
@@ -138,23 +138,23 @@ class _Meaning:
                 return self.always(found)
             case s.After(start=start):
                 return self.always(implies(span, self.once(start), found))
-            case s.While(condition=condition):
+            case s.WhileScope(condition=condition):
                 return self.always(implies(span, condition, again(negation(condition))))
-            case s.Before(end=end):
+            case s.BeforeScope(end=end):
                 return self.before(end, again(end))
-            case s.Between(start=start, end=end):
+            case s.BetweenScope(start=start, end=end):
                 return self.between(start, end, again(end))
             case s.AfterUntil(start=start, end=end):
                 return self.after_until(start, end, again(end))
             case scope:
                 assert_never(scope)
 
-    def precedence(self, response: s.MustHaveBeen, scope: s.Between | s.AfterUntil) -> Formula:
+    def precedence(self, response: s.MustHaveBeen, scope: s.BetweenScope | s.AfterUntil) -> Formula:
         """Looking back no further than to the start of the interval: not the trigger before the response or the end."""
         span = self.span
         absent = negation(self.instant(self.sentence.trigger))
         reached = either(span, response.condition, scope.end)
-        opened = self.opened(scope.start, scope.end, bounded=isinstance(scope, s.Between))
+        opened = self.opened(scope.start, scope.end, bounded=isinstance(scope, s.BetweenScope))
         return self.always(Implies(span, opened, WeakUntil(span, absent, reached)))
 
     # ---- scopes ----
@@ -181,9 +181,9 @@ class _Meaning:
     def end(self) -> Formula | None:
         """The condition that ends the scope."""
         match self.sentence.scope:
-            case s.Before(end=end) | s.Between(end=end) | s.AfterUntil(end=end):
+            case s.BeforeScope(end=end) | s.BetweenScope(end=end) | s.AfterUntil(end=end):
                 return end
-            case s.Globally() | s.After() | s.While():
+            case s.Globally() | s.After() | s.WhileScope():
                 return None
 
     # ---- triggers ----
@@ -192,15 +192,15 @@ class _Meaning:
         """True at the instants that are recognised; the delay is counted from there or from `shift` later."""
         span = self.span
         match trigger:
-            case s.Always() | s.Initially():
-                return Truth(span, True)
+            case s.AtEveryInstant() | s.Initially():
+                return TruthConstant(span, True)
             case s.Whenever(condition=condition):
                 return condition
-            case s.Changes(expression=expression):
+            case s.ChangeInstants(expression=expression):
                 return Change(span, expression)
             case s.Becomes(condition=condition, lasting=None):
                 return Rise(span, condition)
-            case s.Becomes(condition=condition, lasting=lasting, reference=s.Reference.FALL):
+            case s.Becomes(condition=condition, lasting=lasting, reference=s.DelayReference.FALL):
                 return self.ended(condition, lasting)
             case s.Becomes(condition=condition, lasting=lasting):
                 assert lasting is not None
@@ -226,13 +226,13 @@ class _Meaning:
     def shift(self) -> Duration | None:
         """How long after the beginning of the run the delay begins."""
         match self.sentence.trigger:
-            case s.Becomes(lasting=s.AtLeast(duration=duration), reference=s.Reference.MINIMUM):
+            case s.Becomes(lasting=s.AtLeast(duration=duration), reference=s.DelayReference.MINIMUM):
                 return duration
-            case s.Becomes(lasting=s.AtMost(duration=duration), reference=s.Reference.MAXIMUM):
+            case s.Becomes(lasting=s.AtMost(duration=duration), reference=s.DelayReference.MAXIMUM):
                 return duration
-            case s.Becomes(lasting=s.FromTo(lower=duration), reference=s.Reference.MINIMUM):
+            case s.Becomes(lasting=s.FromTo(lower=duration), reference=s.DelayReference.MINIMUM):
                 return duration
-            case s.Becomes(lasting=s.FromTo(upper=duration), reference=s.Reference.MAXIMUM):
+            case s.Becomes(lasting=s.FromTo(upper=duration), reference=s.DelayReference.MAXIMUM):
                 return duration
             case _:
                 return None
@@ -256,12 +256,12 @@ class _Meaning:
                 return response
             case s.Within(duration=duration):
                 return self.eventually(self.up_to(duration), response)
-            case s.Window(lower=lower, upper=upper):
+            case s.SentenceWindow(lower=lower, upper=upper):
                 first = zero(lower) if lower.value == 0 else lower
                 return self.eventually(Interval(self.span, first, upper), response)
             case s.Exactly(duration=duration):
                 return self.eventually(Interval(self.span, duration, duration), response)
-            case s.Eventually():
+            case s.AtSomeInstant():
                 return self.eventually(self.unbounded(), response)
             case delay:
                 assert_never(delay)
@@ -309,7 +309,7 @@ class _Meaning:
         return (
             isinstance(trigger, s.Whenever | s.Becomes)
             and trigger.condition == condition
-            and (not isinstance(trigger, s.Becomes) or trigger.reference is s.Reference.RISE)
+            and (not isinstance(trigger, s.Becomes) or trigger.reference is s.DelayReference.RISE)
             and isinstance(self.sentence.delay, s.NoDelay)
         )
 

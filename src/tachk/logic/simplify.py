@@ -43,7 +43,7 @@ from tachk.syntax.formula import (
     Or,
     Rise,
     Since,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
     all_time,
@@ -61,8 +61,8 @@ def simplify(formula: Formula) -> Formula:
 
 def _simpler(node: Any) -> Any:
     match node:
-        case Not(operand=Truth(value=value)):
-            return Truth(node.span, not value)
+        case Not(operand=TruthConstant(value=value)):
+            return TruthConstant(node.span, not value)
         case Not(operand=Not(operand=operand)):
             return operand
         case And(span=span, operands=operands):
@@ -71,8 +71,8 @@ def _simpler(node: Any) -> Any:
             return _joined(span, operands, Or, And, neutral=False)
         case Implies():
             return _implication(node)
-        case Rise(operand=Truth(value=False)) | Fall(operand=Truth()):
-            return Truth(node.span, False)
+        case Rise(operand=TruthConstant(value=False)) | Fall(operand=TruthConstant()):
+            return TruthConstant(node.span, False)
         case Eventually() | Always() | Once() | Historically():
             return _windowed(node)
         case Until() | Since():
@@ -93,24 +93,24 @@ def _joined(
     parts: dict[Formula, None] = {}
     for operand in operands:
         for part in operand.operands if isinstance(operand, kind) else (operand,):
-            if isinstance(part, Truth):
+            if isinstance(part, TruthConstant):
                 if part.value is not neutral:
-                    return Truth(span, not neutral)
+                    return TruthConstant(span, not neutral)
             else:
                 parts[part] = None
     kept = [part for part in parts if not (isinstance(part, dual) and any(inner in parts for inner in part.operands))]
     if not kept:
-        return Truth(span, neutral)
+        return TruthConstant(span, neutral)
     return kept[0] if len(kept) == 1 else kind(span, tuple(kept))
 
 
 def _implication(node: Implies) -> Formula:
     match node.left, node.right:
-        case Truth(value=True), right:
+        case TruthConstant(value=True), right:
             return right
-        case (Truth(value=False), _) | (_, Truth(value=True)):
-            return Truth(node.span, True)
-        case left, Truth(value=False):
+        case (TruthConstant(value=False), _) | (_, TruthConstant(value=True)):
+            return TruthConstant(node.span, True)
+        case left, TruthConstant(value=False):
             negated: Formula = _simpler(Not(node.span, left))
             return negated
         case _:
@@ -121,11 +121,11 @@ def _windowed(node: _Window) -> Formula:
     interval, operand = node.interval, node.operand
     empty_value = isinstance(node, Always | Historically)
     if is_empty(interval):
-        return Truth(node.span, empty_value)
+        return TruthConstant(node.span, empty_value)
     if is_now(interval):
         return operand
-    if isinstance(operand, Truth) and (operand.value is empty_value or _never_empty(node, interval)):
-        return Truth(node.span, operand.value)
+    if isinstance(operand, TruthConstant) and (operand.value is empty_value or _never_empty(node, interval)):
+        return TruthConstant(node.span, operand.value)
     if type(operand) is type(node):
         both = _sum(interval, operand.interval, past=isinstance(node, _PAST))
         if both is not None:
@@ -136,27 +136,27 @@ def _windowed(node: _Window) -> Formula:
 def _until(node: Until | Since) -> Formula:
     span, interval, left, right = node.span, node.interval, node.left, node.right
     window = Eventually if isinstance(node, Until) else Once
-    if is_empty(interval) or right == Truth(span, False):
-        return Truth(span, False)
+    if is_empty(interval) or right == TruthConstant(span, False):
+        return TruthConstant(span, False)
     if is_now(interval):
         return right
-    if left == Truth(span, True):
+    if left == TruthConstant(span, True):
         return _windowed(window(span, interval, right))
     now = _includes_now(interval)
-    if now and (right == Truth(span, True) or left == right):
+    if now and (right == TruthConstant(span, True) or left == right):
         return right
-    if left == Truth(span, False) and now is not None:
-        return right if now else Truth(span, False)
+    if left == TruthConstant(span, False) and now is not None:
+        return right if now else TruthConstant(span, False)
     return node
 
 
 def _weak_until(node: WeakUntil) -> Formula:
     span, left, right = node.span, node.left, node.right
-    if Truth(span, True) in (left, right):
-        return Truth(span, True)
-    if right == Truth(span, False):
+    if TruthConstant(span, True) in (left, right):
+        return TruthConstant(span, True)
+    if right == TruthConstant(span, False):
         return _windowed(Always(span, all_time(span), left))
-    if left == Truth(span, False) or left == right:
+    if left == TruthConstant(span, False) or left == right:
         return right
     return node
 

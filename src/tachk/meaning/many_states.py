@@ -54,7 +54,7 @@ NEVER: Conjunction = ((0, 0, 0),)
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class MoveOfManyStates:
     """A transition from some discrete states, or a run-time error in it.
 
     Attributes:
@@ -101,7 +101,7 @@ class ManyStates:
         self._hearing: dict[int, list[tuple[int, list[tuple[int, list[Participant]]]]]] = {}
         self._guards: dict[Participant, Memory[Offer]] = {}
         self._effects: dict[Participant, Memory[Effect]] = {}
-        self.moves: list[Move] = []
+        self.moves: list[MoveOfManyStates] = []
         self.invalid: list[int] = []
         self.states: States = np.zeros((0, len(ranges)), self._type)
         self._admitted = np.zeros((0, self.processes), bool)  # which processes the committed rule lets go
@@ -254,7 +254,7 @@ class ManyStates:
                 for participant in participants:
                     targets[:, participant.process] = self.model.edge(participant).target
                 order, numbers = np.argsort(some), self.numbers(targets)
-                move = Move(
+                move = MoveOfManyStates(
                     some[order], numbers[order], Transition(participants), guard, resets, (priority, of_process)
                 )
                 self.moves.append(move)
@@ -266,7 +266,7 @@ class ManyStates:
             self.invalid += rows.tolist()
 
     def _note(self, rows: Numbers, asked: Disjunction, transition: Transition, fault: EvaluationFault) -> None:
-        self.moves.append(Move(np.sort(rows), rows[:0], transition, asked, fault=fault))
+        self.moves.append(MoveOfManyStates(np.sort(rows), rows[:0], transition, asked, fault=fault))
 
     def _joint(self, rows: Numbers) -> Iterator[Joint]:
         for here, participant in self._initiators(rows):

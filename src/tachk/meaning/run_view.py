@@ -47,7 +47,7 @@ class Snapshot:
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class ProcessMove:
     """What one process does in a transition.
 
     Attributes:
@@ -74,7 +74,7 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class TransitionView:
     """A transition.
 
     Attributes:
@@ -84,7 +84,7 @@ class Event:
     """
 
     channel: str
-    moves: tuple[Move, ...]
+    moves: tuple[ProcessMove, ...]
     carried: tuple[tuple[str, int], ...] = ()
 
 
@@ -93,7 +93,7 @@ class ViewStep:
     """First ``delay`` passes, then ``event`` happens (None: the run ends after the delay); ``state`` is after it."""
 
     delay: Fraction | None
-    event: Event | None
+    event: TransitionView | None
     state: Snapshot
 
 
@@ -130,14 +130,14 @@ class TraceView:
         )
 
 
-def _shown_event(event: Event) -> Event:
+def _shown_event(event: TransitionView) -> TransitionView:
     shown = tuple(move for move in event.moves if not move.hidden or move.news)
     return replace(event, moves=shown or event.moves)
 
 
 def view_trace(network: Network, trace: TimedTrace) -> TraceView:
     """The view of a timed trace of the network."""
-    names = Names(network)
+    names = RunNames(network)
     steps = []
     before = trace.initial.discrete
     for step in trace.steps:
@@ -150,7 +150,7 @@ def view_trace(network: Network, trace: TimedTrace) -> TraceView:
 
 def view_path(network: Network, path: Sequence[Transition]) -> TraceView:
     """The view of a path that is known without times: locations and variables follow from the updates."""
-    names = Names(network)
+    names = RunNames(network)
     state = initial_discrete(names.model)
     initial = names.snapshot(state)
     steps = []
@@ -161,16 +161,16 @@ def view_path(network: Network, path: Sequence[Transition]) -> TraceView:
     return names.view(initial, steps)
 
 
-def view_event(network: Network, path: Sequence[Transition], transition: Transition) -> Event:
+def view_event(network: Network, path: Sequence[Transition], transition: Transition) -> TransitionView:
     """The view of a transition that is tried after a path."""
-    names = Names(network)
+    names = RunNames(network)
     state = initial_discrete(names.model)
     for fired in path:
         state, _ = execute_updates(names.model, state, fired)
     return names.event(state, transition)
 
 
-class Names:
+class RunNames:
     """What the numbers of one network stand for."""
 
     def __init__(self, network: Network) -> None:
@@ -226,7 +226,7 @@ class Names:
         clocks = tuple(zip(self._clocks, state.clocks, strict=True))
         return replace(self.snapshot(state.discrete), clocks=clocks, time=state.time)
 
-    def event(self, before: DiscreteState, transition: Transition) -> Event:
+    def event(self, before: DiscreteState, transition: Transition) -> TransitionView:
         first = transition.participants[0]
         synchronisation = self.model.edge(first).synchronisation
         channel = ""
@@ -237,7 +237,7 @@ class Names:
             number = channel_number(synchronisation.channel, scratch)
             channel = self._channel(self.layout.channel_cells[number])
         moves = tuple(self._move(participant) for participant in transition.participants)
-        return Event(channel, moves, self._carried(before, transition) if channel else ())
+        return TransitionView(channel, moves, self._carried(before, transition) if channel else ())
 
     def _carried(self, before: DiscreteState, transition: Transition) -> tuple[tuple[str, int], ...]:
         if not self._metas:
@@ -254,12 +254,12 @@ class Names:
         told = [self._indices.get((name, i), {}).get(int(index), index) for i, index in enumerate(indices)]
         return name + "".join(f"[{index}]" for index in told)
 
-    def _move(self, participant: Participant) -> Move:
+    def _move(self, participant: Participant) -> ProcessMove:
         process = self.network.processes[participant.process]
         edge = process.edges[participant.edge]
         news = edge.doc.startswith("!")
         indexing = {e.variable for _, e in _indices(edge) if isinstance(e, Reference)}
-        return Move(
+        return ProcessMove(
             process.name,
             process.locations[edge.source].name,
             process.locations[edge.target].name,

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from tachk.base.operators import BinaryOperator, Group, UnaryOperator
+from tachk.base.operators import BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.words import Direction
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
@@ -166,7 +166,7 @@ def _binary(operator: BinaryOperator, left: Expression, right: Expression) -> Ex
         return Binary(operator, left, right, left.type)
     if operator is BinaryOperator.ADD and (isinstance(left.type, ClockType) or isinstance(right.type, ClockType)):
         return Binary(operator, left, right, ClockType())
-    return Binary(operator, left, right, INT if operator.group is Group.ARITHMETIC else BOOL)
+    return Binary(operator, left, right, INT if operator.group is OperandGroup.ARITHMETIC else BOOL)
 
 
 def conditional(condition: Operand, then: Operand, otherwise: Operand) -> Term:

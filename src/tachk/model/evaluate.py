@@ -71,7 +71,7 @@ _STEPS_UNWATCHED = 256
 
 
 @dataclass(slots=True)
-class Cells:
+class StoredCells:
     """A piece of storage: values with their ranges."""
 
     values: list[int]
@@ -82,7 +82,7 @@ class Cells:
 class Place:
     """A position in a piece of storage."""
 
-    cells: Cells
+    cells: StoredCells
     offset: int
 
     def read(self, count: int = 1) -> tuple[int, ...]:
@@ -136,15 +136,15 @@ class Environment:
     deadlock: Callable[[], bool] | None = None
     frame: dict[Variable, Place] = field(default_factory=dict)
     steps: int = 0
-    _state: Cells = field(init=False, repr=False)
+    _state: StoredCells = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self._state = Cells(self.values, self.layout.ranges)
+        self._state = StoredCells(self.values, self.layout.ranges)
 
     def bind(self, variable: Variable, value: int) -> None:
         """Gives a select or quantifier variable its value."""
         assert isinstance(variable.type, IntType | BoolType | ScalarType)
-        self.frame[variable] = Place(Cells([value], (bounds(variable.type),)), 0)
+        self.frame[variable] = Place(StoredCells([value], (bounds(variable.type),)), 0)
 
     def place(self, variable: Variable) -> Place:
         """The place of a variable; raises KeyError for one that is not in the environment."""
@@ -294,7 +294,7 @@ def _place(expression: Expression, environment: Environment) -> Place:
             return _place(then if _scalar(condition, environment) else otherwise, environment)
         case _:
             values = _cells(expression, environment)
-            return Place(Cells(list(values), _ranges(expression.type)), 0)
+            return Place(StoredCells(list(values), _ranges(expression.type)), 0)
 
 
 def _ranges(type_: Type) -> tuple[tuple[int, int], ...]:
@@ -332,7 +332,7 @@ def _call(expression: Call, environment: Environment) -> tuple[int, ...]:
         if parameter.reference:
             places.append(_place(argument, environment))
         else:
-            place = Place(Cells(list(default_cells(parameter.type)), _ranges(parameter.type)), 0)
+            place = Place(StoredCells(list(default_cells(parameter.type)), _ranges(parameter.type)), 0)
             place.write(_cells(argument, environment), argument.span)
             places.append(place)
     environment.frame.update(zip(function.parameters, places, strict=True))
@@ -407,7 +407,7 @@ def _run(statement: Statement, result: Type, environment: Environment) -> tuple[
             _cells(expression, environment)
         case Declare(variable, initial):
             cells = default_cells(variable.type)
-            place = Place(Cells(list(cells), _ranges(variable.type)), 0)
+            place = Place(StoredCells(list(cells), _ranges(variable.type)), 0)
             if initial is not None:
                 place.write(_cells(initial, environment), initial.span)
             environment.frame[variable] = place
@@ -442,7 +442,7 @@ def _run(statement: Statement, result: Type, environment: Environment) -> tuple[
             if value is None:
                 return ()
             cells = _cells(value, environment)
-            Place(Cells(list(cells), _ranges(result)), 0).write(cells, value.span)
+            Place(StoredCells(list(cells), _ranges(result)), 0).write(cells, value.span)
             return cells
         case Assert(condition):
             if not _scalar(condition, environment):

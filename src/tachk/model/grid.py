@@ -27,7 +27,7 @@ Values = tuple[int | str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class ParameterAxis:
     """A global constant and the values it takes, each once."""
 
     name: str
@@ -38,14 +38,14 @@ class Axis:
 class Grid:
     """All combinations of the values of some constants."""
 
-    axes: tuple[Axis, ...]
+    axes: tuple[ParameterAxis, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(axis.name for axis in self.axes)
 
     @property
-    def varied(self) -> tuple[Axis, ...]:
+    def varied(self) -> tuple[ParameterAxis, ...]:
         """The axes with more than one value."""
         return tuple(axis for axis in self.axes if len(axis.values) > 1)
 
@@ -94,7 +94,7 @@ def set_by(texts: Iterable[str], option: str = "-D") -> Iterator[tuple[str, str]
         yield from _settings(text, option)
 
 
-def _grid(axes: Sequence[Axis]) -> Grid:
+def _grid(axes: Sequence[ParameterAxis]) -> Grid:
     names = [axis.name for axis in axes]
     for name in names:
         if names.count(name) > 1:
@@ -120,15 +120,15 @@ def _settings(text: str, option: str) -> Iterator[tuple[str, str]]:
         yield name, listed
 
 
-def _axis(name: str, listed: str, where: str) -> Axis:
+def _axis(name: str, listed: str, where: str) -> ParameterAxis:
     values = [value for part in _split(listed) for value in _values(name, part.strip())]
     twice = next((value for value, times in Counter(values).items() if times > 1), None)
     if twice is not None:
         raise UsageError(f"{where}: the value {twice} is given twice")
-    return Axis(name, tuple(values))
+    return ParameterAxis(name, tuple(values))
 
 
-def _axis_of_values(name: str, values: object) -> Axis:
+def _axis_of_values(name: str, values: object) -> ParameterAxis:
     """An axis of what a dictionary has for a name. Truth values become those of the language."""
     if isinstance(values, str):
         return _axis(name, values, f"over: {name}")
@@ -136,7 +136,7 @@ def _axis_of_values(name: str, values: object) -> Axis:
     found = tuple(_value(name, value) for value in listed)
     if not found or len(set(found)) < len(found):
         raise UsageError(f"over: {name} has {'a value twice' if found else 'no values'}")
-    return Axis(name, found)
+    return ParameterAxis(name, found)
 
 
 def _value(name: str, value: object) -> int | str:

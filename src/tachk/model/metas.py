@@ -68,9 +68,9 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
         check_time()
         for location in process.locations:
             rates = [part for pair in location.rates for part in pair]
-            _Search(metas, found).values([e for e in (location.invariant, *rates) if e], _NONE)
+            _LastingMetas(metas, found).values([e for e in (location.invariant, *rates) if e], _NONE)
         for edge in process.edges:
-            search = _Search(metas, found, edge)
+            search = _LastingMetas(metas, found, edge)
             search.values([e for e in (edge.guard, edge.synchronisation and edge.synchronisation.channel) if e], _NONE)
             if edge.begins:
                 written = search.values(edge.updates, _NONE)
@@ -81,7 +81,7 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
             if edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE:
                 before = [sent[channel] for channel in _channels(edge) if channel in sent]
                 if before:
-                    _Search(metas, found, edge).values(edge.updates, frozenset.intersection(*before))
+                    _LastingMetas(metas, found, edge).values(edge.updates, frozenset.intersection(*before))
     return frozenset(found)
 
 
@@ -97,7 +97,7 @@ def _indices(place: Expression) -> tuple[Expression, ...]:
     return (*_indices(place.base), place.index) if isinstance(place, Index) else ()
 
 
-class _Search:
+class _LastingMetas:
     """Runs over the code of an edge in the order of its evaluation, with what is certainly written by then."""
 
     def __init__(self, metas: frozenset[Variable], found: set[Variable], edge: Edge | None = None) -> None:

@@ -43,7 +43,7 @@ class Observer:
 
 
 @dataclass(frozen=True, slots=True)
-class Deadline:
+class QueryDeadline:
     """How soon, in time units; ``strict``: sooner than that."""
 
     bound: int
@@ -76,7 +76,7 @@ class Query:
     span: Span = NOWHERE
     observer: Observer | None = None
     conditional: bool = False
-    deadline: Deadline | None = None
+    deadline: QueryDeadline | None = None
     non_zeno: bool = False
     again: tuple[Expression, ...] = ()
     ends: Expression | None = None

@@ -96,13 +96,13 @@ class Shape:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class RandomCase:
     network: Network
     predicates: tuple[Expression, ...]
 
 
 @dataclass(slots=True)
-class _Parts:
+class _NetworkParts:
     """The declarations of a network under construction."""
 
     clocks: list[Term]
@@ -114,7 +114,7 @@ class _Parts:
     language: Language | None = None
 
 
-def random_case(random: Random, shape: Shape = Shape()) -> Case:
+def random_case(random: Random, shape: Shape = Shape()) -> RandomCase:
     """A network that satisfies its invariants initially, with predicates on it that cannot fail.
 
     Nothing else can fail either, but in the share of networks that the shape says.
@@ -147,10 +147,10 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
     for number in range(random.randint(1, shape.companions) if shape.companions else 0):
         _companion(random, parts, network.process(f"C{number}"))
     predicates = tuple(_predicate(random, shape, mentioned, handles).expression for _ in range(shape.predicates))
-    return Case(network.build(), predicates)
+    return RandomCase(network.build(), predicates)
 
 
-def _groups(random: Random, shape: Shape, network: NetworkBuilder) -> Case:
+def _groups(random: Random, shape: Shape, network: NetworkBuilder) -> RandomCase:
     """Most edges can be taken, so that there is much to leave out."""
     declared = [_declare(random, shape, network, prefix=f"g{number}_") for number in range(shape.groups)]
     predicates = []
@@ -171,13 +171,13 @@ def _groups(random: Random, shape: Shape, network: NetworkBuilder) -> Case:
         if random.random() < 0.3:
             predicate = predicate & _clock_condition(random, shape, parts)
         predicates.append(predicate.expression)
-    return Case(network.build(), tuple(predicates))
+    return RandomCase(network.build(), tuple(predicates))
 
 
 def _easy_edge(
     random: Random,
     shape: Shape,
-    parts: _Parts,
+    parts: _NetworkParts,
     process: ProcessBuilder,
     source: LocationHandle,
     target: LocationHandle,
@@ -200,7 +200,7 @@ def _easy_edge(
     )
 
 
-def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str = "") -> _Parts:
+def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str = "") -> _NetworkParts:
     clocks = [network.clock(f"{prefix}x{i}", _start(random, shape)) for i in range(random.randint(1, shape.clocks))]
     integers = [network.integer(f"{prefix}n{i}", 0, INTEGER_TOP) for i in range(random.randint(1, 2))]
     scratch = network.integer(f"{prefix}scratch", 0, INTEGER_TOP, initial=1, meta=True)
@@ -218,7 +218,7 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str 
                 urgent,
             )
         )
-    return _Parts(clocks, integers, channels, scratch)
+    return _NetworkParts(clocks, integers, channels, scratch)
 
 
 def _start(random: Random, shape: Shape) -> int:
@@ -228,7 +228,7 @@ def _start(random: Random, shape: Shape) -> int:
     return _time(random, shape, random.randint(1, shape.constant))
 
 
-def _own(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> _Parts:
+def _own(random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder) -> _NetworkParts:
     """Clocks and variables of a process, and now and then one that others use, too."""
     clocks = [process.clock(f"y{i}", _start(random, shape)) for i in range(random.randint(1, 2))]
     integers = [process.integer("m", 0, INTEGER_TOP)]
@@ -249,7 +249,7 @@ def _computed(shape: Shape, units: Term) -> Term:
     return units if shape.unit == 1 else units * shape.unit
 
 
-def _spectator(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> None:
+def _spectator(random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder) -> None:
     clock, number = process.clock("age"), process.integer("seen", 0, INTEGER_TOP)
     own = replace(parts, clocks=[*parts.clocks, clock], integers=[*parts.integers, number])
     heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
@@ -267,7 +267,7 @@ def _spectator(random: Random, shape: Shape, parts: _Parts, process: ProcessBuil
             process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
 
 
-def _bystanders(random: Random, shape: Shape, parts: _Parts, network: NetworkBuilder) -> None:
+def _bystanders(random: Random, shape: Shape, parts: _NetworkParts, network: NetworkBuilder) -> None:
     """Processes with clocks, variables and channels of their own that also listen to the others."""
     apart = _declare(random, shape, network, prefix="own_")
     heard = [channel for channel in parts.channels if channel[2] or random.random() < 0.2]
@@ -287,7 +287,7 @@ def _bystanders(random: Random, shape: Shape, parts: _Parts, network: NetworkBui
                     _edge(random, shape, apart, process, source, random.choice(locations))
 
 
-def _companion(random: Random, parts: _Parts, process: ProcessBuilder) -> None:
+def _companion(random: Random, parts: _NetworkParts, process: ProcessBuilder) -> None:
     clock = process.clock("age")
     heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
     ends = [random.randint(0, 3) for _ in range(random.randint(2, 3))]
@@ -313,7 +313,7 @@ def _companion(random: Random, parts: _Parts, process: ProcessBuilder) -> None:
 
 
 def _locations(
-    random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder, limited: float = 1.0
+    random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder, limited: float = 1.0
 ) -> list[LocationHandle]:
     handles = []
     for number in range(random.randint(2, shape.locations)):
@@ -331,7 +331,7 @@ def _locations(
     return handles
 
 
-def _invariant(random: Random, shape: Shape, parts: _Parts, initial: bool) -> Term | None:
+def _invariant(random: Random, shape: Shape, parts: _NetworkParts, initial: bool) -> Term | None:
     if random.random() < 0.6:
         return None
     clock = random.choice(parts.clocks)
@@ -356,7 +356,7 @@ def _invariant(random: Random, shape: Shape, parts: _Parts, initial: bool) -> Te
 def _edge(
     random: Random,
     shape: Shape,
-    parts: _Parts,
+    parts: _NetworkParts,
     process: ProcessBuilder,
     source: LocationHandle,
     target: LocationHandle,
@@ -382,7 +382,9 @@ def _edge(
     process.edge(source, target, guard=guard, send=send, receive=receive, updates=updates, selects=selects)
 
 
-def _guard(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term], with_clocks: bool) -> Term | None:
+def _guard(
+    random: Random, shape: Shape, parts: _NetworkParts, selects: Sequence[Term], with_clocks: bool
+) -> Term | None:
     conditions: list[Term] = []
     if random.random() < 0.25:
         conditions.append(_integer_condition(random, [*parts.integers, *selects]))
@@ -417,7 +419,7 @@ def _integer_condition(random: Random, integers: Sequence[Term]) -> Term:
     return random.choice([number == value, number != value, number < value + 1, number >= value])
 
 
-def _clock_condition(random: Random, shape: Shape, parts: _Parts, language: Language | None = None) -> Term:
+def _clock_condition(random: Random, shape: Shape, parts: _NetworkParts, language: Language | None = None) -> Term:
     """A comparison whose negation is not a disjunction."""
     left: Term = random.choice(parts.clocks)
     units = random.randint(0, shape.constant)
@@ -435,7 +437,7 @@ def _clock_condition(random: Random, shape: Shape, parts: _Parts, language: Lang
     return random.choice(choices)
 
 
-def _update(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term]) -> Term:
+def _update(random: Random, shape: Shape, parts: _NetworkParts, selects: Sequence[Term]) -> Term:
     if parts.language is not None and random.random() < 0.4:
         return parts.language.update()
     if shape.copies and random.random() < shape.copies:
@@ -466,7 +468,7 @@ def _update(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term]
     return number.assign(conditional(random.choice(parts.integers) > 0, 0, 1))
 
 
-def _predicate(random: Random, shape: Shape, parts: _Parts, handles: Sequence[Sequence[LocationHandle]]) -> Term:
+def _predicate(random: Random, shape: Shape, parts: _NetworkParts, handles: Sequence[Sequence[LocationHandle]]) -> Term:
     def place() -> Term:
         return random.choice(random.choice(handles)).reached
 

@@ -21,7 +21,7 @@ class Scale(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class RunBound:
     """How far a run is looked at: as long as the time, the number of transitions or the clock is at most ``limit``.
 
     Attributes:
@@ -45,7 +45,7 @@ class Path:
         since: the predicate counts from this moment on, and with ``always`` need not be true earlier.
     """
 
-    bound: Bound
+    bound: RunBound
     runs: int | None
     always: bool
     predicate: Expression
@@ -62,7 +62,7 @@ class FormulaPath:
         runs: how many are to be drawn, if the query says it.
     """
 
-    bound: Bound
+    bound: RunBound
     runs: int | None
     formula: RunFormula
 
@@ -92,7 +92,7 @@ class Threshold:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class ProbabilityComparison:
     """``Pr[<=T](<> p) >= Pr[<=S](<> q)``: is the first at least as probable?"""
 
     first: AskedPath
@@ -100,10 +100,10 @@ class Comparison:
 
 
 @dataclass(frozen=True, slots=True)
-class Expectation:
+class ExpectedValue:
     """``E[<=T; N](max: e)``: the mean, over all runs, of the largest or least value on the run."""
 
-    bound: Bound
+    bound: RunBound
     runs: int | None
     largest: bool
     value: Expression
@@ -119,14 +119,14 @@ class Trajectories:
         most: so many of these.
     """
 
-    bound: Bound
+    bound: RunBound
     runs: int
     values: tuple[Expression, ...]
     condition: Expression | None = None
     most: int | None = None
 
 
-Question = Probability | Threshold | Comparison | Expectation | Trajectories
+Question = Probability | Threshold | ProbabilityComparison | ExpectedValue | Trajectories
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from tachk.base.plugins import plugins
 if TYPE_CHECKING:
     from tachk.recordings.conformance.events import Cell, EventLog
     from tachk.recordings.conformance.queues import Constants
-    from tachk.recordings.traces.trace import Recording
+    from tachk.recordings.traces.trace import TraceSource
 
 
 class CaptureReader(Protocol):
@@ -23,7 +23,7 @@ class CaptureReader(Protocol):
 
     suffixes: tuple[str, ...]
 
-    def open_trace(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    def open_trace(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
         """The capture as columns of values over time. Raises InputError, UsageError."""
 
     def read_events(self, path: Path, ports: Sequence[int]) -> EventLog:

@@ -10,7 +10,7 @@ from tachk.base.words import QueryKind
 from tachk.engine.exchanged import members_in_words
 from tachk.meaning.dbm import Zone
 from tachk.meaning.judge.certificate import CertificateReader, Objection, zone_at
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.report.reductions_text import for_all
@@ -73,8 +73,8 @@ class Judgement:
         names = [process.name for process in observed(self.network, self.query.observer).processes]
         return [members_in_words(group.slots, group.cyclic, names) for group in self.certificate.header.groups]
 
-    def _names(self) -> Names:
-        return Names(observed(self.network, self.query.observer))
+    def _names(self) -> RunNames:
+        return RunNames(observed(self.network, self.query.observer))
 
     def _zone(self) -> Zone:
         assert self.objection is not None and self.objection.discrete is not None

@@ -158,7 +158,7 @@ def _sarif_result(diagnostic: Diagnostic, rule: int) -> dict[str, Any]:
 
 
 def _sarif_location(span: Span) -> dict[str, Any]:
-    place = _Place(span)
+    place = _FilePlace(span)
     return {
         "physicalLocation": {
             "artifactLocation": {"uri": quote(PurePath(place.file).as_posix())},
@@ -178,7 +178,7 @@ def checks_to_github(checks: Iterable[Checked]) -> Iterator[str]:
         if check.complaint is not None:
             yield f"::error title=tachk::{_escaped(_sentence(f'{check.model}: {check.complaint}', check.help))}"
         for diagnostic in check.everything:
-            place = _Place(diagnostic.span)
+            place = _FilePlace(diagnostic.span)
             fields = {"file": place.file, "line": place.line, "endLine": place.end_line}
             if place.line == place.end_line:
                 fields |= {"col": place.column, "endColumn": place.end_column}
@@ -188,7 +188,7 @@ def checks_to_github(checks: Iterable[Checked]) -> Iterator[str]:
             yield f"::{level} {written}::{_escaped(_sentence(diagnostic.message, diagnostic.help))}"
 
 
-class _Place:
+class _FilePlace:
     """Where a range lies in the file that people see; lines and columns count from 1."""
 
     def __init__(self, span: Span) -> None:

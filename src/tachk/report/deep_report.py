@@ -13,7 +13,7 @@ from tachk.model.quantity import duration, grouped, seconds
 from tachk.report.json_report import statistics_to_json, trace_to_json
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_text import print_trace
-from tachk.verify.semantic_lint.findings import DeepCheck, Part
+from tachk.verify.semantic_lint.findings import DeepCheck, LintAnswer
 
 _ENDS = Ends(4, 8)
 """Of a longer run only so many steps are told."""
@@ -39,7 +39,7 @@ def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
         print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
 
 
-def _answer(part: Part) -> str:
+def _answer(part: LintAnswer) -> str:
     return f"{part.answer} ({part.undecided})" if part.undecided else part.answer
 
 

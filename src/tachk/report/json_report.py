@@ -11,7 +11,16 @@ from tachk.base.diagnostics.render_json import diagnostic_to_json
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import Direction
 from tachk.engine.outcome import Statistics
-from tachk.meaning.run_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
+from tachk.meaning.run_view import (
+    ProcessMove,
+    Snapshot,
+    TraceView,
+    TransitionView,
+    ViewStep,
+    view_event,
+    view_path,
+    view_trace,
+)
 from tachk.model.network import Network
 from tachk.model.run import Due, RunTimeFault
 from tachk.report.record import NotRead, RunRecord
@@ -206,7 +215,7 @@ def _time(time: Fraction | None) -> str | None:
     return None if time is None else str(time)
 
 
-def _transition(event: Event, told: _Told) -> dict[str, Json]:
+def _transition(event: TransitionView, told: _Told) -> dict[str, Json]:
     transition: dict[str, Json] = {
         "channel": event.channel or None,
         "participants": [_participant(move, told) for move in event.moves],
@@ -216,7 +225,7 @@ def _transition(event: Event, told: _Told) -> dict[str, Json]:
     return transition
 
 
-def _participant(move: Move, told: _Told) -> dict[str, Json]:
+def _participant(move: ProcessMove, told: _Told) -> dict[str, Json]:
     participant: dict[str, Json] = {
         "process": move.process,
         "role": _ROLES[move.direction],

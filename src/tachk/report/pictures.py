@@ -12,7 +12,7 @@ from tachk.formats.layout.completion import complete
 from tachk.formats.layout_json import read_layout_beside
 from tachk.formats.loading.imports import Importer
 from tachk.formats.loading.model_files import read_model
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.overrides import constant_overrides
 from tachk.report.drawing.svg import Picture, draw_template, together
 from tachk.syntax import ast
@@ -40,7 +40,7 @@ def draw_file(
         UsageError: the file cannot be read, has no template, or no such constant.
     """
     items, layout = file_items(path)
-    findings = Findings()
+    findings = DiagnosticCollector()
     values = constant_overrides(constants or {}, items, findings)
     if findings.has_errors:
         raise InputError(findings.sorted())
@@ -59,7 +59,7 @@ def file_items(path: str | os.PathLike[str]) -> tuple[tuple[ast.Item, ...], Layo
     read = read_model(source)
     items = read.document.items
     if any(isinstance(item, ast.ImportDeclaration) for item in items):
-        findings = Findings()
+        findings = DiagnosticCollector()
         _, imported = Importer(findings).read(source)
         if findings.has_errors:
             raise InputError(findings.sorted())

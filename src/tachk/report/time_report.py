@@ -29,7 +29,7 @@ _COLUMNS = ("best", "worst", "waits")
 
 
 @dataclass(frozen=True, slots=True)
-class Between:
+class TimedInterval:
     """What was asked, as it was typed; ``start`` is None for the start of a run."""
 
     model: str
@@ -47,7 +47,7 @@ class TimedRow:
     times: Times
 
 
-def times_to_text(between: Between, rows: Sequence[TimedRow], traces: bool = False) -> str:
+def times_to_text(between: TimedInterval, rows: Sequence[TimedRow], traces: bool = False) -> str:
     """A table with a row for each combination of constants, or the times alone where there is one."""
     out = StringIO()
     console = plain_console(out, width=120)
@@ -89,7 +89,7 @@ def times_to_csv(rows: Sequence[TimedRow]) -> str:
     return out.getvalue()
 
 
-def times_to_json(between: Between, rows: Sequence[TimedRow]) -> dict[str, Json]:
+def times_to_json(between: TimedInterval, rows: Sequence[TimedRow]) -> dict[str, Json]:
     """As docs/schema/time.schema.json says."""
     return {
         "model": between.model,

@@ -10,7 +10,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.engine.simulation.simulator import Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.model.network import Network
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns
@@ -24,13 +24,13 @@ class DrawnRun:
 
     Attributes:
         number: of the run; with the seed it determines the run.
-        ending: why it ends, such as ``Ending.HORIZON``.
+        ending: why it ends, such as ``SimulationEnding.HORIZON``.
         end: when, in time units of the model.
         trace: its signals over exact time, which `tachk.monitor` judges.
     """
 
     number: int
-    ending: Ending
+    ending: SimulationEnding
     end: Fraction
     transitions: int
     trace: Trace = field(repr=False)
@@ -80,12 +80,12 @@ class Simulation(Sequence[DrawnRun]):
 
 
 def drawn_runs(
-    network: Network, drawing: Drawing, numbers: range, record: Sequence[str], orders: Sequence[str]
+    network: Network, drawing: SimulationOptions, numbers: range, record: Sequence[str], orders: Sequence[str]
 ) -> Simulation:
     """Runs of a network with these columns, all if there are none, and orders for faults. Raises UsageError."""
     wanted = ordered(network, orders_of(orders))
     drawn = Runs(wanted.network, chosen_columns(network, record) if record else all_columns(network))
-    found = drawn.draw(drawing, numbers, Recorded(observed=True))
+    found = drawn.draw(drawing, numbers, RecordedChanges(observed=True))
     return Simulation(
         tuple(
             DrawnRun(run.number, run.ending, Fraction(run.end, run.ticks_per_unit), run.transitions, drawn.trace(run))

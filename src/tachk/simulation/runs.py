@@ -13,13 +13,13 @@ from tachk.base.time_limit import check_time
 from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.engine.compiler.features import check_simulated
 from tachk.engine.compiler.lower import lower_simulation
-from tachk.engine.simulation.simulator import Drawing, Numbers, Recorded, Simulated, Simulator
+from tachk.engine.simulation.simulator import Numbers, RecordedChanges, Simulated, SimulationOptions, Simulator
 from tachk.model.network import Network
 from tachk.model.run import Transition
 from tachk.recordings.traces.trace import LARGEST_TICK, Trace, Values
 from tachk.simulation.columns import Column, observed
 
-_NOTHING = Recorded()
+_NOTHING = RecordedChanges()
 _BATCH, _LONG_BATCH = 64, 1024
 """How many runs are drawn at once, while the limit on time is not looked at: with and without recording."""
 
@@ -39,7 +39,9 @@ class Runs:
         self.program = program
         self._simulator = Simulator(program, chances)
 
-    def draw(self, drawing: Drawing, numbers: range, recorded: Recorded = _NOTHING) -> Iterator[Simulated]:
+    def draw(
+        self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges = _NOTHING
+    ) -> Iterator[Simulated]:
         """The runs of these numbers, in order. Raises OutOfTimeError between them."""
         batch = _LONG_BATCH if recorded == _NOTHING else _BATCH
         for first in range(numbers.start, numbers.stop, batch):

@@ -38,7 +38,7 @@ class Interval(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Truth(Node):
+class TruthConstant(Node):
     value: bool
 
 
@@ -154,7 +154,7 @@ class Since(Node):
 
 
 Formula = (
-    Truth
+    TruthConstant
     | Atom
     | Not
     | And
@@ -183,7 +183,7 @@ def operands(formula: Formula) -> tuple[Formula, ...]:
             return left, right
         case Until(left=left, right=right) | Since(left=left, right=right):
             return left, right
-        case Truth() | Atom() | Change():
+        case TruthConstant() | Atom() | Change():
             return ()
         case Not() | Rise() | Fall() | Eventually() | Always() | Once() | Historically():
             return (formula.operand,)

@@ -23,7 +23,7 @@ _OUTCOMES = {"T": "holds", "SAT": "holds", "F": "fails", "UNSAT": "fails"}
 
 
 @dataclass(slots=True)
-class _Place:
+class _QueryPlace:
     """Where a query stands, and what is said about it."""
 
     start: int
@@ -68,10 +68,10 @@ def parse_each_query(source: Source) -> tuple[ast.QueryEntry | BrokenQuery, ...]
     return tuple(entries)
 
 
-def _places(text: str) -> list[_Place]:
-    places: list[_Place] = []
+def _places(text: str) -> list[_QueryPlace]:
+    places: list[_QueryPlace] = []
     comments: list[str] = []
-    current: _Place | None = None
+    current: _QueryPlace | None = None
     for piece in _PIECE.finditer(text):
         kind = piece.lastgroup
         if kind == "comment":
@@ -90,7 +90,7 @@ def _places(text: str) -> list[_Place]:
                 current = None
         elif kind is None:
             if current is None:
-                current = _Place(piece.start(), piece.end(), [comment for comment in comments if comment])
+                current = _QueryPlace(piece.start(), piece.end(), [comment for comment in comments if comment])
                 comments = []
             current.end = piece.end()
     if current is not None:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import field, replace
 
-from tachk.analysis.components import Cell, Cells, mentioned_cells, places, written_cells
+from tachk.analysis.components import Cell, ComponentSet, mentioned_cells, places, written_cells
 from tachk.analysis.fold import Known, known_values
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
@@ -133,12 +133,12 @@ class _Cone:
 
     known: Known
     processes: set[int] = field(default_factory=set)
-    cells: Cells = field(default_factory=Cells)
+    cells: ComponentSet = field(default_factory=ComponentSet)
     members: set[int] = field(default_factory=set)
-    heard: Cells = field(default_factory=Cells)
-    offered: Cells = field(default_factory=Cells)
-    announced: Cells = field(default_factory=Cells)
-    admitted: Cells = field(default_factory=Cells)
+    heard: ComponentSet = field(default_factory=ComponentSet)
+    offered: ComponentSet = field(default_factory=ComponentSet)
+    announced: ComponentSet = field(default_factory=ComponentSet)
+    admitted: ComponentSet = field(default_factory=ComponentSet)
 
     def include(self, expressions: Sequence[Expression]) -> None:
         processes, cells = mentioned_cells(expressions, self.known)

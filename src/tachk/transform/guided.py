@@ -13,7 +13,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from math import prod
 
-from tachk.analysis.components import Cells, written_cells
+from tachk.analysis.components import ComponentSet, written_cells
 from tachk.analysis.fold import Known
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
@@ -59,7 +59,7 @@ def guided(
     tables = []
     for number, process in enumerate(network.processes):
         if number not in members:
-            processes[number] = _sparing(process, Cells((variable, None) for variable in spared))
+            processes[number] = _sparing(process, ComponentSet((variable, None) for variable in spared))
             continue
         used = {p.edge for transition in path for p in transition.participants if p.process == number}
         codes = _codes(process, used)
@@ -126,7 +126,7 @@ def _sum(left: Expression, right: Expression) -> Expression:
     return Binary(BinaryOperator.ADD, left, right, IntType())
 
 
-def _sparing(process: Process, spared: Cells) -> Process:
+def _sparing(process: Process, spared: ComponentSet) -> Process:
     return replace(
         process,
         edges=tuple(

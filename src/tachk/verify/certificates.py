@@ -21,17 +21,17 @@ from tachk.engine.symmetry.tables import tables_of
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.automorphism import Automorphisms
 from tachk.meaning.judge.certificate import (
-    Block,
+    CertificateHeader,
     CertificateReader,
     Columns,
-    Header,
-    Kind,
     MalformedCertificateError,
     Objection,
+    ProofKind,
     Shapes,
+    StateBlock,
 )
 from tachk.meaning.judge.closed_set import ClosedSet
-from tachk.meaning.judge.exchanges import Group, MalformedGroupError
+from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError
 from tachk.meaning.judge.widening import widened
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
@@ -60,7 +60,7 @@ class Proof:
         zones: how many zones.
     """
 
-    header: Header
+    header: CertificateHeader
     cover: Cover
 
     @property
@@ -71,7 +71,7 @@ class Proof:
     def zones(self) -> int:
         return self.cover.zones
 
-    def blocks(self) -> Iterator[Block]:
+    def blocks(self) -> Iterator[StateBlock]:
         return self.cover.blocks()
 
     def columns(self) -> Iterator[Columns]:
@@ -122,14 +122,14 @@ def find_proof(
     return Proof(header, cover)
 
 
-def _objection(network: Network, query: Query, header: Header, cover: Cover) -> Objection | None:
+def _objection(network: Network, query: Query, header: CertificateHeader, cover: Cover) -> Objection | None:
     return _native_check(network, query, header)(map(Shapes().columns, cover.blocks()))
 
 
 def _cover(
     network: Network,
     query: Query,
-    groups: Sequence[Group],
+    groups: Sequence[ExchangeGroup],
     options: Options,
     limits: Limits,
     progress: Progress | None,
@@ -141,7 +141,7 @@ def _cover(
     return find_cover(_with_groups(program, groups), goal, options, limits, progress)
 
 
-def _exchanges(network: Network, query: Query) -> tuple[Group, ...]:
+def _exchanges(network: Network, query: Query) -> tuple[ExchangeGroup, ...]:
     """What is interchangeable, as far as it can be proved without what the search believes, and the search can do with
     it."""
     predicates = _predicates(query)
@@ -149,23 +149,25 @@ def _exchanges(network: Network, query: Query) -> tuple[Group, ...]:
     if by_clocks or not sketch_of(network).repeats:
         return ()
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates)) if isinstance(table, Table)]
-    groups = (Group(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables)
+    groups = (
+        ExchangeGroup(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables
+    )
     proving = Automorphisms(prepare(network), predicates)
     return tuple(group for group in groups if proving.objection(group) is None)
 
 
-def _with_groups(program: Program, groups: Iterable[Group]) -> Program:
+def _with_groups(program: Program, groups: Iterable[ExchangeGroup]) -> Program:
     tables = (Table(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in groups)
     return replace(program, interchangeable=tuple(tables))
 
 
-def _header(network: Network, model: str, query: Query, groups: tuple[Group, ...]) -> Header:
+def _header(network: Network, model: str, query: Query, groups: tuple[ExchangeGroup, ...]) -> CertificateHeader:
     whole = observed(network, query.observer)
     layout = prepare(whole).layout
     clocks = tuple(layout.names[cell] for cell in layout.clock_cells)
     width = len(whole.processes) + len(layout.initial)
-    kind = Kind.INEVITABLE if query.target is None else Kind.UNREACHABLE
-    return Header(kind, query.name, query.text, model, dict(network.constants), width, clocks, groups)
+    kind = ProofKind.INEVITABLE if query.target is None else ProofKind.UNREACHABLE
+    return CertificateHeader(kind, query.name, query.text, model, dict(network.constants), width, clocks, groups)
 
 
 _LEAST_ZONES, _MOST_ZONES = 20, 20_000
@@ -184,7 +186,9 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
     return replace(proof, cover=Cover(len(block.zones), len(block.constraints), lambda: iter([block])))
 
 
-def _native_check(network: Network, query: Query, header: Header) -> Callable[[Iterable[Columns]], Objection | None]:
+def _native_check(
+    network: Network, query: Query, header: CertificateHeader
+) -> Callable[[Iterable[Columns]], Objection | None]:
     """What the native checker says of symbolic states of so many locations and cells, and clocks, if their groups are
     believed.
 
@@ -206,7 +210,7 @@ def _predicates(query: Query) -> list[Expression]:
 def _descent(
     network: Network,
     query: Query,
-    groups: Sequence[Group],
+    groups: Sequence[ExchangeGroup],
     options: Options,
     limits: Limits,
     progress: Progress | None,
@@ -232,7 +236,7 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
     Raises MalformedCertificateError for a file that is damaged or that is about other processes, variables or clocks.
     """
     whole = observed(network, query.observer)
-    if (query.target is None) is not (certificate.header.kind is Kind.INEVITABLE):
+    if (query.target is None) is not (certificate.header.kind is ProofKind.INEVITABLE):
         raise MalformedCertificateError("it is a proof of another kind than the query needs")
     if query.target is None and query.avoided is None:
         raise MalformedCertificateError("the query is of a kind that has no proofs")
@@ -249,7 +253,7 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
 
 
 def check_natively(
-    network: Network, query: Query, header: Header, columns: Callable[[], Iterable[Columns]]
+    network: Network, query: Query, header: CertificateHeader, columns: Callable[[], Iterable[Columns]]
 ) -> Objection | None:
     """What the native checker says of the blocks of a certificate about a network with observer.
 
@@ -260,7 +264,7 @@ def check_natively(
 
 
 def _objection_to_groups(
-    network: Network, query: Query, header: Header, columns: Callable[[], Iterable[Columns]]
+    network: Network, query: Query, header: CertificateHeader, columns: Callable[[], Iterable[Columns]]
 ) -> Objection | None:
     """That exchanges are none of the model; None if they map it, and what is asked of it, onto itself.
 

@@ -1,10 +1,10 @@
 """The least and the largest values of expressions over the reachable states that satisfy a predicate.
 
 Integers are measured in one exploration, all together. So is a clock, with clock bounds that keep its values apart up
-to a horizon (`tachk.engine.compiler.lower.Measured`): an extreme value up to there is the true one. Where the clock is
-found beyond, the horizon is doubled, unless the path that was found shows that the clock grows without limit. What is
-neither a number nor a clock, and what is asked for where there is a deadlock, is found by bisection, with one search
-for each question whether it can be beyond a number.
+to a horizon (`tachk.engine.compiler.lower.MeasuredExpression`): an extreme value up to there is the true one. Where the
+clock is found beyond, the horizon is doubled, unless the path that was found shows that the clock grows without limit.
+What is neither a number nor a clock, and what is asked for where there is a deadlock, is found by bisection, with one
+search for each question whether it can be beyond a number.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tachk.analysis.fold import fold_place, known_cell, known_values
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError, time_limit
-from tachk.engine.compiler.lower import Measured, lower, lower_measures
+from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.growth import grows_without_limit
 from tachk.engine.measuring import measure
@@ -40,7 +40,7 @@ INEXACT = "the stopwatches make the search inexact, and the value it found is no
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundExtreme:
     """An extreme value.
 
     Attributes:
@@ -54,7 +54,7 @@ class Found:
     path: tuple[Transition, ...] = ()
 
 
-class UndecidedError(Exception):
+class UndecidedExtremeError(Exception):
     """Attributes:
     reason: why the value is not known.
     fault: the run-time error that ended the search, if one did.
@@ -88,16 +88,16 @@ class ExtremeSearch:
     exact: bool = True
     started: float = field(default_factory=time.monotonic)
 
-    def find(self, questions: Sequence[Question]) -> list[Found] | None:
-        """The answers; None where no state satisfies the predicate. Raises UndecidedError."""
+    def find(self, questions: Sequence[Question]) -> list[FoundExtreme] | None:
+        """The answers; None where no state satisfies the predicate. Raises UndecidedExtremeError."""
         try:
             with time_limit(self._rest().seconds):
                 return self._found(questions)
         except OutOfTimeError as error:
-            raise UndecidedError(error.reason) from None
+            raise UndecidedExtremeError(error.reason) from None
 
-    def _found(self, questions: Sequence[Question]) -> list[Found] | None:
-        found: dict[Question, Found] = {}
+    def _found(self, questions: Sequence[Question]) -> list[FoundExtreme] | None:
+        found: dict[Question, FoundExtreme] = {}
         numbers = [question for question in questions if self._is_number(question[0])]
         if numbers:
             values = self._numbers(numbers)
@@ -135,35 +135,35 @@ class ExtremeSearch:
 
     # ---- one exploration --------------------------------------------------------------------------------------------
 
-    def _numbers(self, questions: Sequence[Question]) -> list[Found] | None:
-        measured = [Measured(self.where, expression, largest) for expression, largest in questions]
+    def _numbers(self, questions: Sequence[Question]) -> list[FoundExtreme] | None:
+        measured = [MeasuredExpression(self.where, expression, largest) for expression, largest in questions]
         program, _, measures = lower_measures(self._network, measured)
         outcome, found = measure(program, (), measures, self.options, self._rest(), self.progress)
         self._note(outcome)
         if outcome.reason:
-            raise UndecidedError(outcome.reason, outcome.fault)
-        values = [Found(each.value, False, each.path) for each in found if each is not None]
+            raise UndecidedExtremeError(outcome.reason, outcome.fault)
+        values = [FoundExtreme(each.value, False, each.path) for each in found if each is not None]
         return values if len(values) == len(questions) else None
 
-    def _clock(self, clock: Expression, largest: bool) -> Found | None:
+    def _clock(self, clock: Expression, largest: bool) -> FoundExtreme | None:
         for horizon in self._horizons():
-            measured = Measured(self.where, clock, largest, horizon)
+            measured = MeasuredExpression(self.where, clock, largest, horizon)
             program, goals, measures = lower_measures(self._network, [measured])
             outcome, (found,) = measure(program, goals, measures, self.options, self._rest(), self.progress)
             self._note(outcome)
             if largest and outcome.goals[0].status is Status.REACHED:
                 path = outcome.goals[0].path or ()
                 if outcome.exact and grows_without_limit(self._network, path, self.where, clock):
-                    return Found(None, False)
+                    return FoundExtreme(None, False)
                 continue
             if outcome.reason:
-                raise UndecidedError(outcome.reason, outcome.fault)
+                raise UndecidedExtremeError(outcome.reason, outcome.fault)
             if found is None:
                 return None
             assert found.value is not None
             if largest or found.value < horizon:
-                return Found(found.value, found.strict, found.path)
-        raise UndecidedError("the value is beyond the largest horizon, and no loop that lets it grow was found")
+                return FoundExtreme(found.value, found.strict, found.path)
+        raise UndecidedExtremeError("the value is beyond the largest horizon, and no loop that lets it grow was found")
 
     def _horizons(self) -> list[int]:
         program, _ = lower(self._network, [self.where])
@@ -172,7 +172,7 @@ class ExtremeSearch:
 
     # ---- bisection --------------------------------------------------------------------------------------------------
 
-    def _by_bisection(self, expression: Expression, largest: bool) -> Found | None:
+    def _by_bisection(self, expression: Expression, largest: bool) -> FoundExtreme | None:
         """Thresholds are numbered: 2c + 1 asks for a value of at least c, 2c + 2 for one beyond c; for the least value
         of an expression, of its negative. All constants are integers, and so is what is approached."""
         paths: dict[int, tuple[Transition, ...]] = {}
@@ -195,9 +195,9 @@ class ExtremeSearch:
         else:
             met = next((-threshold for threshold in horizons if reaches(-threshold)), None)
         if missed is None:
-            return Found(None, False)
+            return FoundExtreme(None, False)
         if met is None:
-            raise UndecidedError("the value is beyond the largest horizon")
+            raise UndecidedExtremeError("the value is beyond the largest horizon")
         while missed - met > 1:
             middle = (met + missed) // 2
             if reaches(middle):
@@ -205,7 +205,7 @@ class ExtremeSearch:
             else:
                 missed = middle
         sign = 1 if largest else -1
-        return Found(sign * (met // 2), met % 2 == 0, paths[met])
+        return FoundExtreme(sign * (met // 2), met % 2 == 0, paths[met])
 
     def _first_missed(
         self,
@@ -223,7 +223,7 @@ class ExtremeSearch:
             if self.exact and clocks is not None and all(map(self._is_plain, clocks)):
                 if grows_without_limit(self._network, paths[threshold], self.where, *clocks):
                     return None
-        raise UndecidedError("the value is beyond the largest horizon, and no loop that lets it grow was found")
+        raise UndecidedExtremeError("the value is beyond the largest horizon, and no loop that lets it grow was found")
 
     def _path_to(self, condition: Expression | None) -> tuple[Transition, ...] | None:
         target = self.where if condition is None else Binary(BinaryOperator.AND, self.where, condition, BOOL)
@@ -232,9 +232,9 @@ class ExtremeSearch:
         self._note(outcome)
         (goal,) = outcome.goals
         if goal.status is Status.UNDECIDED:
-            raise UndecidedError(outcome.reason, outcome.fault)
+            raise UndecidedExtremeError(outcome.reason, outcome.fault)
         if goal.path is not None and not outcome.exact and concretise(self.model, goal.path, target) is None:
-            raise UndecidedError(INEXACT)
+            raise UndecidedExtremeError(INEXACT)
         return goal.path
 
     # ---- all searches -----------------------------------------------------------------------------------------------

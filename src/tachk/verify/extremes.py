@@ -21,7 +21,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.query import Query
 from tachk.model.run import TimedTrace
 from tachk.transform.cone_of_influence import with_spectators
-from tachk.verify.extreme_search import INEXACT, ExtremeSearch, Found, Question, UndecidedError
+from tachk.verify.extreme_search import INEXACT, ExtremeSearch, FoundExtreme, Question, UndecidedExtremeError
 from tachk.verify.fault_explanation import explain
 from tachk.verify.plan import Search, Task
 from tachk.verify.unanswered import none_begun
@@ -56,7 +56,7 @@ def _answer(
     verdict = Verdict(query, Answer.UNKNOWN, True, "", Statistics())
     try:
         found = search.find(_questions(query))
-    except UndecidedError as error:
+    except UndecidedExtremeError as error:
         fault = error.fault
         if fault is not None:
             fault = explain(searched, fault, limits.seconds)
@@ -112,7 +112,7 @@ def _where_it_is(where: Expression, expression: Expression, value: int) -> Expre
 
 
 def _run(
-    model: PreparedNetwork, searched: PreparedNetwork, target: Expression, found: Found, exact: bool
+    model: PreparedNetwork, searched: PreparedNetwork, target: Expression, found: FoundExtreme, exact: bool
 ) -> tuple[TimedTrace | None, bool]:
     """A replayed run to a value; False where a process that was held still meets a run-time error on the way."""
     run = concretise(searched, found.path, target)

@@ -14,7 +14,7 @@ from tachk.formats.munta.certificate import certificate_of
 from tachk.formats.munta.weakened import Weakening, weakened
 from tachk.formats.munta.writer import is_deadlock, to_munta
 from tachk.formats.network_json.digest import digest
-from tachk.meaning.judge.certificate import Block
+from tachk.meaning.judge.certificate import StateBlock
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.transform.observed import observed
@@ -68,7 +68,7 @@ def munta_proof(
     return MuntaProof(text, renaming, certificate, munta.asks_deadlock, proof.states, proof.zones, weakenings)
 
 
-def _ranges(blocks: Iterable[Block], processes: int) -> dict[int, tuple[int, int]]:
+def _ranges(blocks: Iterable[StateBlock], processes: int) -> dict[int, tuple[int, int]]:
     """What the cells hold in a set of states."""
     found = [(block.discretes.min(axis=0), block.discretes.max(axis=0)) for block in blocks]
     low, high = (np.array(ends)[:, processes:] for ends in zip(*found, strict=True))

@@ -33,7 +33,7 @@ from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import triggers_of, with_notes
 from tachk.verify.verdict import Answer, Verdict, answers_of
 from tachk.verify.weaker import (
-    Found,
+    ReachedInAbstraction,
     Weaker,
     held,
     lowered,
@@ -185,7 +185,7 @@ def _settle_with_less_known(
 def _carried_over(
     model: PreparedNetwork,
     task: Task,
-    found: Found,
+    found: ReachedInAbstraction,
     options: Options,
     limits: Limits,
     progress: Progress | None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import chain
 
-from tachk.analysis.components import Cells, mentioned_cells, written_cells
+from tachk.analysis.components import ComponentSet, mentioned_cells, written_cells
 from tachk.analysis.failures import edge_can_fail, location_can_fail
 from tachk.analysis.fold import Known, known_values
 from tachk.model.network import Network, Process
@@ -28,7 +28,7 @@ def unexamined(network: Network, reduced: Network) -> tuple[str, ...]:
 
 
 def _raised_by_both(network: Network, pairs: list[tuple[Process, Process]], known: Known) -> Iterator[str]:
-    taken = Cells(
+    taken = ComponentSet(
         cell
         for whole, part in pairs
         if len(whole.edges) != len(part.edges)

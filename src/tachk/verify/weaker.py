@@ -56,7 +56,7 @@ class Weaker:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class ReachedInAbstraction:
     """A target that is reached in a network that can do more.
 
     Attributes:
@@ -70,7 +70,7 @@ class Found:
 
 def settle_without_bystanders(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
-) -> tuple[dict[int, Verdict], dict[int, Found]]:
+) -> tuple[dict[int, Verdict], dict[int, ReachedInAbstraction]]:
     """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on, and what
     was found about those that are reachable then and worth to be carried over."""
 
@@ -140,7 +140,7 @@ def settle_weaker(
     options: Options,
     limits: Limits,
     progress: Progress | None,
-) -> tuple[dict[int, Verdict], dict[int, Found]]:
+) -> tuple[dict[int, Verdict], dict[int, ReachedInAbstraction]]:
     """The verdicts about targets that are unreachable by weaker questions, and what was found about those that are not.
 
     Args:
@@ -174,7 +174,7 @@ def settle_weaker(
         if goal.status is Status.UNREACHABLE
     }
     found = {
-        task.number: Found(weaker, goal.path, statistics)
+        task.number: ReachedInAbstraction(weaker, goal.path, statistics)
         for task, goal in of_targets
         if goal.status is Status.REACHED and goal.path is not None and outcome.exact
     }

@@ -11,7 +11,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 if TYPE_CHECKING:
     from tachk.recordings.conformance.events import Cell, EventLog
     from tachk.recordings.conformance.queues import Constants
-    from tachk.recordings.traces.trace import Recording
+    from tachk.recordings.traces.trace import TraceSource
 
 CLIENT = "client"
 """What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
@@ -22,7 +22,7 @@ class DdsXrce:
 
     suffixes = (".pcap", ".pcapng")
 
-    def open_trace(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    def open_trace(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
         from tachk.xrce.traces.trace_packets import open_packets
 
         return open_packets(path, time, unit, ports)

@@ -13,7 +13,7 @@ from tachk.xrce.messages import Endpoint
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import NOBODY, SerialReading
 from tachk.xrce.submessages import Submessages, parsed, payload
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 DEFAULT_PORT: Final = wire.DEFAULT_PORT
 
@@ -21,7 +21,7 @@ Value = str | int | bool | None | list[int] | dict[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class SubmessageEvent:
     """A submessage that was sent, or bytes that are none.
 
     Attributes:
@@ -42,7 +42,7 @@ class Event:
     client: Endpoint | None
     agent: Endpoint | None
     to_agent: bool
-    kind: Kind | None
+    kind: SubmessageKind | None
     session: int | None
     stream: int | None
     sequence: int | None
@@ -60,7 +60,7 @@ class Event:
         return self.stream is not None and 0 < self.stream < wire.FIRST_RELIABLE_STREAM
 
 
-def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator[Event]:
+def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator[SubmessageEvent]:
     """The events in a capture of a network, in the order of its packets.
 
     Only what goes to or from the ports of Agents is looked at; all of it becomes events. A capture that ends too early
@@ -73,7 +73,7 @@ def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator
     return _decoded(CaptureReading(stream, ports))
 
 
-def decode_serial(stream: BinaryIO) -> Iterator[Event]:
+def decode_serial(stream: BinaryIO) -> Iterator[SubmessageEvent]:
     """The events on a serial line, in eProsima's framing. Frames that a receiver would drop are malformed events.
 
     Raises CaptureError for a file without bytes.
@@ -84,20 +84,20 @@ def decode_serial(stream: BinaryIO) -> Iterator[Event]:
     return _decoded(SerialReading(stream))
 
 
-def _decoded(reading: CaptureReading | SerialReading) -> Iterator[Event]:
+def _decoded(reading: CaptureReading | SerialReading) -> Iterator[SubmessageEvent]:
     for found in reading.pieces():
         yield from events(found, reading.endpoints)
     if reading.problem:
         number, time = reading.packets + 1, reading.time
-        yield Event(number, 0, time, None, None, False, None, None, None, None, {}, reading.problem)
+        yield SubmessageEvent(number, 0, time, None, None, False, None, None, None, None, {}, reading.problem)
 
 
 _BEFORE_SAMPLE: Final = 4
 """Bytes of the request before a sample."""
-_KINDS: Final = {kind.value: kind for kind in Kind}
+_KINDS: Final = {kind.value: kind for kind in SubmessageKind}
 
 
-def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
+def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[SubmessageEvent]:
     """Submessages one by one."""
     messages = found.messages
     header = zip(
@@ -109,7 +109,7 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
     for entry, row in enumerate(header):
         packet, time, client, agent, to_agent, place, number, session, stream, sequence = row
         kind = _KINDS.get(number)
-        yield Event(
+        yield SubmessageEvent(
             packet,
             place,
             time,
@@ -125,50 +125,50 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
         )
 
 
-def _fields(found: Submessages, entry: int, kind: Kind) -> dict[str, Value]:
+def _fields(found: Submessages, entry: int, kind: SubmessageKind) -> dict[str, Value]:
     """What a submessage says; those that come in masses are in columns already."""
     flags = int(found.flags[entry])
     told: dict[str, Value] = {}
     if found.request[entry] >= 0:
         told = {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
     match kind:
-        case Kind.ACKNACK:
+        case SubmessageKind.ACKNACK:
             first, bitmap = int(found.first[entry]), int(found.bitmap[entry])
             missing = [(first + bit) % 65536 for bit in range(16) if bitmap >> bit & 1] if bitmap else []
             return {"subject": int(found.subject[entry]), "first": first, "missing": missing}
-        case Kind.HEARTBEAT:
+        case SubmessageKind.HEARTBEAT:
             first, last = int(found.first[entry]), int(found.last[entry])
             return {"subject": int(found.subject[entry]), "first": first, "last": last}
-        case Kind.WRITE_DATA | Kind.DATA:
+        case SubmessageKind.WRITE_DATA | SubmessageKind.DATA:
             form = flags & wire.FORMAT
             told["format"] = wire.SAMPLE_FORMATS.get(form, f"{form:#x}")
             told["sample"] = payload(found, entry)[_BEFORE_SAMPLE:].hex()
             return told
-        case Kind.FRAGMENT:
+        case SubmessageKind.FRAGMENT:
             return {"last": bool(flags & wire.LAST_FRAGMENT), "piece": payload(found, entry).hex()}
         case _:
             return told | _declared(kind, flags, found.contents.get(entry) or parsed(found, entry))
 
 
-def _declared(kind: Kind, flags: int, content: Container) -> dict[str, Value]:
+def _declared(kind: SubmessageKind, flags: int, content: Container) -> dict[str, Value]:
     """What a submessage says beside its request, as its declaration has it."""
     match kind:
-        case Kind.CREATE_CLIENT:
+        case SubmessageKind.CREATE_CLIENT:
             return _peer(content.peer) | {
                 "key": content.key.hex().upper(),
                 "new_session": content.session,
                 "mtu": content.mtu,
                 "properties": _properties(content),
             }
-        case Kind.STATUS_AGENT:
+        case SubmessageKind.STATUS_AGENT:
             return _status(content.result) | _peer(content.agent.peer) | {"properties": _properties(content.agent)}
-        case Kind.CREATE:
+        case SubmessageKind.CREATE:
             return {"reuse": bool(flags & wire.REUSE), "replace": bool(flags & wire.REPLACE)} | _variant(content.new)
-        case Kind.GET_INFO:
+        case SubmessageKind.GET_INFO:
             return {"configuration": bool(content.mask & 1), "activity": bool(content.mask & 2)}
-        case Kind.STATUS | Kind.INFO:
+        case SubmessageKind.STATUS | SubmessageKind.INFO:
             return _status(content.result)
-        case Kind.READ_DATA:
+        case SubmessageKind.READ_DATA:
             control = content.control
             return {
                 "preferred_stream": content.preferred_stream,
@@ -179,11 +179,11 @@ def _declared(kind: Kind, flags: int, content: Container) -> dict[str, Value]:
                 "max_bytes_per_second": None if control is None else control.max_bytes_per_second,
                 "min_pace_ms": None if control is None else control.min_pace_period,
             }
-        case Kind.TIMESTAMP:
+        case SubmessageKind.TIMESTAMP:
             return {"transmitted_ns": _nanoseconds(content.transmitted)}
-        case Kind.TIMESTAMP_REPLY:
+        case SubmessageKind.TIMESTAMP_REPLY:
             return {f"{name}_ns": _nanoseconds(content[name]) for name in ("transmitted", "received", "originated")}
-        case Kind.PERFORMANCE:
+        case SubmessageKind.PERFORMANCE:
             return {"octets": content.octets.hex()}
         case _:
             return {}

@@ -17,7 +17,7 @@ from tachk.xrce import wire
 from tachk.xrce.datagrams import TCP, Datagrams, Flags
 from tachk.xrce.packets import Numbers, Octets
 from tachk.xrce.tcp_stream import Found, TcpStream
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 _LENGTH: Final = 2
 """Bytes of length before a message by TCP."""
@@ -127,7 +127,9 @@ class MessageReader:
         for header in (4, 6, 8, 10):  # without and with a key, by UDP and by TCP
             kind = found.starts + header
             begins = (found.sizes >= header + 16) & (octets.take(kind + 4, mode="clip") == wire.COOKIE[0])
-            for entry in np.flatnonzero(begins & (octets.take(kind, mode="clip") == Kind.CREATE_CLIENT)).tolist():
+            for entry in np.flatnonzero(
+                begins & (octets.take(kind, mode="clip") == SubmessageKind.CREATE_CLIENT)
+            ).tolist():
                 at = int(kind[entry]) + 4
                 port, packet = int(found.destination_ports[entry]), int(found.packets[entry])
                 if octets[at : at + 4].tobytes() == wire.COOKIE:
@@ -195,7 +197,7 @@ class MessageReader:
     def _with_segments(self, messages: Messages, headers: Numbers, by_tcp: Flags) -> Messages:
         """The datagrams among them, and the messages that the segments among them complete."""
         octets = messages.octets.tobytes()
-        rows = _Rows(octets)
+        rows = _MessageRows(octets)
         for at in range(len(by_tcp)):
             client, agent, to_agent = int(messages.clients[at]), int(messages.agents[at]), bool(messages.to_agent[at])
             row = (int(messages.packets[at]), int(messages.times[at]), client, agent, to_agent)
@@ -213,7 +215,7 @@ class MessageReader:
 
     def close(self) -> Messages:
         """What TCP has begun and not completed when the capture ends."""
-        rows = _Rows(b"")
+        rows = _MessageRows(b"")
         for way, stream in self._streams.items():
             rows.append(self._last[way], stream.close())
         return rows.messages()
@@ -226,7 +228,7 @@ def _key(host: Octets, port: int) -> bytes:
 _Row = tuple[int, int, int, int, bool]
 
 
-class _Rows:
+class _MessageRows:
     """Messages one by one."""
 
     def __init__(self, octets: bytes) -> None:

@@ -18,7 +18,7 @@ AGENT_ADDRESS: Final = 0
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class SerialFrame:
     """Attributes:
     sender, receiver: addresses; None where the frame ends before.
     message: what it carries, as far as it came.
@@ -42,7 +42,7 @@ class FrameReader:
         self._escaped = False
         self._between = 0
 
-    def push(self, octets: bytes) -> list[Frame]:
+    def push(self, octets: bytes) -> list[SerialFrame]:
         """The frames that these bytes complete. What lies between frames is told when the next frame begins."""
         found = []
         for octet in octets:
@@ -61,11 +61,11 @@ class FrameReader:
                     self._plain = None
         return found
 
-    def close(self) -> list[Frame]:
+    def close(self) -> list[SerialFrame]:
         """What has begun and not ended: a frame, or bytes that belong to none."""
         found = [_cut(self._plain)] if self._plain else []
         if self._between:
-            found.append(Frame(None, None, b"", f"{self._between} bytes belong to no frame"))
+            found.append(SerialFrame(None, None, b"", f"{self._between} bytes belong to no frame"))
         self._plain, self._escaped, self._between = None, False, 0
         return found
 
@@ -91,18 +91,18 @@ def _size(plain: bytearray) -> int:
     return int.from_bytes(plain[2:4], "little")
 
 
-def _whole(plain: bytearray) -> Frame:
+def _whole(plain: bytearray) -> SerialFrame:
     message = bytes(plain[4:-2])
     stated, found = int.from_bytes(plain[-2:], "little"), crc16(message)
     if stated == found:
-        return Frame(plain[0], plain[1], message)
+        return SerialFrame(plain[0], plain[1], message)
     problem = f"the CRC of a frame is {stated:#06x}, but should be {found:#06x}"
-    return Frame(plain[0], plain[1], message, problem, stated)
+    return SerialFrame(plain[0], plain[1], message, problem, stated)
 
 
-def _cut(plain: bytearray) -> Frame:
+def _cut(plain: bytearray) -> SerialFrame:
     if len(plain) < 4:
-        return Frame(None, None, b"", f"a frame ends after {len(plain)} bytes, inside its header")
+        return SerialFrame(None, None, b"", f"a frame ends after {len(plain)} bytes, inside its header")
     size = _size(plain)
     message = bytes(plain[4 : 4 + size])
-    return Frame(plain[0], plain[1], message, f"of a frame with {size} bytes only {len(message)} came")
+    return SerialFrame(plain[0], plain[1], message, f"of a frame with {size} bytes only {len(message)} came")

@@ -10,7 +10,7 @@ import numpy as np
 
 from tachk.xrce.messages import Endpoint, Messages
 from tachk.xrce.packets import CaptureError, is_capture, read_packets
-from tachk.xrce.serial_framing import AGENT_ADDRESS, Frame, FrameReader
+from tachk.xrce.serial_framing import AGENT_ADDRESS, FrameReader, SerialFrame
 from tachk.xrce.submessages import Submessages, submessages
 
 _PIECE: Final = 1 << 16
@@ -38,7 +38,7 @@ class SerialReading:
         stream: BinaryIO,
         damaged: bool = True,
         clock: Callable[[], int] = lambda: 0,
-        repair: Callable[[Frame], bytes | None] = lambda frame: None,
+        repair: Callable[[SerialFrame], bytes | None] = lambda frame: None,
     ) -> None:
         """Args:
         damaged: whether frames that a receiver would drop are told.
@@ -67,7 +67,7 @@ class SerialReading:
     def _captured(self, stream: Peeked) -> Iterator[Submessages]:
         try:
             for packets in read_packets(stream):  # type: ignore[arg-type]
-                rows: list[tuple[Frame, int, int]] = []
+                rows: list[tuple[SerialFrame, int, int]] = []
                 for entry in range(len(packets.times)):
                     self.packets, self.time = packets.first + entry, int(packets.times[entry])
                     start, size = int(packets.starts[entry]), int(packets.sizes[entry])
@@ -85,13 +85,13 @@ class SerialReading:
             yield self._counted(self._frames.push(octets or b""))
         yield self._counted(self._frames.close())
 
-    def _counted(self, frames: list[Frame]) -> Submessages:
+    def _counted(self, frames: list[SerialFrame]) -> Submessages:
         first, self.packets = self.packets + 1, self.packets + len(frames)
         if frames:
             self.time = self._clock()
         return self._submessages([(frame, first + number, self.time) for number, frame in enumerate(frames)])
 
-    def _submessages(self, rows: list[tuple[Frame, int, int]]) -> Submessages:
+    def _submessages(self, rows: list[tuple[SerialFrame, int, int]]) -> Submessages:
         if not self._damaged:
             rows = [row for row in rows if not row[0].problem]
         frames = [frame for frame, _, _ in rows]

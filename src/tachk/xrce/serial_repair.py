@@ -11,25 +11,25 @@ from typing import Final
 
 from tachk.xrce.events import events
 from tachk.xrce.messages import Endpoint, one_message
-from tachk.xrce.serial_framing import Frame, crc16
+from tachk.xrce.serial_framing import SerialFrame, crc16
 from tachk.xrce.submessages import submessages
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
-_WITHOUT_STREAM: Final = (Kind.ACKNACK, Kind.HEARTBEAT)
+_WITHOUT_STREAM: Final = (SubmessageKind.ACKNACK, SubmessageKind.HEARTBEAT)
 _ANYWHERE: Final = (
-    Kind.CREATE_CLIENT,
-    Kind.STATUS_AGENT,
-    Kind.GET_INFO,
-    Kind.INFO,
-    Kind.DELETE,
-    Kind.STATUS,
-    Kind.TIMESTAMP,
-    Kind.TIMESTAMP_REPLY,
+    SubmessageKind.CREATE_CLIENT,
+    SubmessageKind.STATUS_AGENT,
+    SubmessageKind.GET_INFO,
+    SubmessageKind.INFO,
+    SubmessageKind.DELETE,
+    SubmessageKind.STATUS,
+    SubmessageKind.TIMESTAMP,
+    SubmessageKind.TIMESTAMP_REPLY,
 )
 _NOBODY: Final = Endpoint("", 0)
 
 
-def repaired(frame: Frame) -> bytes | None:
+def repaired(frame: SerialFrame) -> bytes | None:
     """The message that was sent; None if that is not known for sure."""
     if frame.crc is None:
         return None

@@ -17,40 +17,46 @@ from tachk.xrce import wire
 from tachk.xrce.datagrams import Flags
 from tachk.xrce.messages import Messages
 from tachk.xrce.packets import Numbers
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 MALFORMED: Final = -1
 """The kind of what is no submessage."""
 
 _SMALLEST: Final = {
-    Kind.CREATE_CLIENT: 16,
-    Kind.CREATE: 6,
-    Kind.GET_INFO: 8,
-    Kind.DELETE: 4,
-    Kind.STATUS_AGENT: 11,
-    Kind.STATUS: 6,
-    Kind.INFO: 8,
-    Kind.WRITE_DATA: 4,
-    Kind.READ_DATA: 8,
-    Kind.DATA: 4,
-    Kind.ACKNACK: 5,
-    Kind.HEARTBEAT: 5,
-    Kind.RESET: 0,
-    Kind.FRAGMENT: 1,
-    Kind.TIMESTAMP: 8,
-    Kind.TIMESTAMP_REPLY: 24,
-    Kind.PERFORMANCE: 0,
+    SubmessageKind.CREATE_CLIENT: 16,
+    SubmessageKind.CREATE: 6,
+    SubmessageKind.GET_INFO: 8,
+    SubmessageKind.DELETE: 4,
+    SubmessageKind.STATUS_AGENT: 11,
+    SubmessageKind.STATUS: 6,
+    SubmessageKind.INFO: 8,
+    SubmessageKind.WRITE_DATA: 4,
+    SubmessageKind.READ_DATA: 8,
+    SubmessageKind.DATA: 4,
+    SubmessageKind.ACKNACK: 5,
+    SubmessageKind.HEARTBEAT: 5,
+    SubmessageKind.RESET: 0,
+    SubmessageKind.FRAGMENT: 1,
+    SubmessageKind.TIMESTAMP: 8,
+    SubmessageKind.TIMESTAMP_REPLY: 24,
+    SubmessageKind.PERFORMANCE: 0,
 }
-_STRUCTURED: Final = (Kind.CREATE_CLIENT, Kind.CREATE, Kind.STATUS_AGENT, Kind.INFO, Kind.READ_DATA)
+_STRUCTURED: Final = (
+    SubmessageKind.CREATE_CLIENT,
+    SubmessageKind.CREATE,
+    SubmessageKind.STATUS_AGENT,
+    SubmessageKind.INFO,
+    SubmessageKind.READ_DATA,
+)
 _HAS_REQUEST: Final = (
-    Kind.CREATE,
-    Kind.GET_INFO,
-    Kind.DELETE,
-    Kind.STATUS,
-    Kind.INFO,
-    Kind.WRITE_DATA,
-    Kind.READ_DATA,
-    Kind.DATA,
+    SubmessageKind.CREATE,
+    SubmessageKind.GET_INFO,
+    SubmessageKind.DELETE,
+    SubmessageKind.STATUS,
+    SubmessageKind.INFO,
+    SubmessageKind.WRITE_DATA,
+    SubmessageKind.READ_DATA,
+    SubmessageKind.DATA,
 )
 NOTHING: Final = -1
 """The value of a column for submessages that have no such field."""
@@ -63,7 +69,7 @@ class Submessages:
     Attributes:
         message: the index of its message in ``messages``.
         place: how many come before it in its message.
-        kind: a `Kind`, or MALFORMED.
+        kind: a `SubmessageKind`, or MALFORMED.
         session, stream, sequence: as in the header of the message; NOTHING where that is cut.
         flags: those of the submessage.
         starts, sizes: where its payload is in ``messages.octets``.
@@ -98,12 +104,12 @@ class Submessages:
 
 def submessages(messages: Messages) -> Submessages:
     """The submessages of messages, in their order. Nothing raises: what cannot be decoded is MALFORMED."""
-    walk = _Walk(messages)
+    walk = _HeaderWalk(messages)
     walk.run()
     return walk.collected()
 
 
-class _Walk:
+class _HeaderWalk:
     """From header to header, in all messages side by side."""
 
     def __init__(self, messages: Messages) -> None:
@@ -140,7 +146,7 @@ class _Walk:
         cut = at + 4 > ends
         kind, flags, size = self.byte(at), self.byte(at + 1), self.little(at + 2)
         rest = ends - at - 4
-        to_the_end = (kind == Kind.WRITE_DATA) & (size == 0) & (rest > 0)
+        to_the_end = (kind == SubmessageKind.WRITE_DATA) & (size == 0) & (rest > 0)
         size = np.where(to_the_end, rest, size)
         kind = np.where(cut | (size > rest) | (_smallest()[kind] > size), MALFORMED, kind)
         self.rounds.append((active, np.full(len(active), place), kind, flags, at, size, ends))
@@ -160,7 +166,7 @@ class _Walk:
         headless = begin + 4 > ends
         is_little = flags & wire.LITTLE_ENDIAN != 0
         one, other = (np.where(is_little, self.little(start + k), self.big(start + k)) for k in (0, 2))
-        is_acknack, is_heartbeat = kind == Kind.ACKNACK, kind == Kind.HEARTBEAT
+        is_acknack, is_heartbeat = kind == SubmessageKind.ACKNACK, kind == SubmessageKind.HEARTBEAT
         about_stream, has_request = is_acknack | is_heartbeat, np.isin(kind, _HAS_REQUEST)
         found = Submessages(
             self.messages,
@@ -209,12 +215,14 @@ class _Walk:
             elif size[entry] > left - 4:
                 problem = f"{_KINDS[stated]} claims to have {size[entry]} bytes, {left - 4} are left"
             else:
-                problem = f"{_KINDS[stated]} has {size[entry]} bytes, at least {_SMALLEST[Kind(stated)]} are needed"
+                problem = (
+                    f"{_KINDS[stated]} has {size[entry]} bytes, at least {_SMALLEST[SubmessageKind(stated)]} are needed"
+                )
             found.problems[entry] = problem
 
     def look_inside(self, found: Submessages) -> None:
         for entry in np.flatnonzero(np.isin(found.kind, _STRUCTURED)).tolist():
-            kind = Kind(int(found.kind[entry]))
+            kind = SubmessageKind(int(found.kind[entry]))
             try:
                 found.contents[entry] = parsed(found, entry)
             except construct.ConstructError as error:
@@ -224,7 +232,7 @@ class _Walk:
 
 def parsed(found: Submessages, entry: int) -> construct.Container:
     """A submessage as `tachk.xrce.wire` declares it. Raises construct.ConstructError."""
-    kind, is_little = Kind(int(found.kind[entry])), bool(found.flags[entry] & wire.LITTLE_ENDIAN)
+    kind, is_little = SubmessageKind(int(found.kind[entry])), bool(found.flags[entry] & wire.LITTLE_ENDIAN)
     return _parsed(kind, is_little, payload(found, entry))
 
 
@@ -235,12 +243,12 @@ def payload(found: Submessages, entry: int) -> bytes:
 
 
 @lru_cache(maxsize=256)
-def _parsed(kind: Kind, is_little: bool, octets: bytes) -> construct.Container:
+def _parsed(kind: SubmessageKind, is_little: bool, octets: bytes) -> construct.Container:
     """Kept, because sessions begin with the same bytes again and again."""
     return wire.payloads(is_little)[kind].parse(octets)
 
 
-_KINDS: Final = {kind.value: kind.name for kind in Kind}
+_KINDS: Final = {kind.value: kind.name for kind in SubmessageKind}
 
 
 @cache

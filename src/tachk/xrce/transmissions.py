@@ -15,13 +15,13 @@ from typing import BinaryIO, Final
 
 from tachk.base.records import dataclass
 from tachk.xrce.datagrams import Datagrams, datagrams
-from tachk.xrce.events import DEFAULT_PORT, Event, events
+from tachk.xrce.events import DEFAULT_PORT, SubmessageEvent, events
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import CaptureError, read_packets
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.serial_repair import repaired
-from tachk.xrce.wire import COOKIE, SESSIONS_OF_NOBODY, Kind
+from tachk.xrce.wire import COOKIE, SESSIONS_OF_NOBODY, SubmessageKind
 
 _LONGEST_RELAY: Final = 5_000_000_000
 """Nanoseconds from a CREATE_CLIENT to its copy behind a relay."""
@@ -49,7 +49,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
+class TransmissionArrival:
     """``time`` in nanoseconds since the epoch, ``packet`` the number in the capture."""
 
     time: int
@@ -73,8 +73,8 @@ class Transmission:
     to_agent: bool
     sent: int
     packet: int
-    arrivals: tuple[Arrival, ...] | None
-    events: tuple[Event, ...]
+    arrivals: tuple[TransmissionArrival, ...] | None
+    events: tuple[SubmessageEvent, ...]
 
     @property
     def is_lost(self) -> bool:
@@ -87,7 +87,7 @@ class Transmission:
 
 
 @dataclass(frozen=True)
-class Recording:
+class Capture:
     """Attributes:
     links: in the order in which they began.
     transmissions: in the order in which they were sent.
@@ -107,7 +107,7 @@ class Recording:
         return max((t.arrivals[-1].time if t.arrivals else t.sent for t in self.transmissions), default=0)
 
 
-def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Recording:
+def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
     """The messages of a capture, put together where a relay was recorded on both sides.
 
     Args:
@@ -171,7 +171,9 @@ def _created(found: Datagrams) -> set[int]:
         if port in ports or size < 20:
             continue
         octets = found.octets[start : start + 20].tobytes()
-        if any(octets[at] == Kind.CREATE_CLIENT and octets[at + 4 : at + 8] == COOKIE for at in (4, 6, 8, 10)):
+        if any(
+            octets[at] == SubmessageKind.CREATE_CLIENT and octets[at + 4 : at + 8] == COOKIE for at in (4, 6, 8, 10)
+        ):
             ports.add(port)
     return ports
 
@@ -186,7 +188,7 @@ class _Message:
     time: int
     packet: int
     octets: bytes
-    events: tuple[Event, ...]
+    events: tuple[SubmessageEvent, ...]
     dropped: bool = False
 
 
@@ -194,7 +196,7 @@ def _messages(reading: CaptureReading | SerialReading) -> Iterator[_Message]:
     for found in reading.pieces():
         messages = found.messages
         dropped = reading.dropped if isinstance(reading, SerialReading) else frozenset()
-        of_message: dict[int, list[Event]] = defaultdict(list)
+        of_message: dict[int, list[SubmessageEvent]] = defaultdict(list)
         for number, event in zip(found.message.tolist(), events(found, reading.endpoints), strict=True):
             of_message[number].append(event)
         for number, inside in of_message.items():
@@ -229,14 +231,15 @@ class _Leg:
     def creation(self) -> _Message | None:
         """The first CREATE_CLIENT."""
         return next(
-            (m for m in self.messages if m.to_agent and any(e.kind is Kind.CREATE_CLIENT for e in m.events)), None
+            (m for m in self.messages if m.to_agent and any(e.kind is SubmessageKind.CREATE_CLIENT for e in m.events)),
+            None,
         )
 
     @property
     def key(self) -> str:
         if self.creation is None:
             return ""
-        return next(str(e.fields["key"]) for e in self.creation.events if e.kind is Kind.CREATE_CLIENT)
+        return next(str(e.fields["key"]) for e in self.creation.events if e.kind is SubmessageKind.CREATE_CLIENT)
 
     @cached_property
     def session(self) -> int | None:
@@ -269,7 +272,7 @@ class _Leg:
         )
 
 
-def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
+def _recording(legs: Sequence[_Leg], problem: str) -> Capture:
     left = list(legs)
     links: list[Link] = []
     sent: list[Transmission] = []
@@ -290,7 +293,7 @@ def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
         for to_agent, (begin, end) in {True: (near, far), False: (far, near)}.items():
             before, behind = ([m for m in leg.messages if m.to_agent == to_agent] for leg in (begin, end))
             sent += _matched(number, before, behind)
-    return Recording(tuple(links), tuple(sorted(sent, key=lambda one: one.packet)), problem)
+    return Capture(tuple(links), tuple(sorted(sent, key=lambda one: one.packet)), problem)
 
 
 def _seen_once(link: int, message: _Message) -> Transmission:
@@ -309,13 +312,13 @@ def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) 
         entered[message.octets].append(number)
     for message in behind:
         left[message.octets].append(message)
-    arrivals: list[list[Arrival]] = [[] for _ in before]
+    arrivals: list[list[TransmissionArrival]] = [[] for _ in before]
     for octets, numbers in entered.items():
         for number, message in _equal_ones(before, numbers, left[octets]):
-            arrivals[number].append(Arrival(message.time, message.packet))
+            arrivals[number].append(TransmissionArrival(message.time, message.packet))
     for message in behind:
         if message.octets not in entered:
-            arrival = Arrival(message.time, message.packet)
+            arrival = TransmissionArrival(message.time, message.packet)
             yield Transmission(link, message.to_agent, message.time, message.packet, (arrival,), message.events)
     for message, found in zip(before, arrivals, strict=True):
         seen = tuple(sorted(found, key=lambda arrival: arrival.packet))

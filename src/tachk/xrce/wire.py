@@ -15,7 +15,7 @@ from typing import Any, Final
 import construct as c
 
 
-class Kind(IntEnum):
+class SubmessageKind(IntEnum):
     """What a submessage is; section 8.3.5. PERFORMANCE is eProsima's own."""
 
     CREATE_CLIENT = 0
@@ -220,27 +220,27 @@ def _read(order: _Ordered) -> Any:
 
 
 @cache
-def payloads(little: bool) -> Mapping[Kind, Any]:
+def payloads(little: bool) -> Mapping[SubmessageKind, Any]:
     """What a submessage of each kind carries, in one of the two byte orders."""
     order = _Ordered(little)
     u16, moment = order.u16, order.moment
     carried = c.Struct("base" / _REQUEST, "sample" / c.GreedyBytes)
     return {
-        Kind.CREATE_CLIENT: _client(order),
-        Kind.CREATE: c.Struct("base" / _REQUEST, "new" / _object(order)),
-        Kind.GET_INFO: c.Struct("base" / _REQUEST, "mask" / order.u32),
-        Kind.DELETE: c.Struct("base" / _REQUEST),
-        Kind.STATUS_AGENT: c.Struct("result" / _RESULT, "agent" / _agent(order)),
-        Kind.STATUS: c.Struct("base" / _REQUEST, "result" / _RESULT),
-        Kind.INFO: _information(order),
-        Kind.WRITE_DATA: carried,
-        Kind.READ_DATA: _read(order),
-        Kind.DATA: carried,
-        Kind.ACKNACK: c.Struct("first" / u16, "bitmap" / c.Int16ub, "subject" / c.Int8ub),
-        Kind.HEARTBEAT: c.Struct("first" / u16, "last" / u16, "subject" / c.Int8ub),
-        Kind.RESET: c.Struct(),
-        Kind.FRAGMENT: c.Struct("piece" / c.GreedyBytes),
-        Kind.TIMESTAMP: c.Struct("transmitted" / moment),
-        Kind.TIMESTAMP_REPLY: c.Struct("transmitted" / moment, "received" / moment, "originated" / moment),
-        Kind.PERFORMANCE: c.Struct("octets" / c.GreedyBytes),
+        SubmessageKind.CREATE_CLIENT: _client(order),
+        SubmessageKind.CREATE: c.Struct("base" / _REQUEST, "new" / _object(order)),
+        SubmessageKind.GET_INFO: c.Struct("base" / _REQUEST, "mask" / order.u32),
+        SubmessageKind.DELETE: c.Struct("base" / _REQUEST),
+        SubmessageKind.STATUS_AGENT: c.Struct("result" / _RESULT, "agent" / _agent(order)),
+        SubmessageKind.STATUS: c.Struct("base" / _REQUEST, "result" / _RESULT),
+        SubmessageKind.INFO: _information(order),
+        SubmessageKind.WRITE_DATA: carried,
+        SubmessageKind.READ_DATA: _read(order),
+        SubmessageKind.DATA: carried,
+        SubmessageKind.ACKNACK: c.Struct("first" / u16, "bitmap" / c.Int16ub, "subject" / c.Int8ub),
+        SubmessageKind.HEARTBEAT: c.Struct("first" / u16, "last" / u16, "subject" / c.Int8ub),
+        SubmessageKind.RESET: c.Struct(),
+        SubmessageKind.FRAGMENT: c.Struct("piece" / c.GreedyBytes),
+        SubmessageKind.TIMESTAMP: c.Struct("transmitted" / moment),
+        SubmessageKind.TIMESTAMP_REPLY: c.Struct("transmitted" / moment, "received" / moment, "originated" / moment),
+        SubmessageKind.PERFORMANCE: c.Struct("octets" / c.GreedyBytes),
     }

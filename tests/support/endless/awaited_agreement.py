@@ -10,7 +10,7 @@ from tachk.base.span import NOWHERE, Source
 from tachk.engine.options import Limits
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.made_network import scope_of
 from tachk.frontend.queries.observer_processes import elaborate_temporal
 from tachk.model.expressions import Expression
@@ -84,7 +84,7 @@ def elaborated(
     formula, _ = parse_formula(Source("f", text))
     assert formula is not None
     named = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
-    context = Context(Findings())
+    context = Context(DiagnosticCollector())
     scope = scope_of(network)
     query = elaborate_temporal(ast.TemporalFormula(NOWHERE, named), "q", scope, context, "", None)
     a, b, c = (condition(atoms[name], scope, context) for name in FLAGS)

@@ -13,7 +13,7 @@ from tachk.engine.outcome import LivenessStatus, Obligation
 from tachk.meaning.clock_constants import clock_constants
 from tachk.meaning.discrete import prepare
 from tachk.model.query import Query
-from tachk.model.random_networks import Case
+from tachk.model.random_networks import RandomCase
 from tachk.model.traversal import asks_deadlock
 from tachk.verify import liveness
 from tachk.verify.plan import Analysis, Search, Task
@@ -35,7 +35,7 @@ class DivergingAgreement:
 
 
 def compare_diverging(
-    case: Case, obligation: Obligation, variants: Sequence[Options], effort: Effort
+    case: RandomCase, obligation: Obligation, variants: Sequence[Options], effort: Effort
 ) -> DivergingAgreement:
     """The verdicts contain runs, which their making has judged. Networks with stopwatches have no oracle."""
     network = case.network
@@ -73,7 +73,7 @@ _ANSWERS = {
 }
 
 
-def verdict(case: Case, obligation: Obligation, options: Options, limits: Limits) -> Answer:
+def verdict(case: RandomCase, obligation: Obligation, options: Options, limits: Limits) -> Answer:
     """What `tachk verify --non-zeno` answers. Raises InternalError for a run that is none."""
     if obligation.trigger is None:
         query = Query("q", QueryKind.EVENTUALLY, obligation.goal, non_zeno=True)

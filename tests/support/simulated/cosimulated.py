@@ -14,12 +14,12 @@ from fmpy.validation import validate_fmu
 
 from tachk.base.records import dataclass
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.model.network import Network
 from tachk.simulation.columns import all_columns
 from tachk.simulation.fmi.archive import write_unit
-from tachk.simulation.fmi.description import Version
-from tachk.simulation.fmi.unit import Role, Unit, closed_unit
+from tachk.simulation.fmi.description import FmiVersion
+from tachk.simulation.fmi.unit import CoSimulationUnit, Role, closed_unit
 from tachk.simulation.runs import Runs
 
 _ROUNDING = 1e-7
@@ -37,18 +37,18 @@ class Driving:
         events: event mode with early return, in version 3.
     """
 
-    version: Version
+    version: FmiVersion
     step: int
     events: bool
 
 
 def disagreements(
-    network: Network, drawing: Drawing, run: int, drivings: Sequence[Driving], folder: Path
+    network: Network, drawing: SimulationOptions, run: int, drivings: Sequence[Driving], folder: Path
 ) -> Iterator[str]:
     """What is different between a run of the simulator and the same run of a unit, and what FMPy finds wrong."""
     unit = closed_unit(network, "random")
     native, end, stop = native_rows(network, drawing, run)
-    for version in Version:
+    for version in FmiVersion:
         extracted = extract(unit, version, folder)
         yield from validate_fmu(extracted)
         known = fmpy.read_model_description(extracted, validate=False)
@@ -62,7 +62,7 @@ def disagreements(
                 yield f"{driving}: {len(found)} and {len(expected)} rows, different at {at}"
 
 
-def extract(unit: Unit, version: Version, folder: Path) -> str:
+def extract(unit: CoSimulationUnit, version: FmiVersion, folder: Path) -> str:
     """The folder of a unit. A library that is there already stays: it may be loaded, and is the same for all units."""
     folder.mkdir(exist_ok=True)
     path = folder / f"unit{version}.fmu"
@@ -75,20 +75,20 @@ def extract(unit: Unit, version: Version, folder: Path) -> str:
     return str(extracted)
 
 
-def native_rows(network: Network, drawing: Drawing, run: int) -> tuple[Rows, int, int]:
+def native_rows(network: Network, drawing: SimulationOptions, run: int) -> tuple[Rows, int, int]:
     """The rows of a run of the simulator, where they end, and until when a unit may be asked to go on.
 
     Of a run that is cut off rows end between two instants. Behind a deadlock a unit stops by itself.
     """
     runs = Runs(network, all_columns(network))
-    (drawn,) = runs.draw(drawing, range(run, run + 1), Recorded(observed=True))
+    (drawn,) = runs.draw(drawing, range(run, run + 1), RecordedChanges(observed=True))
     rows: Rows = [
         (time, tuple(values)) for time, values in zip(drawn.times.tolist(), drawn.observed.tolist(), strict=True)
     ]
     end = stop = drawn.end
-    if drawn.ending in (Ending.STEPS, Ending.FAULT, Ending.ZENO):
+    if drawn.ending in (SimulationEnding.STEPS, SimulationEnding.FAULT, SimulationEnding.ZENO):
         end = stop = _gap(sorted({time for time, _ in rows}))
-    elif drawn.ending is not Ending.HORIZON:
+    elif drawn.ending is not SimulationEnding.HORIZON:
         stop += TICKS_PER_UNIT
     return [row for row in rows if row[0] <= end], end, stop
 
@@ -119,11 +119,11 @@ def sampled(rows: Rows, step: int, end: int) -> Rows:
 
 
 def unit_rows(
-    unit: Unit,
+    unit: CoSimulationUnit,
     extracted: str,
     known: ModelDescription,
     driving: Driving,
-    drawing: Drawing,
+    drawing: SimulationOptions,
     run: int,
     until: tuple[int, int],
 ) -> Rows:

@@ -15,16 +15,16 @@ from pathlib import Path
 from fmpy.fmi3 import FMU3Slave
 
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationOptions
 from tachk.meaning.discrete import prepare
 from tachk.meaning.step import StepError, delay, initial_state, possible
 from tachk.model.network import Network
 from tachk.model.run import TimedState
 from tachk.simulation.columns import all_columns
 from tachk.simulation.fmi.blueprint import blueprint
-from tachk.simulation.fmi.description import Version
+from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.surroundings import OUTSIDE, SENT
-from tachk.simulation.fmi.unit import Kind, Role, Unit
+from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role
 from tests.support.simulated.cosimulated import extract
 
 Values = dict[str, int]
@@ -33,13 +33,13 @@ Values = dict[str, int]
 class Member:
     """A unit that runs together with others, and what it shares with them."""
 
-    def __init__(self, unit: Unit, folder: Path, drawing: Drawing, run: int) -> None:
+    def __init__(self, unit: CoSimulationUnit, folder: Path, drawing: SimulationOptions, run: int) -> None:
         self.unit = unit
         self.places = {variable.name: place for place, variable in enumerate(unit.variables)}
         self.next, self.transitions = 0.0, 0
         self._slave = FMU3Slave(
             guid=blueprint(unit).token,
-            unzipDirectory=extract(unit, Version.THREE, folder),
+            unzipDirectory=extract(unit, FmiVersion.THREE, folder),
             modelIdentifier=unit.name,
             instanceName=unit.name,
         )
@@ -53,9 +53,9 @@ class Member:
         """What can be seen of the unit."""
         result: Values = {}
         for kind, read in (
-            (Kind.INTEGER, self._slave.getInt32),
-            (Kind.TRUTH, self._slave.getBoolean),
-            (Kind.ENUMERATION, self._slave.getInt64),
+            (FmiType.INTEGER, self._slave.getInt32),
+            (FmiType.TRUTH, self._slave.getBoolean),
+            (FmiType.ENUMERATION, self._slave.getInt64),
         ):
             names = [v.name for v in self.unit.variables if v.role is Role.OBSERVED and v.kind is kind]
             result |= zip(names, map(int, read([self.places[name] for name in names])), strict=True)
@@ -83,7 +83,7 @@ class Member:
             place = self.places.get(OUTSIDE + name)
             if place is None:
                 continue
-            write = self._slave.setBoolean if self.unit.variables[place].kind is Kind.TRUTH else self._slave.setInt32
+            write = self._slave.setBoolean if self.unit.variables[place].kind is FmiType.TRUTH else self._slave.setInt32
             write([place], [value])
             news = news or seen.get(name, value) != value
         clocks = [self.places[f"{name}?"] for name in channels if f"{name}?" in self.places]
@@ -104,7 +104,7 @@ class Member:
 
 
 def coupled(
-    units: Sequence[Unit], folder: Path, drawing: Drawing, run: int, until: float
+    units: Sequence[CoSimulationUnit], folder: Path, drawing: SimulationOptions, run: int, until: float
 ) -> Iterator[tuple[int, Values]]:
     """The time in ticks and all values after each transition of the whole."""
     with ExitStack() as stack:

@@ -8,9 +8,9 @@ from random import Random
 from tachk.base.records import dataclass
 from tachk.base.span import NOWHERE, Source
 from tachk.engine.options import Limits
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.frontend.context import Context
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.made_network import scope_of
 from tachk.frontend.queries.observer_processes import elaborate_temporal
 from tachk.model.network import Network
@@ -70,7 +70,7 @@ class JudgedProof:
     seed: int
     formula: str
     run: int
-    ending: Ending
+    ending: SimulationEnding
     truth: Truth
 
 
@@ -92,9 +92,9 @@ def proved_on_runs(seed: int, runs: int = 6, forms: tuple[str, ...] = FORMS) -> 
     columns = columns_for(network, (), (name for formula in formulas for name in formula.columns))
     drawn = Runs(network, columns)
     steps = _FEW_STEPS if seed % 5 == 2 else _STEPS
-    drawing = Drawing(seed, random.choice((3, 8, 20)) * TICKS_PER_UNIT, steps=steps)
-    for run in drawn.draw(drawing, range(runs), Recorded(observed=True)):
-        if run.ending is Ending.INITIAL:
+    drawing = SimulationOptions(seed, random.choice((3, 8, 20)) * TICKS_PER_UNIT, steps=steps)
+    for run in drawn.draw(drawing, range(runs), RecordedChanges(observed=True)):
+        if run.ending is SimulationEnding.INITIAL:
             continue
         record = judge(formulas, open_trace(drawn.trace(run)), Judging(robustness=False))
         for formula, judged in zip(formulas, record.verdicts, strict=True):
@@ -120,5 +120,5 @@ def _query(text: str, network: Network) -> Query | None:
     formula, _ = parse_formula(Source("f", text))
     assert formula is not None, text
     return elaborate_temporal(
-        ast.TemporalFormula(NOWHERE, formula), "q", scope_of(network), Context(Findings()), "", None
+        ast.TemporalFormula(NOWHERE, formula), "q", scope_of(network), Context(DiagnosticCollector()), "", None
     )

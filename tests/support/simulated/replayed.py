@@ -8,8 +8,8 @@ from random import Random
 from tachk.base.records import dataclass
 from tachk.base.span import Source
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
-from tachk.meaning.run_view import Names
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationEnding, SimulationOptions
+from tachk.meaning.run_view import RunNames
 from tachk.model.random_networks import Shape, random_case
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
 from tachk.recordings.monitors.offline import Judging, judge
@@ -38,7 +38,7 @@ class JudgedTwice:
 
     seed: int
     run: int
-    ending: Ending
+    ending: SimulationEnding
     formula: str
     simulated: Truth
     replayed: Truth
@@ -56,15 +56,15 @@ def judged_twice(seed: int, runs: int = 4, formulas: int = 4) -> Iterator[Judged
     texts = [formula_over(form, random, network) for form in random.sample(FORMS, formulas)]
     read = [formula for text in texts for formula in read_formulas(text)]
     drawn = Runs(network, columns_for(network, (), (name for formula in read for name in formula.columns)))
-    drawing = Drawing(
+    drawing = SimulationOptions(
         seed,
         random.choice((3, 20)) * TICKS_PER_UNIT,
         random.choice(tuple(Policy)),
         steps=random.choice((0, 1, 2, 5, 20)),
     )
-    names = Names(network)
-    for run in drawn.draw(drawing, range(runs), Recorded(actions=True, observed=True)):
-        if run.ending is Ending.INITIAL or not len(run.times):
+    names = RunNames(network)
+    for run in drawn.draw(drawing, range(runs), RecordedChanges(actions=True, observed=True)):
+        if run.ending is SimulationEnding.INITIAL or not len(run.times):
             continue
         claims = read_run_file(Source("a.run", steps_text(names, steps_of(run))))
         replayed = replay_claims(names, claims)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tachk.engine.simulation.simulator import Recorded, Simulated
+from tachk.engine.simulation.simulator import RecordedChanges, Simulated
 from tachk.model.network import Network
 from tachk.model.run import DiscreteState, TimedState, TimedStep, TimedTrace
 from tachk.model.types import leaves
 from tachk.simulation.columns import Column
 
-WITH_STATES = Recorded(actions=True, observed=True, clocks=True)
+WITH_STATES = RecordedChanges(actions=True, observed=True, clocks=True)
 """What has to be recorded of the runs, with the columns `state_columns`."""
 
 

@@ -12,7 +12,7 @@ from random import Random
 
 from tachk.meaning.dbm import Federation, Zone, subtract_all
 from tachk.meaning.discrete import PreparedNetwork
-from tachk.meaning.judge.exchanges import Exchange, Group
+from tachk.meaning.judge.exchanges import ExchangeGroup, StatePermutation
 from tachk.meaning.symbolic import situation, where
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
@@ -35,7 +35,9 @@ def random_state(model: PreparedNetwork, constants: Mapping[int, int], random: R
     return DiscreteState(locations, tuple(cells))
 
 
-def is_kept(model: PreparedNetwork, predicates: Sequence[Expression], state: DiscreteState, given: Exchange) -> bool:
+def is_kept(
+    model: PreparedNetwork, predicates: Sequence[Expression], state: DiscreteState, given: StatePermutation
+) -> bool:
     """Whether what is possible in the image of a state is the image of what is possible in the state."""
     here, there = _possible(model, predicates, state), _possible(model, predicates, _image(state, given))
     expected: dict[Hashable, Federation] = defaultdict(list)
@@ -48,7 +50,7 @@ def is_kept(model: PreparedNetwork, predicates: Sequence[Expression], state: Dis
     )
 
 
-def mutated(group: Group, random: Random, slots: Sequence[int], clocks: int, channels: int) -> Group:
+def mutated(group: ExchangeGroup, random: Random, slots: Sequence[int], clocks: int, channels: int) -> ExchangeGroup:
     """A group with less, more or other parts: as a rule nothing of the model."""
     match random.randrange(8):
         case 0 if len(group.slots[0]) > 1:
@@ -79,8 +81,8 @@ def mutated(group: Group, random: Random, slots: Sequence[int], clocks: int, cha
     return _with(group, cyclic=not group.cyclic)
 
 
-def _with(group: Group, **changes: object) -> Group:
-    return Group(**{**group.to_json(), **changes})
+def _with(group: ExchangeGroup, **changes: object) -> ExchangeGroup:
+    return ExchangeGroup(**{**group.to_json(), **changes})
 
 
 def _possible(model: PreparedNetwork, predicates: Sequence[Expression], state: DiscreteState) -> Possible:
@@ -103,7 +105,7 @@ def _possible(model: PreparedNetwork, predicates: Sequence[Expression], state: D
     return {what: zones for what, zones in found.items() if zones or what != "urgent"}
 
 
-def _image(state: DiscreteState, given: Exchange) -> DiscreteState:
+def _image(state: DiscreteState, given: StatePermutation) -> DiscreteState:
     before = (*state.locations, *state.values)
     after = list(before)
     for slot, value in enumerate(before):
@@ -112,7 +114,7 @@ def _image(state: DiscreteState, given: Exchange) -> DiscreteState:
     return DiscreteState(tuple(after[:processes]), tuple(after[processes:]))
 
 
-def _exchanged(what: Hashable, given: Exchange) -> Hashable:
+def _exchanged(what: Hashable, given: StatePermutation) -> Hashable:
     match what:
         case (DiscreteState() as target, frozenset() as resets):
             return _image(target, given), frozenset(
@@ -124,7 +126,7 @@ def _exchanged(what: Hashable, given: Exchange) -> Hashable:
             return what
 
 
-def _zone(zone: Zone, given: Exchange) -> Zone:
+def _zone(zone: Zone, given: StatePermutation) -> Zone:
     bounds = list(zone.bounds)
     for i in range(zone.dimension):
         for j in range(zone.dimension):

@@ -17,7 +17,7 @@ from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.recordings.monitors.offline import Judging
-from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.node_signal import Truth
 
 TEXT = "time [s],p,q\n0,0,0\n1,1,0\n2,0,0\n9,0,0\n20,0,1\n"
@@ -70,14 +70,14 @@ def test_a_dump_on_standard_input_is_called_after_it(
 @pytest.mark.parametrize(
     ("formula", "end", "status"),
     [
-        ("G (p -> F[0, 30 s] p)", Ending.UNDETERMINED, ExitStatus.AS_EXPECTED),
-        ("G (q -> F[0, 3 s] p)", Ending.UNDETERMINED, ExitStatus.UNKNOWN),
-        ("G (q -> F[0, 3 s] p)", Ending.WEAK, ExitStatus.AS_EXPECTED),
-        ("G (q -> F[0, 3 s] p)", Ending.STRONG, ExitStatus.NOT_AS_EXPECTED),
+        ("G (p -> F[0, 30 s] p)", TraceEnding.UNDETERMINED, ExitStatus.AS_EXPECTED),
+        ("G (q -> F[0, 3 s] p)", TraceEnding.UNDETERMINED, ExitStatus.UNKNOWN),
+        ("G (q -> F[0, 3 s] p)", TraceEnding.WEAK, ExitStatus.AS_EXPECTED),
+        ("G (q -> F[0, 3 s] p)", TraceEnding.STRONG, ExitStatus.NOT_AS_EXPECTED),
     ],
 )
 def test_the_end_of_standard_input(
-    monkeypatch: pytest.MonkeyPatch, formula: str, end: Ending, status: ExitStatus
+    monkeypatch: pytest.MonkeyPatch, formula: str, end: TraceEnding, status: ExitStatus
 ) -> None:
     feed(monkeypatch, [TEXT[:17], TEXT[17:]])
     assert run_monitor(Judged(formula, "-"), Judging(end), reporting=Reporting(quiet=True)) is status
@@ -177,7 +177,7 @@ def test_it_can_stop_at_the_first_verdict_that_is_false(
     formulas.write_text("first: G (p -> F[0, 3 s] q)\nsecond: G (q -> F[0, 100 s] p)\n")
     lines = TEXT.splitlines(keepends=True)
     pipe = feed(monkeypatch, [*lines, "30,0,0\n"])
-    status = run_monitor(Judged(str(formulas), "-"), Judging(Ending.WEAK), RowByRow(fail_fast=True))
+    status = run_monitor(Judged(str(formulas), "-"), Judging(TraceEnding.WEAK), RowByRow(fail_fast=True))
     assert status is ExitStatus.NOT_AS_EXPECTED
     assert len(pipe.pieces) == 2
     out = capsys.readouterr().out

@@ -11,8 +11,8 @@ from tachk.cli.main import COMMANDS, app
 from tachk.cli.options import distributed
 from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.catalogue import SUFFIXES, ExportFormat
-from tachk.formats.uppaal.versions import Version
-from tachk.recordings.traces.conventions import Ending, Interpolation
+from tachk.formats.uppaal.versions import UppaalVersion
+from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.trace_files import FORMATS
 
 
@@ -34,8 +34,8 @@ def test_every_command_is_called_as_it_is_listed(name: str) -> None:
         ("verify", "order", SearchOrder),
         ("verify", "extrapolation", Extrapolation),
         ("export", "format", [*ExportFormat, "fmu"]),
-        ("check", "version", Version),
-        ("monitor", "ending", Ending),
+        ("check", "version", UppaalVersion),
+        ("monitor", "ending", TraceEnding),
         ("monitor", "interpolation", Interpolation),
     ],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tachk.cli.actions.run_report import RunReporting
-from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.engine.options import Limits
 
@@ -38,12 +38,12 @@ def test_a_query_that_is_not_checked_counts_although_others_were(
     model, file = tmp_path / "m.ta", tmp_path / "m.q"
     model.write_text(MODEL)
     file.write_text(f"{queries}\n")
-    assert run_verify(Asked((str(model),), (file,)), reporting=QUIET) is status
+    assert run_verify(VerifyArguments((str(model),), (file,)), reporting=QUIET) is status
 
 
 def test_one_unknown_answer_beside_others_is_unknown(tmp_path: Path) -> None:
     model, file = tmp_path / "m.ta", tmp_path / "m.q"
     model.write_text(MODEL)
     file.write_text("E<> n == 0\nA[] n <= 1\n")
-    asked = Asked((str(model),), (file,))
+    asked = VerifyArguments((str(model),), (file,))
     assert run_verify(asked, limits=Limits(depth=0), reporting=QUIET) is ExitStatus.UNKNOWN

@@ -202,7 +202,7 @@ class Counting:
 def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
     for bound, explored in [({"explored": 100}, 100), ({"stored": 300}, 192), ({"stored": 10**6}, 1000)]:
         search = Counting()
-        stretch = attempts.Stretch(search, **bound)
+        stretch = attempts.BudgetedSearch(search, **bound)
         while (status := stretch.run(size)) is _core.Status.RUNNING:
             assert search.explored <= explored
         assert search.explored == explored

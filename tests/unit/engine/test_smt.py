@@ -9,7 +9,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UnsupportedError
-from tachk.base.operators import COMPARISONS, BinaryOperator, Group, OperandError
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, OperandGroup
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.options import Limits
 from tachk.engine.outcome import Outcome, Status
@@ -304,7 +304,7 @@ def test_no_time_is_no_answer() -> None:
 
 def test_operators_mean_what_the_table_says() -> None:
     random = Random(1)
-    operators = [o for o in BinaryOperator if o.group is Group.ARITHMETIC and o is not BinaryOperator.POWER]
+    operators = [o for o in BinaryOperator if o.group is OperandGroup.ARITHMETIC and o is not BinaryOperator.POWER]
     solver = z3.Solver()
     for turn in range(120):
         low = random.choice((-9, 0, -40000))

@@ -11,7 +11,7 @@ from tachk.formats.exported import Writing
 from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.portability import portability
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.syntax.printing.expression_printer import print_expression
 
 DECLARATIONS = """\
@@ -37,7 +37,7 @@ property q : E<> {query};"""
 
 
 def refused(text: str, name: str = "model.xml") -> list[str]:
-    found = portability(load_model(Source(name, text)), Version.UPPAAL_5_0)
+    found = portability(load_model(Source(name, text)), UppaalVersion.UPPAAL_5_0)
     return [d.code for d in found if d.code.startswith("E") and d.code != "E0810"]
 
 

@@ -20,7 +20,7 @@ from tachk.formats.loading.load import load_model
 from tachk.formats.munta.certificate import certificate_of
 from tachk.formats.munta.weakened import weakened
 from tachk.formats.munta.writer import MuntaModel, to_munta
-from tachk.meaning.judge.certificate import Block
+from tachk.meaning.judge.certificate import StateBlock
 from tachk.verify.munta_proof import MuntaProof, munta_proof
 from tests.differential.munta_reading import Reading
 
@@ -104,7 +104,7 @@ def test_a_certificate() -> None:
     """Rows hold locations, then the cells of ask, shut, floor, last, wanted, x and y; floor is 1 less for Munta."""
     rows = np.array([[0, 0, 0, 1, 1, 0, 0, 1, 2], [1, 1, 0, 1, 2, 1, 0, 1, 2]])
     numbers = [np.array(n) for n in ([1, 1], [0, 0], [0, 1], [2 * 3 + 1], [-3])]
-    written = certificate_of(exported(LIFT).network, [Block(rows, *numbers)], 2)
+    written = certificate_of(exported(LIFT).network, [StateBlock(rows, *numbers)], 2)
     none = (1 << 63) - 1
     free = [1, 1, 1, none, 1, none, none, none, 1]
     moving = [1, -3, 1, 19, 1, 19, 9, -3, 1]  # x <= 9, y <= 4, y - x <= -2, and what follows: x >= 2

@@ -15,7 +15,7 @@ from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
 from tachk.model.network import Network
-from tachk.model.random_networks import Case, Shape, random_case
+from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.random_cases import cases
 
 ROOT = Path(__file__).parents[3]
@@ -68,7 +68,7 @@ def test_a_rich_network_survives() -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(cases(EVERYTHING))
-def test_random_networks_survive(case: Case) -> None:
+def test_random_networks_survive(case: RandomCase) -> None:
     assert same_network(network_from_json(network_to_json(case.network)), case.network)
 
 

@@ -9,13 +9,13 @@ from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.portability import portability
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.formats.uppaal.xta import print_xta
 
 PLAIN = "process P() { state a; init a; }\nsystem P;"
 
 
-def found(text: str, version: Version = Version.UPPAAL_5_0) -> list[tuple[str, str]]:
+def found(text: str, version: UppaalVersion = UppaalVersion.UPPAAL_5_0) -> list[tuple[str, str]]:
     model = load_model(Source("model.ta", text))
     return [(d.code, d.span.text) for d in portability(model, version)]
 
@@ -26,7 +26,7 @@ def process(inside: str, declarations: str = "") -> str:
 
 def test_plain_xta_has_no_findings() -> None:
     assert found(PLAIN) == []
-    assert found(PLAIN, Version.UPPAAL_4_1) == []
+    assert found(PLAIN, UppaalVersion.UPPAAL_4_1) == []
 
 
 def test_additions_of_tachk() -> None:
@@ -45,7 +45,7 @@ def test_additions_of_tachk() -> None:
 )
 def test_names_that_version_5_took(text: str, place: str) -> None:
     assert found(text) == [("E0811", place)]
-    assert found(text, Version.UPPAAL_4_1) == []
+    assert found(text, UppaalVersion.UPPAAL_4_1) == []
 
 
 def test_names_that_cannot_be_asked_for() -> None:
@@ -65,7 +65,7 @@ def test_names_that_cannot_be_asked_for() -> None:
     ],
 )
 def test_what_4_1_does_not_know(text: str, code: str, place: str) -> None:
-    assert found(text, Version.UPPAAL_4_1) == [(code, place)]
+    assert found(text, UppaalVersion.UPPAAL_4_1) == [(code, place)]
     assert found(text) == []
 
 
@@ -121,7 +121,7 @@ process query(const int[0, 1] i) { init location IO { to IO { sync c!i; } to IO 
 system query;
 """
     written = print_xta(expand(load_model(Source("model.ta", text))))
-    for version in Version:
+    for version in UppaalVersion:
         model = load_model(Source("model.xta", written))
         assert [d for d in portability(model, version) if d.code.startswith("E")] == []
 
@@ -134,7 +134,7 @@ def test_examples_of_the_explanations(code: str) -> None:
     for text, expected in ((CODES[code].bad, True), (CODES[code].good, False)):
         declared = text if "process" in text else f"{text} process P() {{ state a; init a; }}"
         source = text if "system" in text else f"{declared} system P;"
-        assert (code in [found_code for found_code, _ in found(source, Version.UPPAAL_4_1)]) == (
+        assert (code in [found_code for found_code, _ in found(source, UppaalVersion.UPPAAL_4_1)]) == (
             expected and code != "E0811"
         )
         assert code != "E0811" or (code in [found_code for found_code, _ in found(source)]) == expected
@@ -155,7 +155,7 @@ def test_values_that_uppaal_wants_to_know(text: str, places: list[str] | None) -
     """The first and the third are err-01, err-02 and tmpl-binding-03 of the tests of uppaal-to-tchecker."""
     if places is None:
         text = text.replace("system R;", "int[0, 1] m; S = R(0, m); system S;")
-    for version in Version:
+    for version in UppaalVersion:
         assert found(text, version) == [("E0817", place) for place in places or []]
 
 
@@ -169,20 +169,20 @@ def test_values_that_uppaal_wants_to_know(text: str, places: list[str] | None) -
     ],
 )
 def test_order_of_sections(text: str, places: list[str]) -> None:
-    for version in Version:
+    for version in UppaalVersion:
         assert found(text, version) == [("E0822", place) for place in places]
 
 
 def test_what_the_export_does_with_an_addition() -> None:
     model = load_model(Source("model.ta", f"{PLAIN}\nproperty p : E<> P.a;"))
-    assert [d.help for d in portability(model, Version.UPPAAL_5_0)] == [
+    assert [d.help for d in portability(model, UppaalVersion.UPPAAL_5_0)] == [
         "`tachk export` writes it as a query, its name and expectation beside it"
     ]
 
 
 def test_equalities_in_invariants() -> None:
     text = process("clock x[2]; int n; state a { x[0] == 0 && n == 0 }, b { x[1] <= 0 }; init a;")
-    for version in Version:
+    for version in UppaalVersion:
         assert found(text, version) == [("E0818", "x[0] == 0")]
 
 
@@ -191,7 +191,7 @@ def test_names_that_were_put_right() -> None:
         f'<location id="l{i}"><name>{name}</name></location>' for i, name in enumerate(("A", "A", "B-1", "C"))
     )
     text = f'<nta><template><name>P</name>{names}<init ref="l0"/></template><system>system P;</system></nta>'
-    findings = portability(load_model(Source("m.xml", text)), Version.UPPAAL_5_0)
+    findings = portability(load_model(Source("m.xml", text)), UppaalVersion.UPPAAL_5_0)
     assert [(d.code, d.message.split("`")[1]) for d in findings] == [("E0819", "A"), ("E0819", "B-1")]
 
 

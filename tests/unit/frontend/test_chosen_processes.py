@@ -6,7 +6,7 @@ import pytest
 
 import tachk
 from tachk.model.fault import RuntimeErrorKind
-from tachk.simulation.statistics.estimate import Drawn, Estimated, Mean
+from tachk.simulation.statistics.estimate import DrawnRuns, Estimated, Mean
 from tachk.verify.verdict import Answer
 
 MODEL = """
@@ -140,7 +140,7 @@ def test_random_runs() -> None:
     assert found[0].low <= 0.5 <= found[0].high
     assert isinstance(found[1], Mean)
     assert found[1].asymptotic[0] - 0.01 <= 1.5 <= found[1].asymptotic[1] + 0.01
-    assert isinstance(found[2], Drawn)
+    assert isinstance(found[2], DrawnRuns)
     clock, place = found[2].runs[0].lines
     left = place.times[1]
     assert clock.values[-1] == pytest.approx(3 - left)

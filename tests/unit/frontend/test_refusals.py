@@ -12,7 +12,7 @@ from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.base.span import Source
 from tachk.cli.actions.check import run_check
 from tachk.cli.actions.convert import run_convert
-from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.loading.load import load_model
@@ -107,7 +107,7 @@ def test_a_mistake_is_still_an_error() -> None:
 def test_commands_say_it_and_end_with_3(path: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_check((path,), ()) is ExitStatus.UNSUPPORTED
     assert "floating point variable `level` is not supported" in capsys.readouterr().err
-    assert run_verify(Asked((path,))) is ExitStatus.UNSUPPORTED
+    assert run_verify(VerifyArguments((path,))) is ExitStatus.UNSUPPORTED
     printed = capsys.readouterr()
     assert "model.ta:7:31: error[E0750]" in printed.err
     assert "bounded cannot be checked:" in printed.out

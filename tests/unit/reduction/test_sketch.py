@@ -11,7 +11,7 @@ import pytest
 import tachk
 from tachk.engine.symmetry import detection
 from tachk.engine.symmetry.detection import Symmetry, look_for_symmetry
-from tachk.engine.symmetry.sketch import Sketch, sketch_of
+from tachk.engine.symmetry.sketch import NetworkSketch, sketch_of
 from tachk.model.network import Network
 from tests.support.symmetric.cases import SymmetricCase, random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
@@ -23,7 +23,7 @@ def _members(symmetry: Symmetry) -> list[object]:
     return [*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)]
 
 
-def _without_colours(network: Network) -> Sketch:
+def _without_colours(network: Network) -> NetworkSketch:
     return replace(sketch_of(network), colours=[0] * len(network.processes))
 
 

@@ -10,7 +10,7 @@ from tachk import Limits
 from tachk.base.resources import data_root
 from tachk.engine.symmetry import detection
 from tachk.engine.symmetry.detection import find_symmetry, look_for_symmetry
-from tachk.engine.symmetry.kinds import Refusal
+from tachk.engine.symmetry.kinds import AsymmetryReason
 from tests.support.symmetric.cases import random_symmetric_case
 
 ORDER = "the updates of two of them that hear the same broadcast depend on their order"
@@ -232,10 +232,10 @@ def test_a_query_that_names_processes_leaves_the_others(query: str, group: list[
 def test_processes_that_all_differ_take_no_longer_than_they_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = 0
 
-    def exchange_of(*given: object) -> Refusal:
+    def exchange_of(*given: object) -> AsymmetryReason:
         nonlocal tried
         tried += 1
-        return Refusal("they differ")
+        return AsymmetryReason("they differ")
 
     monkeypatch.setattr(detection, "exchange_of", exchange_of)
     text = "process P(const int me) { init location L { to M { guard me > 0; } } location M; }\n"

@@ -10,7 +10,7 @@ import pytest
 from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/check.schema.json"
 GOOD = "process P() { init location a { to b; } location b; }\nsystem P;\n"
@@ -50,7 +50,7 @@ def test_json_has_every_model_and_follows_its_schema(
 
 
 def test_portability_is_apart(models: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
-    data = json.loads(report(models, "json", capsys, version=Version.UPPAAL_4_1))
+    data = json.loads(report(models, "json", capsys, version=UppaalVersion.UPPAAL_4_1))
     jsonschema.validate(data, json.loads(SCHEMA.read_text(encoding="utf-8")))
     assert isinstance(data["models"][0]["portability"], list)
     assert data["models"][1]["portability"] is None

@@ -13,7 +13,7 @@ import pytest
 from tachk import Answer, Limits, UsageError, loads
 from tachk.report.region.json import region_to_csv
 from tachk.report.region.synthesis import Synthesis
-from tachk.verify.synthesis.region import Evidence
+from tachk.verify.synthesis.region import CellEvidence
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/synthesize.schema.json"
 MODEL = """
@@ -63,7 +63,7 @@ def test_a_table_has_a_line_for_each_cell(found: Synthesis) -> None:
     for row in rows:
         values = {name: int(row[name]) for name in "ABC"}
         assert row["answer"] == ("holds" if values["A"] + values["C"] < values["B"] else "fails")
-    assert {row["evidence"] for row in rows} >= {Evidence.SEARCH.value, Evidence.IMPLIED.value}
+    assert {row["evidence"] for row in rows} >= {CellEvidence.SEARCH.value, CellEvidence.IMPLIED.value}
 
 
 def test_the_text_has_a_grid_for_each_further_value(found: Synthesis) -> None:

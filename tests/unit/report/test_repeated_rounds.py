@@ -5,7 +5,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tachk.meaning.run_view import Event, Move, Snapshot, ViewStep
+from tachk.meaning.run_view import ProcessMove, Snapshot, TransitionView, ViewStep
 from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
 
 EMPTY = Snapshot((), ())
@@ -15,7 +15,11 @@ def steps(word: str, delays: dict[str, int] | None = None) -> list[ViewStep]:
     """One step for each letter; the letter names the process that moves."""
     waits = delays or {}
     return [
-        ViewStep(Fraction(waits.get(letter, 0)), Event("", (Move(letter, "a", "a", None, (), "", "", ()),)), EMPTY)
+        ViewStep(
+            Fraction(waits.get(letter, 0)),
+            TransitionView("", (ProcessMove(letter, "a", "a", None, (), "", "", ()),)),
+            EMPTY,
+        )
         for letter in word
     ]
 

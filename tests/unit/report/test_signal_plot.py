@@ -14,7 +14,7 @@ from tachk.api.monitoring import MonitorReport
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.trace import Trace
-from tachk.report.monitor.plot_rows import Band, bands_of, formula_rows, steps, thresholds
+from tachk.report.monitor.plot_rows import SignalBand, bands_of, formula_rows, steps, thresholds
 from tachk.report.monitor.signal_plot import draw_record
 
 TRACE = {
@@ -101,11 +101,11 @@ def test_rows_leave_out_what_signals_show(report: MonitorReport) -> None:
 
 def test_bands_are_clipped_and_never_vanish() -> None:
     signal = NodeSignal(np.array([0, 4, 5, 21]), np.array([0, 1, 0, 2], dtype=np.uint8), 41)
-    assert bands_of(signal, Truth.TRUE, 0, 20, 0.5) == [Band(2, 2.5, True)]
-    assert bands_of(signal, Truth.FALSE, 1, 20, 0.5) == [Band(1, 10)]
-    assert bands_of(signal, Truth.UNDETERMINED, 0, 15, 0.5) == [Band(10, 15)]
+    assert bands_of(signal, Truth.TRUE, 0, 20, 0.5) == [SignalBand(2, 2.5, True)]
+    assert bands_of(signal, Truth.FALSE, 1, 20, 0.5) == [SignalBand(1, 10)]
+    assert bands_of(signal, Truth.UNDETERMINED, 0, 15, 0.5) == [SignalBand(10, 15)]
     at_the_end = NodeSignal(np.array([0, 40]), np.array([1, 0], dtype=np.uint8), 41)
-    assert bands_of(at_the_end, Truth.FALSE, 0, 20, 0.5) == [Band(19.5, 20, True)]
+    assert bands_of(at_the_end, Truth.FALSE, 0, 20, 0.5) == [SignalBand(19.5, 20, True)]
 
 
 def test_long_traces_are_drawn_by_their_extremes() -> None:

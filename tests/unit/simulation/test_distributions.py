@@ -11,7 +11,7 @@ import pytest
 
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.span import Source
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.formats.loading.load import load_model
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs
@@ -47,20 +47,20 @@ DISTRIBUTIONS: dict[str, Callable[[float], float]] = {
 }
 
 
-def _values(expressions: list[str], runs: int) -> tuple[np.ndarray, set[Ending]]:
+def _values(expressions: list[str], runs: int) -> tuple[np.ndarray, set[SimulationEnding]]:
     declared = " ".join(f"double v{n};" for n in range(len(expressions)))
     assigned = ", ".join(f"v{n} = {expression}" for n, expression in enumerate(expressions))
     process = f"process P() {{ committed init location A {{ to B {{ assign {assigned}; }} }} location B; }}"
     text = f"{declared} {process} system P;"
     network = load_model(Source("<text>", text), keeps_doubles=True).network
     drawn = Runs(network, [column for column in all_columns(network) if column.floating])
-    found = list(drawn.draw(Drawing(11, TICKS_PER_UNIT), range(runs), Recorded(observed=True)))
+    found = list(drawn.draw(SimulationOptions(11, TICKS_PER_UNIT), range(runs), RecordedChanges(observed=True)))
     return np.array([run.observed[-1].view(np.float64) for run in found]), {run.ending for run in found}
 
 
 def test_what_is_drawn_has_the_distribution() -> None:
     values, endings = _values(list(DISTRIBUTIONS), RUNS)
-    assert endings == {Ending.HORIZON}
+    assert endings == {SimulationEnding.HORIZON}
     for (name, function), column in zip(DISTRIBUTIONS.items(), values.T, strict=True):
         known = np.sort(column)
         expected = np.array([function(float(x)) for x in known])
@@ -78,7 +78,7 @@ def test_what_is_drawn_has_the_distribution() -> None:
     ["random_gamma(-1, 2)", "random_beta(0, 1)", "random_weibull(1, 0)", "random_poisson(-1)", "random_tri(1, 9, 2)"],
 )
 def test_parameters_that_a_distribution_does_not_have_are_run_time_errors(wrong: str) -> None:
-    assert _values([wrong], 1)[1] == {Ending.FAULT}
+    assert _values([wrong], 1)[1] == {SimulationEnding.FAULT}
 
 
 def test_a_guard_does_not_draw_even_in_a_function() -> None:

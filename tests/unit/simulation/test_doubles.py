@@ -13,9 +13,9 @@ import pytest
 import tachk
 from tachk.base.span import Source
 from tachk.cli.main import app
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.formats.loading.load import load_model
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs, steps_of
@@ -55,8 +55,10 @@ def _network(text: str) -> Network:
 def test_values_are_those_of_the_semantics() -> None:
     network = _network(TANK)
     runs = Runs(network, all_columns(network))
-    names = Names(network)
-    for run in runs.draw(Drawing(2, 30 * TICKS_PER_UNIT), range(3), Recorded(actions=True, observed=True)):
+    names = RunNames(network)
+    for run in runs.draw(
+        SimulationOptions(2, 30 * TICKS_PER_UNIT), range(3), RecordedChanges(actions=True, observed=True)
+    ):
         trace = runs.trace(run)
         replayed = replay_claims(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
         assert replayed.refusal is None
@@ -91,7 +93,7 @@ def test_a_rate_may_depend_on_them() -> None:
     """
     network = _network(text)
     runs = Runs(network, ())
-    drawn = runs.draw(Drawing(7, 2 * TICKS_PER_UNIT), range(4000))
+    drawn = runs.draw(SimulationOptions(7, 2 * TICKS_PER_UNIT), range(4000))
     moved = sum(run.transitions for run in drawn)
     probability = 1 - exp(-0.5)
     assert abs(moved - 4000 * probability) < 4.5 * sqrt(4000 * probability * (1 - probability))
@@ -118,7 +120,7 @@ def test_files_and_paths(tmp_path: Path) -> None:
 def test_a_clock_that_takes_floating_point_numbers_is_a_hybrid_one() -> None:
     network = _network(TANK.replace("assign x = 0, level", "assign x = 0.5, level"))
     runs = Runs(network, all_columns(network))
-    (run,) = runs.draw(Drawing(2, 3 * TICKS_PER_UNIT), range(1), Recorded(actions=True))
+    (run,) = runs.draw(SimulationOptions(2, 3 * TICKS_PER_UNIT), range(1), RecordedChanges(actions=True))
     assert [int(time) * 2 for time in run.times[1:]] == [n * TICKS_PER_UNIT for n in range(2, 7)]
 
 
@@ -152,7 +154,7 @@ def test_functions_are_those_of_the_library(call: str) -> None:
     """
     network = _network(text)
     runs = Runs(network, all_columns(network))
-    (run,) = runs.draw(Drawing(1), range(1), Recorded(observed=True))
+    (run,) = runs.draw(SimulationOptions(1), range(1), RecordedChanges(observed=True))
     last = {name: values[-1] for name, values in runs.trace(run).columns.items()}
     assert last["got"] == pytest.approx(FUNCTIONS[call], rel=1e-15)
     assert last["folded"] == pytest.approx(FUNCTIONS[call], rel=1e-15)
@@ -174,7 +176,7 @@ system P;
 def test_random_numbers_have_their_distributions() -> None:
     network = _network(RANDOM)
     runs = Runs(network, all_columns(network))
-    (run,) = runs.draw(Drawing(3, 8000 * TICKS_PER_UNIT), range(1), Recorded(observed=True))
+    (run,) = runs.draw(SimulationOptions(3, 8000 * TICKS_PER_UNIT), range(1), RecordedChanges(observed=True))
     columns = runs.trace(run).columns
     drawn, normal = columns["drawn"][1:-1], columns["normal"][1:-1]
     count = len(drawn)
@@ -185,7 +187,7 @@ def test_random_numbers_have_their_distributions() -> None:
         probability = (1 + math.erf(sigmas / sqrt(2))) / 2
         below = (normal < 5 + 2 * sigmas).sum()
         assert abs(below - probability * count) < 4.5 * sqrt(count * probability * (1 - probability))
-    (again,) = runs.draw(Drawing(3, 8000 * TICKS_PER_UNIT), range(1), Recorded(observed=True))
+    (again,) = runs.draw(SimulationOptions(3, 8000 * TICKS_PER_UNIT), range(1), RecordedChanges(observed=True))
     assert runs.trace(again).columns["normal"].tolist() == columns["normal"].tolist()
 
 

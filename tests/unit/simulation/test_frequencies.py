@@ -13,7 +13,7 @@ import pytest
 
 import tachk
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.simulation.columns import chosen_columns
 from tachk.simulation.runs import Runs
 
@@ -22,8 +22,10 @@ def _last_values(text: str, name: str, runs: int, until: float, policy: Policy =
     """How many runs end with each value of a variable."""
     network = tachk.loads(text).network
     simulated = Runs(network, chosen_columns(network, [name]))
-    drawing = Drawing(1, int(until * TICKS_PER_UNIT), policy)
-    return Counter(int(run.observed[-1, 0]) for run in simulated.draw(drawing, range(runs), Recorded(observed=True)))
+    drawing = SimulationOptions(1, int(until * TICKS_PER_UNIT), policy)
+    return Counter(
+        int(run.observed[-1, 0]) for run in simulated.draw(drawing, range(runs), RecordedChanges(observed=True))
+    )
 
 
 def _agrees(count: int, runs: int, probability: float) -> bool:

@@ -18,7 +18,7 @@ from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.simulation.library import DrawnRun
 from tachk.simulation.statistics.estimate import Estimate, Estimated, Mean, Settings, estimate
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.sampling import RunSource
 
 BALL = """
 const double G = 9.81;
@@ -213,7 +213,7 @@ def test_runs_are_the_same_with_any_number_of_threads(tmp_path: Path) -> None:
 def answered(text: str, query: str) -> Estimate:
     loaded = load_model(Text("model.ta", text), keeps_doubles=True)
     _, unchecked = elaborate_query_file(loaded, Text("<query>", query))
-    return estimate(loaded.network, read_statistical(unchecked[0], loaded), Settings(Source(seed=3), runs=400))
+    return estimate(loaded.network, read_statistical(unchecked[0], loaded), Settings(RunSource(seed=3), runs=400))
 
 
 def test_goals_are_reached_within_delays(tmp_path: Path) -> None:

@@ -11,11 +11,11 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending, horizon
+from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, SimulationEnding, horizon
 from tachk.recordings.traces.node_signal import Truth
-from tachk.simulation.fmi.description import Version
+from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.unit import closed_unit
-from tachk.simulation.statistics.estimate import Drawn, Estimated
+from tachk.simulation.statistics.estimate import DrawnRuns, Estimated
 from tachk.simulation.tables import run_writer
 from tachk.simulation.times import horizon_of
 from tests.support.simulated.cosimulated import extract
@@ -44,7 +44,7 @@ def test_ticks_are_as_fine_as_fits() -> None:
 def test_ten_minutes_in_microseconds(tmp_path: Path) -> None:
     network = tachk.loads(SECOND)
     (run,) = tachk.simulate(network, until="10 min")
-    assert (run.ending, run.end, run.transitions) == (Ending.HORIZON, 600_000_000, 10)
+    assert (run.ending, run.end, run.transitions) == (SimulationEnding.HORIZON, 600_000_000, 10)
     assert run.times.tolist() == [n * 60_000_000.0 for n in range(11)]
     assert run["n"].tolist() == [n % 7 for n in range(11)]
     for name in ("a.csv", "a.vcd"):
@@ -73,7 +73,7 @@ def test_probabilities_and_values_of_long_runs() -> None:
     found, drawn = tachk.loads(text).estimate("Pr[<=1e9](<> P.b)", "simulate [<=1e9] {x, P.b}", runs=2000)
     assert isinstance(found, Estimated)
     assert found.low < 1 - math.exp(-1) < found.high
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     assert (drawn.runs[0].end, drawn.runs[0].lines[0].values[-1]) == (1e9, 1e9)
 
 
@@ -86,7 +86,7 @@ def test_what_happens_behind_all_times_is_unknown() -> None:
     text = SLOW.replace("RATE", "exponential_rate 1 : 2000000000;")
     (found,) = tachk.loads(text).estimate("Pr[#<=1](<> P.b)", runs=200)
     assert isinstance(found, Estimated)
-    assert found.sample.unknown == found.sample.endings[Ending.END_OF_TIME] > 100
+    assert found.sample.unknown == found.sample.endings[SimulationEnding.END_OF_TIME] > 100
     assert found.high == 1
 
 
@@ -106,8 +106,8 @@ def test_hybrid_clocks_on_long_runs(tmp_path: Path) -> None:
     assert run.times[run["n"].tolist().index(1)] == pytest.approx(500_000_000, rel=2e-6)
 
 
-@pytest.mark.parametrize("version", Version)
-def test_a_unit_whose_end_is_known_goes_as_far(version: Version, tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", FmiVersion)
+def test_a_unit_whose_end_is_known_goes_as_far(version: FmiVersion, tmp_path: Path) -> None:
     unit = closed_unit(tachk.loads(SECOND).network, "long")
     result = fmpy.simulate_fmu(
         extract(unit, version, tmp_path), stop_time=600.0, output_interval=30.0, output=["n", "transitions"]

@@ -10,7 +10,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded, Simulated
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, Simulated, SimulationOptions
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
 from tachk.model.network import Network
@@ -68,7 +68,7 @@ def _runs(
 ) -> list[Simulated]:
     wanted = ordered(network, orders_of(faults))
     runs = Runs(wanted.network, state_columns(network), [*wanted.done.values(), *wanted.missed.values()])
-    return list(runs.draw(Drawing(3, until * TICKS_PER_UNIT, policy), range(count), WITH_STATES))
+    return list(runs.draw(SimulationOptions(3, until * TICKS_PER_UNIT, policy), range(count), WITH_STATES))
 
 
 def _taken(network: Network, runs: list[Simulated]) -> Counter[str]:
@@ -174,8 +174,8 @@ def test_the_packets_of_the_five_automata_are_lost_as_ordered() -> None:
     network = tachk.load("models/micro_xrce_dds/client_3_0.ta", LOSSES=5).network
     wanted = ordered(network, orders_of(["lost=send[PUB_UP][DATA]:2,4"]))
     runs = Runs(wanted.network, (), [*wanted.done.values(), *wanted.missed.values()])
-    drawing = Drawing(1, 20_000 * TICKS_PER_UNIT)
-    for run in runs.draw(drawing, range(3), Recorded(actions=True, observed=True)):
+    drawing = SimulationOptions(1, 20_000 * TICKS_PER_UNIT)
+    for run in runs.draw(drawing, range(3), RecordedChanges(actions=True, observed=True)):
         assert runs.counts(run) == [2, 0]
         news = [
             network.processes[p.process].edges[p.edge].doc

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import exp, sqrt
 
 from tachk.base.span import Source
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.formats.loading.load import load_model
 from tachk.simulation.columns import chosen_columns
 from tachk.simulation.runs import Runs
@@ -42,7 +42,7 @@ def _runs(text: str, count: int) -> Runs:
 def test_who_is_blocked_waits_and_then_draws_anew() -> None:
     runs = _runs(BLOCKED, 2000)
     ends = []
-    for run in runs.draw(Drawing(7, 100 * TICKS_PER_UNIT), range(2000), Recorded(actions=True)):
+    for run in runs.draw(SimulationOptions(7, 100 * TICKS_PER_UNIT), range(2000), RecordedChanges(actions=True)):
         first, second = (action.participants[0].process for action in run.actions)
         assert (first, second) == (1, 0)
         ends.append(int(run.times[-1]) / TICKS_PER_UNIT)
@@ -53,5 +53,5 @@ def test_who_is_blocked_waits_and_then_draws_anew() -> None:
 
 def test_of_what_is_possible_at_once_the_highest_priority_goes_first() -> None:
     runs = _runs(CHANNELS, 20)
-    for run in runs.draw(Drawing(7, 10 * TICKS_PER_UNIT), range(20), Recorded(observed=True)):
+    for run in runs.draw(SimulationOptions(7, 10 * TICKS_PER_UNIT), range(20), RecordedChanges(observed=True)):
         assert run.observed[-1, 0] == 2

@@ -13,7 +13,7 @@ from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.engine.zone import explore_everything
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
@@ -41,25 +41,29 @@ def _networks(count: int, seed: int) -> list[Network]:
 
 @pytest.mark.parametrize("policy", Policy)
 def test_the_judge_accepts_each_run(policy: Policy) -> None:
-    endings: Counter[Ending] = Counter()
+    endings: Counter[SimulationEnding] = Counter()
     for number, network in enumerate(_networks(32, seed=4100)):
         try:
             runs = Runs(network, state_columns(network))
         except (UnsupportedError, InputError):
             continue
         model = prepare(network)
-        drawing = Drawing(number, 20 * TICKS_PER_UNIT, policy, steps=25)
+        drawing = SimulationOptions(number, 20 * TICKS_PER_UNIT, policy, steps=25)
         for run in runs.draw(drawing, range(2), WITH_STATES):
             endings[run.ending] += 1
-            if run.ending is Ending.INITIAL or not len(run.times):
+            if run.ending is SimulationEnding.INITIAL or not len(run.times):
                 continue
             trace = timed_trace(network, run)
             assert len(trace.steps) == run.transitions
             replay(model, trace)
-            if run.ending is Ending.DEADLOCK:
+            if run.ending is SimulationEnding.DEADLOCK:
                 assert deadlocked(model, trace.states[-1])
                 assert not possible(model, trace.states[-1])
-    assert {Ending.DEADLOCK, Ending.STEPS, *([] if policy is Policy.EARLIEST else [Ending.HORIZON])} <= endings.keys()
+    assert {
+        SimulationEnding.DEADLOCK,
+        SimulationEnding.STEPS,
+        *([] if policy is Policy.EARLIEST else [SimulationEnding.HORIZON]),
+    } <= endings.keys()
 
 
 def test_runs_take_only_edges_that_the_search_takes() -> None:
@@ -72,8 +76,8 @@ def test_runs_take_only_edges_that_the_search_takes() -> None:
         outcome, taken = explore_everything(lower(network)[0], (), limits=Limits(states=2000))
         if outcome.reason:
             continue
-        drawing = Drawing(number, 50 * TICKS_PER_UNIT, steps=100)
-        for run in runs.draw(drawing, range(10), Recorded(actions=True)):
+        drawing = SimulationOptions(number, 50 * TICKS_PER_UNIT, steps=100)
+        for run in runs.draw(drawing, range(10), RecordedChanges(actions=True)):
             used = {(p.process, p.edge) for action in run.actions for p in action.participants}
             assert used <= taken
             taken_by_runs += len(used)
@@ -85,7 +89,7 @@ def test_threads_and_batches_make_no_difference() -> None:
     runs = Runs(network, state_columns(network))
 
     def drawn(threads: int, first: int, last: int) -> list[tuple[object, ...]]:
-        drawing = Drawing(7, 20 * TICKS_PER_UNIT, steps=50, threads=threads)
+        drawing = SimulationOptions(7, 20 * TICKS_PER_UNIT, steps=50, threads=threads)
         return [
             (run.number, run.ending, run.end, run.times.tobytes(), run.observed.tobytes())
             for run in runs.draw(drawing, range(first, last), WITH_STATES)
@@ -99,6 +103,6 @@ def test_threads_and_batches_make_no_difference() -> None:
 
 def test_a_long_run_ends_when_the_time_is_over() -> None:
     network = tachk.loads("process P() { init location A { exponential_rate 1000000; to A; } } system P;").network
-    drawing = Drawing(1, 10**8 * TICKS_PER_UNIT)
+    drawing = SimulationOptions(1, 10**8 * TICKS_PER_UNIT)
     with pytest.raises(OutOfTimeError), time_limit(0.05):
         list(Runs(network, ()).draw(drawing, range(1)))

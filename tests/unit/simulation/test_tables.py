@@ -11,7 +11,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.formats.network_json.network import network_from_json, network_to_json
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace
@@ -39,7 +39,9 @@ system P;
 def _trace(number: int = 0) -> Trace:
     network = tachk.loads(MODEL).network
     runs = Runs(network, all_columns(network))
-    (run,) = runs.draw(Drawing(5, 200 * TICKS_PER_UNIT), range(number, number + 1), Recorded(observed=True))
+    (run,) = runs.draw(
+        SimulationOptions(5, 200 * TICKS_PER_UNIT), range(number, number + 1), RecordedChanges(observed=True)
+    )
     return runs.trace(run)
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tachk.base.operators import COMPARISONS, BinaryOperator, Group, PrefixOperator
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandGroup, PrefixOperator
 from tachk.base.span import NOWHERE, Source, Span
 from tachk.syntax import ast
 from tachk.syntax import formula as f
@@ -229,7 +229,7 @@ def test_large_numbers_are_within_the_language() -> None:
 
 # ---- random trees -------------------------------------------------------------------------------------------------
 
-ARITHMETIC = [each for each in BinaryOperator if each.group is Group.ARITHMETIC]
+ARITHMETIC = [each for each in BinaryOperator if each.group is OperandGroup.ARITHMETIC]
 NAMES = st.sampled_from(["p", "q", "x", "G", "F", "U", "rise", "inf", "forall", "deadlock", "a b"])
 NUMBERS = st.builds(lambda n, d: Fraction(n, d), st.integers(0, 10**10), st.sampled_from([1, 2, 4, 5, 10, 1000]))
 
@@ -266,7 +266,7 @@ def atoms() -> st.SearchStrategy[Any]:
     return st.one_of(
         NAMES.map(atom),
         compared.map(lambda expression: f.Atom(NOWHERE, expression)),
-        st.booleans().map(lambda value: f.Truth(NOWHERE, value)),
+        st.booleans().map(lambda value: f.TruthConstant(NOWHERE, value)),
         values().map(lambda value: f.Change(NOWHERE, value)),
     )
 

@@ -39,7 +39,7 @@ def time(amount: int | str, unit: str = "s") -> Duration:
 
 
 P, Q, R = name("p"), name("q"), name("r")
-GLOBALLY, ALWAYS, NO_DELAY = s.Globally(NOWHERE), s.Always(NOWHERE), s.NoDelay(NOWHERE)
+GLOBALLY, ALWAYS, NO_DELAY = s.Globally(NOWHERE), s.AtEveryInstant(NOWHERE), s.NoDelay(NOWHERE)
 MUST = s.MustBeTrue(NOWHERE, Q)
 
 
@@ -87,7 +87,7 @@ def test_the_properties_of_the_paper() -> None:
         "At any point of time, whenever asleep is true, with a delay of between 0 and 50 seconds, not arrived must be "
         "true."
     )
-    assert asleep.delay == s.Window(NOWHERE, time(0), time(50))
+    assert asleep.delay == s.SentenceWindow(NOWHERE, time(0), time(50))
     assert asleep.response == s.MustBeTrue(NOWHERE, Not(NOWHERE, name("arrived")))
     tenth = read("At any point of time, whenever count == 10 is true then, with no delay, sent == toDDS must be true.")
     assert tenth.delay == NO_DELAY
@@ -100,7 +100,7 @@ def test_the_properties_of_the_paper() -> None:
         ("initially, ", s.Initially(NOWHERE)),
         ("whenever p, ", s.Whenever(NOWHERE, P)),
         ("whenever p is false, ", s.Whenever(NOWHERE, Not(NOWHERE, P))),
-        ("whenever p changes, ", s.Changes(NOWHERE, ast.NameExpression(NOWHERE, "p"))),
+        ("whenever p changes, ", s.ChangeInstants(NOWHERE, ast.NameExpression(NOWHERE, "p"))),
         ("whenever p becomes true, ", s.Becomes(NOWHERE, P)),
         ("whenever p becomes false, ", s.Becomes(NOWHERE, Not(NOWHERE, P))),
         (
@@ -109,15 +109,15 @@ def test_the_properties_of_the_paper() -> None:
         ),
         (
             "whenever p becomes true and stays true for at most 5 s, counting from the falling edge, ",
-            s.Becomes(NOWHERE, P, s.AtMost(NOWHERE, time(5)), s.Reference.FALL),
+            s.Becomes(NOWHERE, P, s.AtMost(NOWHERE, time(5)), s.DelayReference.FALL),
         ),
         (
             "whenever p becomes true and stays true for between 1 and 5 s counting from the end of max-time, ",
-            s.Becomes(NOWHERE, P, s.FromTo(NOWHERE, time(1), time(5)), s.Reference.MAXIMUM),
+            s.Becomes(NOWHERE, P, s.FromTo(NOWHERE, time(1), time(5)), s.DelayReference.MAXIMUM),
         ),
         (
             "whenever p becomes true and stays true for at least 1 h, counting from the end of the minimum time, ",
-            s.Becomes(NOWHERE, P, s.AtLeast(NOWHERE, time(1, "h")), s.Reference.MINIMUM),
+            s.Becomes(NOWHERE, P, s.AtLeast(NOWHERE, time(1, "h")), s.DelayReference.MINIMUM),
         ),
         (
             "whenever p becomes false and stays false for at most 2 ms, counting from the rise, ",
@@ -136,10 +136,10 @@ def test_triggers(text: str, trigger: s.Trigger) -> None:
         ("with no delay, ", NO_DELAY),
         ("within 1.5 ms, ", s.Within(NOWHERE, time("1.5", "ms"))),
         ("within 5 time units, ", s.Within(NOWHERE, time(5, ""))),
-        ("between 1 and 5 minutes later, ", s.Window(NOWHERE, time(1, "min"), time(5, "min"))),
-        ("with a delay of between 1 s and 5 minutes, ", s.Window(NOWHERE, time(1), time(5, "min"))),
+        ("between 1 and 5 minutes later, ", s.SentenceWindow(NOWHERE, time(1, "min"), time(5, "min"))),
+        ("with a delay of between 1 s and 5 minutes, ", s.SentenceWindow(NOWHERE, time(1), time(5, "min"))),
         ("after 5 s, ", s.Exactly(NOWHERE, time(5))),
-        ("eventually, ", s.Eventually(NOWHERE)),
+        ("eventually, ", s.AtSomeInstant(NOWHERE)),
     ],
 )
 def test_delays(text: str, delay: s.Delay) -> None:
@@ -172,12 +172,12 @@ def test_responses(text: str, response: s.Response) -> None:
     ("text", "scope"),
     [
         ("globally, ", GLOBALLY),
-        ("before r, ", s.Before(NOWHERE, R)),
+        ("before r, ", s.BeforeScope(NOWHERE, R)),
         ("after p, ", s.After(NOWHERE, P)),
         ("after p becomes true, ", s.After(NOWHERE, Rise(NOWHERE, P))),
-        ("between p and r, ", s.Between(NOWHERE, P, R)),
+        ("between p and r, ", s.BetweenScope(NOWHERE, P, R)),
         ("after p until r, ", s.AfterUntil(NOWHERE, P, R)),
-        ("while p, ", s.While(NOWHERE, P)),
+        ("while p, ", s.WhileScope(NOWHERE, P)),
     ],
 )
 def test_scopes(text: str, scope: s.Scope) -> None:

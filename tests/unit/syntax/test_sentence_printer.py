@@ -48,7 +48,7 @@ def flat(kind: type[f.And] | type[f.Or], parts: list[f.Formula]) -> f.Formula:
 CONDITIONS: st.SearchStrategy[f.Formula] = st.recursive(
     st.one_of(
         st.builds(lambda e: f.Atom(NOWHERE, e), VALUES),
-        st.builds(lambda v: f.Truth(NOWHERE, v), st.booleans()),
+        st.builds(lambda v: f.TruthConstant(NOWHERE, v), st.booleans()),
         st.builds(lambda e: f.Change(NOWHERE, e), VALUES),
     ),
     lambda inner: st.one_of(
@@ -83,26 +83,26 @@ LASTINGS = st.one_of(
 )
 SCOPES = st.one_of(
     st.just(s.Globally(NOWHERE)),
-    st.builds(lambda c: s.Before(NOWHERE, c), CONDITIONS),
+    st.builds(lambda c: s.BeforeScope(NOWHERE, c), CONDITIONS),
     st.builds(lambda c: s.After(NOWHERE, c), CONDITIONS),
-    st.builds(lambda a, b: s.Between(NOWHERE, a, b), CONDITIONS, CONDITIONS),
+    st.builds(lambda a, b: s.BetweenScope(NOWHERE, a, b), CONDITIONS, CONDITIONS),
     st.builds(lambda a, b: s.AfterUntil(NOWHERE, a, b), CONDITIONS, CONDITIONS),
-    st.builds(lambda c: s.While(NOWHERE, c), CONDITIONS),
+    st.builds(lambda c: s.WhileScope(NOWHERE, c), CONDITIONS),
 )
 TRIGGERS = st.one_of(
-    st.just(s.Always(NOWHERE)),
+    st.just(s.AtEveryInstant(NOWHERE)),
     st.just(s.Initially(NOWHERE)),
     st.builds(lambda c: s.Whenever(NOWHERE, c), CONDITIONS),
     st.builds(lambda c: s.Becomes(NOWHERE, c), CONDITIONS),
-    st.builds(lambda c, l, r: s.Becomes(NOWHERE, c, l, r), CONDITIONS, LASTINGS, st.sampled_from(s.Reference)),
-    st.builds(lambda e: s.Changes(NOWHERE, e), VALUES),
+    st.builds(lambda c, l, r: s.Becomes(NOWHERE, c, l, r), CONDITIONS, LASTINGS, st.sampled_from(s.DelayReference)),
+    st.builds(lambda e: s.ChangeInstants(NOWHERE, e), VALUES),
 )
 DELAYS = st.one_of(
     st.just(s.NoDelay(NOWHERE)),
     st.builds(lambda d: s.Within(NOWHERE, d), DURATIONS),
-    st.builds(lambda pair: s.Window(NOWHERE, *pair), PAIRS),
+    st.builds(lambda pair: s.SentenceWindow(NOWHERE, *pair), PAIRS),
     st.builds(lambda d: s.Exactly(NOWHERE, d), DURATIONS),
-    st.just(s.Eventually(NOWHERE)),
+    st.just(s.AtSomeInstant(NOWHERE)),
 )
 RESPONSES = st.one_of(
     st.builds(lambda c: s.MustBeTrue(NOWHERE, c), CONDITIONS),
@@ -129,8 +129,11 @@ def reference_is_known(sentence: s.Sentence) -> bool:
     if not isinstance(trigger, s.Becomes) or trigger.lasting is None:
         return True
     return not (
-        (isinstance(trigger.lasting, s.AtLeast) and trigger.reference in (s.Reference.FALL, s.Reference.MAXIMUM))
-        or (isinstance(trigger.lasting, s.AtMost) and trigger.reference is s.Reference.MINIMUM)
+        (
+            isinstance(trigger.lasting, s.AtLeast)
+            and trigger.reference in (s.DelayReference.FALL, s.DelayReference.MAXIMUM)
+        )
+        or (isinstance(trigger.lasting, s.AtMost) and trigger.reference is s.DelayReference.MINIMUM)
     )
 
 

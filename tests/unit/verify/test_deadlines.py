@@ -16,11 +16,11 @@ from tachk.engine.outcome import LivenessStatus, Obligation
 from tachk.meaning.discrete import prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
 from tachk.model.expressions import Expression, LocationTest
-from tachk.model.query import Deadline, Query
+from tachk.model.query import Query, QueryDeadline
 from tachk.verify.deadlines import with_deadline
 from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
-from tests.support import Case, Shape, random_case
+from tests.support import RandomCase, Shape, random_case
 from tests.support.oracles.liveness_regions import check_by_regions
 
 SMALL = Shape(processes=2, locations=3, clocks=1, constant=3, deadlocks=False)
@@ -158,7 +158,7 @@ def test_the_region_oracle_contradicts_no_answer() -> None:
         random = Random(seed)
         case = random_case(random, SMALL)
         goal, trigger = LocationTest(0, random.randrange(2)), LocationTest(1, random.randrange(2))
-        deadline = Deadline(random.randrange(5), random.random() < 0.5)
+        deadline = QueryDeadline(random.randrange(5), random.random() < 0.5)
         queries = [
             Query("a", QueryKind.EVENTUALLY, goal, deadline=deadline),
             Query("b", QueryKind.LEADS_TO, trigger, (goal,), deadline=deadline),
@@ -182,7 +182,7 @@ def test_the_region_oracle_contradicts_no_answer() -> None:
     assert compared > 20 and 0 < violated < compared
 
 
-def lateness(case: Case, trigger: Expression, goal: Expression, random: Random) -> Fraction:
+def lateness(case: RandomCase, trigger: Expression, goal: Expression, random: Random) -> Fraction:
     """For how long at most the goal was seen to be missing on one random run, since the trigger."""
     model = prepare(case.network)
     state = initial_state(model)
@@ -211,7 +211,7 @@ def test_no_random_run_is_later_than_what_holds() -> None:
         case = random_case(random, SMALL)
         goal, trigger = LocationTest(0, random.randrange(2)), LocationTest(1, random.randrange(2))
         bound = random.randrange(2, 6)
-        query = Query("q", QueryKind.LEADS_TO, trigger, (goal,), deadline=Deadline(bound))
+        query = Query("q", QueryKind.LEADS_TO, trigger, (goal,), deadline=QueryDeadline(bound))
         (verdict,) = verify(case.network, [query], limits=Limits(states=3000), trace=False)
         if verdict.answer is Answer.HOLDS:
             held += 1

@@ -15,7 +15,7 @@ from tachk.base.resources import data_root
 from tachk.base.span import Source
 from tachk.base.time_limit import OutOfTimeError, check_time, time_limit
 from tachk.cli.actions.run_report import RunReporting
-from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
 from tachk.engine.options import Limits
@@ -159,7 +159,7 @@ def test_a_time_limit_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[
     model = tmp_path / "m.ta"
     model.write_text(text, encoding="utf-8")
     as_json = RunReporting(ReportForm.JSON)
-    assert run_verify(Asked((str(model),)), limits=Limits(seconds=0), reporting=as_json) is ExitStatus.UNKNOWN
+    assert run_verify(VerifyArguments((str(model),)), limits=Limits(seconds=0), reporting=as_json) is ExitStatus.UNKNOWN
     captured = capsys.readouterr()
     assert captured.err == "error: the time limit was over before there was a result\n"
     assert "the time limit was over" in captured.out

@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import pytest
 
-from tachk.xrce.events import Event, decode
+from tachk.xrce.events import SubmessageEvent, decode
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 from tests.unit.xrce.captures import (
     ACKNACK,
     CREATE_CLIENT,
@@ -31,7 +31,7 @@ from tests.unit.xrce.captures import (
 )
 
 
-def decoded(capture: bytes, *ports: int) -> list[Event]:
+def decoded(capture: bytes, *ports: int) -> list[SubmessageEvent]:
     return list(decode(BytesIO(capture), ports or (8888,)))
 
 
@@ -41,7 +41,7 @@ def told(capture: bytes) -> list[tuple[int, str]]:
 
 def test_who_says_what_when():
     to, from_ = decoded(pcap([udp(HEARTBEAT), udp(ACKNACK, 8888, 40000)]))
-    assert (to.packet, to.time, to.kind, to.to_agent) == (1, 1_000_000_000_000, Kind.HEARTBEAT, True)
+    assert (to.packet, to.time, to.kind, to.to_agent) == (1, 1_000_000_000_000, SubmessageKind.HEARTBEAT, True)
     assert to.fields == {"subject": 0x80, "first": 4, "last": 4}
     assert (from_.time - to.time, from_.to_agent) == (1_000_000, False)
     assert str(from_.client) == "127.0.0.1:40000"
@@ -62,16 +62,16 @@ def test_fields_in_the_other_byte_order():
 
 def test_a_session_with_a_key_has_a_longer_header():
     (event,) = decoded(pcap([udp(bytes.fromhex("01800500AABBCCDD") + WRITE_DATA[4:])]))
-    assert (event.kind, event.session, event.sequence) == (Kind.WRITE_DATA, 1, 5)
+    assert (event.kind, event.session, event.sequence) == (SubmessageKind.WRITE_DATA, 1, 5)
 
 
 def test_several_submessages_begin_at_multiples_of_four():
     message = HEARTBEAT + bytes(3) + ACKNACK[4:] + bytes(3) + WRITE_DATA[4:]
     events = decoded(pcap([udp(message)]))
     assert [(event.place, event.kind) for event in events] == [
-        (0, Kind.HEARTBEAT),
-        (1, Kind.ACKNACK),
-        (2, Kind.WRITE_DATA),
+        (0, SubmessageKind.HEARTBEAT),
+        (1, SubmessageKind.ACKNACK),
+        (2, SubmessageKind.WRITE_DATA),
     ]
 
 
@@ -116,7 +116,7 @@ def test_what_is_no_message_says_why(message, problem):
     events = decoded(pcap([udp(bytes.fromhex(message)), udp(HEARTBEAT)]))
     assert events[0].kind is None
     assert events[0].problem.startswith(problem)
-    assert events[-1].kind is Kind.HEARTBEAT
+    assert events[-1].kind is SubmessageKind.HEARTBEAT
 
 
 def test_what_was_not_captured_is_malformed():
@@ -167,7 +167,7 @@ def test_link_types(link, frame):
 def test_ip_version_6():
     payload = struct.pack(">HHHH", 40000, 8888, 8 + len(HEARTBEAT), 0) + HEARTBEAT
     (event,) = decoded(pcap([ipv6(17, payload)]))
-    assert (event.kind, str(event.client)) == (Kind.HEARTBEAT, "[::1]:40000")
+    assert (event.kind, str(event.client)) == (SubmessageKind.HEARTBEAT, "[::1]:40000")
 
 
 def prefixed(*messages: bytes) -> bytes:

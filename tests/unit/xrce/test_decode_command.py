@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from tachk.cli.main import app
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 from tests.unit.xrce.captures import ACKNACK, CREATE_CLIENT, HEARTBEAT, WRITE_DATA, pcap, udp
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -51,7 +51,7 @@ def test_json_follows_its_schema(capture: Path, tmp_path: Path):
 
 def test_the_schema_knows_every_kind_and_no_other():
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
-    assert SCHEMA["properties"]["kind"]["enum"] == [*(kind.name for kind in Kind), "malformed"]
+    assert SCHEMA["properties"]["kind"]["enum"] == [*(kind.name for kind in SubmessageKind), "malformed"]
 
 
 def test_standard_input(monkeypatch: pytest.MonkeyPatch):

@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
 from tachk.recordings.traces.trace_files import open_trace
-from tachk.xrce.events import Event, decode_serial
+from tachk.xrce.events import SubmessageEvent, decode_serial
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.serial_framing import Frame, FrameReader, crc16
-from tachk.xrce.wire import Kind
+from tachk.xrce.serial_framing import FrameReader, SerialFrame, crc16
+from tachk.xrce.wire import SubmessageKind
 from tests.unit.xrce.captures import ACKNACK, HEARTBEAT, WRITE_DATA, framed, pcap
 
 PING = bytes.fromhex("8000000002010800000AFFFD02000000")
 
 
-def decoded(octets: bytes) -> list[Event]:
+def decoded(octets: bytes) -> list[SubmessageEvent]:
     return list(decode_serial(BytesIO(octets)))
 
 
@@ -44,15 +44,20 @@ def test_frames_come_back_whatever_pieces_they_come_in(messages: list[bytes], si
     line = b"".join(framed(1, 0, message) for message in messages)
     reader = FrameReader()
     found = [frame for at in range(0, len(line), size) for frame in reader.push(line[at : at + size])]
-    assert found == [Frame(1, 0, message) for message in messages]
+    assert found == [SerialFrame(1, 0, message) for message in messages]
     assert reader.close() == []
 
 
 def test_who_says_what():
     to, from_ = decoded(framed(1, 0, HEARTBEAT) + framed(0, 1, ACKNACK))
-    assert (to.packet, to.time, to.kind, to.to_agent) == (1, 0, Kind.HEARTBEAT, True)
+    assert (to.packet, to.time, to.kind, to.to_agent) == (1, 0, SubmessageKind.HEARTBEAT, True)
     assert (str(to.client), str(to.agent)) == ("serial:1", "serial:0")
-    assert (from_.packet, from_.kind, from_.to_agent, str(from_.client)) == (2, Kind.ACKNACK, False, "serial:1")
+    assert (from_.packet, from_.kind, from_.to_agent, str(from_.client)) == (
+        2,
+        SubmessageKind.ACKNACK,
+        False,
+        "serial:1",
+    )
 
 
 def test_what_a_receiver_drops_is_malformed():
@@ -77,7 +82,10 @@ def test_what_a_receiver_drops_is_malformed():
 def test_captures_of_serial_lines_have_times():
     line = framed(1, 0, HEARTBEAT) + framed(1, 0, WRITE_DATA)
     events = decoded(pcap([line[:10], line[10:25], line[25:]], link=147))
-    assert [(event.packet, event.kind) for event in events] == [(2, Kind.HEARTBEAT), (3, Kind.WRITE_DATA)]
+    assert [(event.packet, event.kind) for event in events] == [
+        (2, SubmessageKind.HEARTBEAT),
+        (3, SubmessageKind.WRITE_DATA),
+    ]
     assert events[1].time - events[0].time == 1_000_000
     cut = pcap([framed(1, 0, HEARTBEAT), line], link=147)[:-1]
     assert told(cut) == [(1, "HEARTBEAT"), (2, "the file ends inside packet 2")]

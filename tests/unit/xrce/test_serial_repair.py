@@ -16,7 +16,7 @@ from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
 from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.packets import read_packets
-from tachk.xrce.serial_framing import Frame, FrameReader, crc16
+from tachk.xrce.serial_framing import FrameReader, SerialFrame, crc16
 from tachk.xrce.serial_repair import repaired
 from tachk.xrce.transmissions import read_transmissions
 
@@ -26,7 +26,7 @@ DAMAGED = ROOT / "tests/data/serial_line_damaged_frames.pcap"
 MODEL = ROOT / "models/micro_xrce_dds/client_3_0.ta"
 
 
-def frames(path: Path) -> list[Frame]:
+def frames(path: Path) -> list[SerialFrame]:
     reader = FrameReader()
     with path.open("rb") as stream:
         return [
@@ -37,11 +37,11 @@ def frames(path: Path) -> list[Frame]:
         ]
 
 
-def damaged(frame: Frame, places: list[int], random: Random) -> Frame:
+def damaged(frame: SerialFrame, places: list[int], random: Random) -> SerialFrame:
     octets = bytearray(frame.message + crc16(frame.message).to_bytes(2, "little"))
     for place in places:
         octets[place] ^= random.randrange(1, 256)
-    return Frame(1, 0, bytes(octets[:-2]), "damaged", int.from_bytes(octets[-2:], "little"))
+    return SerialFrame(1, 0, bytes(octets[:-2]), "damaged", int.from_bytes(octets[-2:], "little"))
 
 
 def test_one_damaged_byte_of_a_real_message() -> None:
@@ -56,7 +56,7 @@ def test_one_damaged_byte_of_a_real_message() -> None:
 
 
 def test_a_frame_that_was_cut_is_not_known() -> None:
-    assert repaired(Frame(1, 0, b"\x81\x00\x00", "cut")) is None
+    assert repaired(SerialFrame(1, 0, b"\x81\x00\x00", "cut")) is None
 
 
 def test_damaged_frames_of_the_real_programs() -> None:

@@ -13,7 +13,7 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace
-from tachk.xrce.signals.recorded import Recorded, StreamHistory, read_recorded
+from tachk.xrce.signals.recorded import CaptureSignals, StreamHistory, read_recorded
 from tachk.xrce.streams import SIGNALS
 from tests.unit.xrce.captures import CREATE_CLIENT, RECORDED, needs_recorded, pcap, udp
 
@@ -32,7 +32,7 @@ def acknack(first: int, bitmap: int = 0) -> bytes:
     )
 
 
-def streams(*packets: bytes) -> Recorded:
+def streams(*packets: bytes) -> CaptureSignals:
     return read_recorded(BytesIO(pcap(list(packets))), [8888])
 
 

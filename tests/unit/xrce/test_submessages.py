@@ -14,7 +14,7 @@ from tachk.xrce.messages import Endpoint, Messages
 from tachk.xrce.report.json import event_to_json
 from tachk.xrce.report.text import event_to_text
 from tachk.xrce.submessages import parsed, submessages
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 from tests.unit.xrce.captures import ACKNACK, CREATE_CLIENT, HEARTBEAT, WRITE_DATA
 
 HEADER = c.Struct(
@@ -48,7 +48,7 @@ def one_by_one(message: bytes) -> list[str]:
         while not found or at < len(message):
             submessage = SUBMESSAGE_HEADER.parse(message[at : at + 4])
             rest = message[at + 4 :]
-            size = submessage.length or (len(rest) if submessage.kind == Kind.WRITE_DATA else 0)
+            size = submessage.length or (len(rest) if submessage.kind == SubmessageKind.WRITE_DATA else 0)
             found.append(_kind(submessage, rest[:size] if size <= len(rest) else None))
             at += 4 + size
             at += -at % 4
@@ -58,13 +58,13 @@ def one_by_one(message: bytes) -> list[str]:
 
 
 def _kind(submessage: c.Container, payload: bytes | None) -> str:
-    if payload is None or submessage.kind not in set(Kind):
+    if payload is None or submessage.kind not in set(SubmessageKind):
         return "malformed"
     try:
-        wire.payloads(bool(submessage.flags & wire.LITTLE_ENDIAN))[Kind(submessage.kind)].parse(payload)
+        wire.payloads(bool(submessage.flags & wire.LITTLE_ENDIAN))[SubmessageKind(submessage.kind)].parse(payload)
     except c.ConstructError:
         return "malformed"
-    return Kind(submessage.kind).name
+    return SubmessageKind(submessage.kind).name
 
 
 @st.composite
@@ -106,19 +106,19 @@ def test_columns_and_declarations_find_the_same(messages: list[bytes]):
 
 
 DECLARED = {
-    Kind.ACKNACK: {
+    SubmessageKind.ACKNACK: {
         "subject": lambda content: content.subject,
         "first": lambda content: content.first,
         "missing": lambda content: [(content.first + n) % 65536 for n in range(16) if content.bitmap & 1 << n],
     },
-    Kind.HEARTBEAT: {
+    SubmessageKind.HEARTBEAT: {
         "subject": lambda content: content.subject,
         "first": lambda content: content.first,
         "last": lambda content: content.last,
     },
-    Kind.WRITE_DATA: {"sample": lambda content: content.sample.hex()},
-    Kind.DATA: {"sample": lambda content: content.sample.hex()},
-    Kind.FRAGMENT: {"piece": lambda content: content.piece.hex()},
+    SubmessageKind.WRITE_DATA: {"sample": lambda content: content.sample.hex()},
+    SubmessageKind.DATA: {"sample": lambda content: content.sample.hex()},
+    SubmessageKind.FRAGMENT: {"piece": lambda content: content.piece.hex()},
 }
 """What is taken from the bytes, and where the declarations have it."""
 
@@ -126,6 +126,6 @@ DECLARED = {
 @pytest.mark.parametrize("sample", [CREATE_CLIENT, CREATE, READ_DATA, STATUS_AGENT, HEARTBEAT, ACKNACK, WRITE_DATA])
 def test_what_is_parsed_can_be_built(sample: bytes):
     header = SUBMESSAGE_HEADER.parse(sample[4:8])
-    declared = wire.payloads(True)[Kind(header.kind)]
+    declared = wire.payloads(True)[SubmessageKind(header.kind)]
     payload = sample[8 : 8 + header.length]
     assert declared.build(declared.parse(payload)) == payload

@@ -21,14 +21,14 @@ from tachk.engine.compiler.features import uncomputed_chances, undrawn_ends
 from tachk.engine.options import Limits
 from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
 
 
 def run_check(
     models: tuple[str, ...],
     definitions: tuple[str, ...],
-    version: Version | None = None,
+    version: UppaalVersion | None = None,
     form: ReportForm = ReportForm.TEXT,
     output: Path | None = None,
     strict_xta: bool = False,
@@ -70,7 +70,7 @@ def _within(
     seconds: float | None,
     path: str,
     constants: dict[str, str],
-    version: Version | None,
+    version: UppaalVersion | None,
     strict_xta: bool,
     deep: bool,
 ) -> Checked:
@@ -90,7 +90,7 @@ def _within(
 
 
 def _check(
-    path: str, constants: dict[str, str], version: Version | None, strict_xta: bool
+    path: str, constants: dict[str, str], version: UppaalVersion | None, strict_xta: bool
 ) -> tuple[Checked, api.Model | None]:
     """What reading tells, and the model where it can be used."""
     try:
@@ -126,7 +126,7 @@ def _uncomputed(model: api.Model, strict_xta: bool) -> tuple[Diagnostic, ...]:
     return wrong
 
 
-def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> None:
+def _tell(check: Checked, version: UppaalVersion | None, named: bool, out: TextIO) -> None:
     """The report for people: a line for each model that can be used, and the findings on standard error."""
     print_diagnostics(check.findings)
     if check.deep is not None:

@@ -19,7 +19,7 @@ from tachk.formats.layout_json import layout_path, layout_to_json
 from tachk.formats.loading.load import load_model
 from tachk.formats.loading.model_files import read_model
 from tachk.formats.plain.expansion import document_repairs
-from tachk.formats.plain.plain_model import PlainQuery, Step
+from tachk.formats.plain.plain_model import PlainQuery, PlainRewriting
 from tachk.formats.uppaal.query_asides import wrong_query
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.query_reader import comment_of, without_properties
@@ -109,7 +109,7 @@ def _wrong_queries(source: Path) -> set[str]:
     return {query.name for query in loaded.unchecked if query.is_wrong and query.name in named}
 
 
-def _tell(steps: list[Step]) -> None:
+def _tell(steps: list[PlainRewriting]) -> None:
     for step in steps:
         print(step, file=sys.stderr)
 

@@ -12,7 +12,7 @@ from tachk.recordings.monitors.formulas import NamedFormula, check_order, read_f
 from tachk.recordings.monitors.offline import selected
 from tachk.recordings.traces.logs.joined import with_decimals
 from tachk.recordings.traces.node_signal import Truth
-from tachk.recordings.traces.trace import Recording
+from tachk.recordings.traces.trace import TraceSource
 from tachk.recordings.traces.trace_files import open_trace
 
 
@@ -49,7 +49,7 @@ class Judged:
         check_order(self.formula, self.trace)
         return selected(read_formulas(self.formula, parse_definitions(self.definitions)), self.names)
 
-    def recording(self) -> Recording:
+    def recording(self) -> TraceSource:
         """Raises InputError, UsageError."""
         source = [self.trace, *self.others] if self.others else self.trace
         return with_decimals(open_trace(source, self.time, self.unit, self.ports, self.run), self.decimals)

@@ -12,7 +12,7 @@ from tachk.recordings.monitors.offline import Judging, judge
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class PlotArguments:
     """Attributes:
     output: the file of the picture.
     begin, end: the part that is drawn, in units of the trace; None: all of it.
@@ -25,7 +25,7 @@ class Drawn:
     robustness: bool = False
 
 
-def run_plot(judged: Judged, judging: Judging, drawn: Drawn) -> ExitStatus:
+def run_plot(judged: Judged, judging: Judging, drawn: PlotArguments) -> ExitStatus:
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
     record = judge(judged.formulas(), judged.recording(), judging, judged.formula)
     print_warnings(record.trace.warnings)

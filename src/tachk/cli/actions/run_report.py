@@ -11,7 +11,7 @@ from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedE
 from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError
 from tachk.cli.guard import without_result
-from tachk.cli.reporting import Evidence, ReportForm, Reporting
+from tachk.cli.reporting import EvidenceChoice, ReportForm, Reporting
 from tachk.cli.terminal import console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.telling import Telling
@@ -26,12 +26,12 @@ class RunReporting(Reporting):
         every_trace: those of expected answers too.
     """
 
-    trace: Evidence | None = None
+    trace: EvidenceChoice | None = None
     every_trace: bool = False
 
     @property
-    def evidence(self) -> Evidence:
-        return self.trace or Evidence.SOME
+    def evidence(self) -> EvidenceChoice:
+        return self.trace or EvidenceChoice.SOME
 
     @property
     def tells_every_run(self) -> bool:
@@ -86,7 +86,7 @@ class RunReport:
         from tachk.report.run.verifyta_trace import concrete_trace
         from tachk.report.verifyta_report import run_to_verifyta
 
-        wanted = self._reporting.tells_every_run and self._reporting.evidence is not Evidence.NONE
+        wanted = self._reporting.tells_every_run and self._reporting.evidence is not EvidenceChoice.NONE
         out.write(run_to_verifyta(record, self._reporting.evidence.value if wanted else "no"))
         for verdict in record.verdicts:
             if wanted and verdict.trace is not None:

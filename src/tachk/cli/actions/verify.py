@@ -21,7 +21,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
-from tachk.cli.reporting import Evidence
+from tachk.cli.reporting import EvidenceChoice
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import Limits, Options, Pace
 from tachk.engine.outcome import INTERRUPTED
@@ -31,7 +31,7 @@ from tachk.verify.variants.second_engine import DisagreementError
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class VerifyArguments:
     """What is to be checked, as it was typed.
 
     Attributes:
@@ -56,7 +56,7 @@ class Asked:
 
 
 def run_verify(
-    asked: Asked,
+    asked: VerifyArguments,
     options: Options = Options(),
     limits: Limits = Limits(),
     reporting: RunReporting = RunReporting(),
@@ -84,7 +84,7 @@ def run_verify(
 
 
 def _check_all(
-    asked: Asked, options: Options, limits: Limits, reporting: RunReporting, report: RunReport
+    asked: VerifyArguments, options: Options, limits: Limits, reporting: RunReporting, report: RunReport
 ) -> ExitStatus:
     models, queries = split_models_and_queries(asked.arguments)
     if asked.certificate is not None and len(models) > 1:
@@ -97,13 +97,13 @@ def _check_all(
         raise UsageError("--munta names the folder of one model, but there are several models")
     constants = parse_definitions(asked.definitions)
     match reporting.evidence:
-        case Evidence.SHORTEST:
+        case EvidenceChoice.SHORTEST:
             options = _shortest(options)
-        case Evidence.FASTEST:
+        case EvidenceChoice.FASTEST:
             options = replace(options, pace=Pace.FASTEST)
-        case Evidence.SLOWEST:
+        case EvidenceChoice.SLOWEST:
             options = replace(options, pace=Pace.SLOWEST)
-        case Evidence.SOME | Evidence.NONE:
+        case EvidenceChoice.SOME | EvidenceChoice.NONE:
             pass
     if asked.max_memory is not None:
         limits = replace(limits, memory_bytes=parse_size(asked.max_memory))
@@ -137,7 +137,7 @@ def _check_all(
 
 
 def _written(
-    asked: Asked, model: api.Model, record: RunRecord, options: Options, limits: Limits
+    asked: VerifyArguments, model: api.Model, record: RunRecord, options: Options, limits: Limits
 ) -> Iterable[ExitStatus]:
     """Writes the chart and the proofs that were asked for."""
     started = time.monotonic()
@@ -168,7 +168,7 @@ def _shortest(options: Options) -> Options:
 def _verified(
     model: api.Model,
     queries: tuple[str, ...],
-    asked: Asked,
+    asked: VerifyArguments,
     options: Options,
     limits: Limits,
     reporting: RunReporting,
@@ -182,7 +182,7 @@ def _verified(
             non_zeno=asked.non_zeno,
             options=options,
             limits=limits,
-            trace=reporting.evidence is not Evidence.NONE,
+            trace=reporting.evidence is not EvidenceChoice.NONE,
             progress=progress,
         )
     finally:

@@ -46,7 +46,7 @@ from tachk.report.verifyta_report import (
 from tachk.simulation.statistics.answers import answer_statistical, has_run_time_error
 from tachk.simulation.statistics.deciding import Errors
 from tachk.simulation.statistics.estimate import Settings
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.sampling import RunSource
 from tachk.syntax.source_files import read_source
 from tachk.verify.answering import agreed
 from tachk.verify.unanswered import refused
@@ -176,7 +176,7 @@ def _report_statistical(
 ) -> ExitStatus:
     """Answers a statistical query and prints the answer."""
     errors = Errors(options.alpha, options.beta, min(options.below, options.above))
-    settings = Settings(Source(options.seed % 2**32), 1 - options.alpha, options.epsilon, errors=errors)
+    settings = Settings(RunSource(options.seed % 2**32), 1 - options.alpha, options.epsilon, errors=errors)
     answer = answer_statistical(load, [query], settings)[1]
     if isinstance(answer, UncheckedQuery):
         return _report_unchecked(answer)

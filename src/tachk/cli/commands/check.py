@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import ReportForm
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 
 
 @click.command(name="check", short_help="Report every mistake in models.")
@@ -17,7 +17,7 @@ from tachk.formats.uppaal.versions import Version
 @click.option(
     "version",
     "--for",
-    type=options.Choice(Version),
+    type=options.Choice(UppaalVersion),
     help="Also report what this version of UPPAAL would refuse or treat differently.",
 )
 @click.option(

@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options, trace_options
 from tachk.cli.reporting import ReportForm
-from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.conventions import TraceEnding
 
 
 @click.command(name="mine", short_help="Find the tightest parameter that traces satisfy.")
@@ -30,8 +30,8 @@ from tachk.recordings.traces.conventions import Ending
 @click.option(
     "ending",
     "--end",
-    type=options.Choice(Ending),
-    default=Ending.UNDETERMINED.value,
+    type=options.Choice(TraceEnding),
+    default=TraceEnding.UNDETERMINED.value,
     show_default=True,
     help="With strong, what is open at the end of a trace counts as violated, else as satisfied.",
 )
@@ -42,8 +42,8 @@ def command(seconds: float | None, **given: Any) -> None:
 
     Exit status: 0 there is one, 10 no value of the range satisfies it, 2 bad input.
     """
-    from tachk.cli.actions.monitoring.mine import Asked, run_mine
+    from tachk.cli.actions.monitoring.mine import MineArguments, run_mine
     from tachk.cli.reporting import Reporting
 
-    asked, reporting = options.distributed(given, Asked, Reporting)
+    asked, reporting = options.distributed(given, MineArguments, Reporting)
     options.finish(lambda: run_mine(asked, reporting), seconds)

@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options, trace_options
 from tachk.cli.reporting import ReportForm
-from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.conventions import TraceEnding
 
 
 @click.command(name="monitor", short_help="Check properties on a recorded trace.")
@@ -18,8 +18,8 @@ from tachk.recordings.traces.conventions import Ending
 @click.option(
     "ending",
     "--end",
-    type=options.Choice(Ending),
-    default=Ending.UNDETERMINED.value,
+    type=options.Choice(TraceEnding),
+    default=TraceEnding.UNDETERMINED.value,
     show_default=True,
     help="What an obligation that is open at the end counts as: undetermined, satisfied (weak) or violated (strong).",
 )

@@ -32,8 +32,8 @@ def command(
 ) -> None:
     """Draw a trace, the values of formulas and of their parts on it, and where they are violated."""
     from tachk.cli.actions.judged import Judged
-    from tachk.cli.actions.plot import Drawn, run_plot
+    from tachk.cli.actions.plot import PlotArguments, run_plot
     from tachk.recordings.monitors.offline import Judging
 
     judged, judging = options.distributed(given, Judged, Judging)
-    options.finish(lambda: run_plot(judged, judging, Drawn(output, begin, end, robustness)), seconds)
+    options.finish(lambda: run_plot(judged, judging, PlotArguments(output, begin, end, robustness)), seconds)

@@ -72,8 +72,8 @@ def command(
     seconds: float | None,
 ) -> None:
     """Measure the least and the largest time between two events, over all runs of a model."""
-    from tachk.cli.tables.time import Measured, run_time
+    from tachk.cli.tables.time import TimeArguments, run_time
     from tachk.engine.options import Limits
 
-    asked = Measured(model, start, end, last, best, worst, settled, over, definitions)
+    asked = TimeArguments(model, start, end, last, best, worst, settled, over, definitions)
     options.finish(lambda: run_time(asked, Limits(states=states, seconds=seconds), form, output, traces), seconds)

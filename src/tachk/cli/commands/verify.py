@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from tachk.cli import options
-from tachk.cli.reporting import Evidence, ReportForm
+from tachk.cli.reporting import EvidenceChoice, ReportForm
 from tachk.engine.options import (
     LARGEST_SEED,
     MOST_THREADS,
@@ -65,7 +65,7 @@ _DEFAULT = Options()
 )
 @click.option(
     "--trace",
-    type=options.Choice(Evidence),
+    type=options.Choice(EvidenceChoice),
     help="The run to show as evidence; without this option only unexpected answers get one. shortest: one with the "
     "fewest transitions, which may take longer to find. fastest: one that takes the least time of all, which takes "
     "several searches. slowest: the run that was found, as late as it can be.",
@@ -192,9 +192,9 @@ def command(**given: Any) -> None:
     Without a query, a query file or --property, tachk checks every property in the model.
     """
     from tachk.cli.actions.run_report import RunReporting
-    from tachk.cli.actions.verify import Asked, run_verify
+    from tachk.cli.actions.verify import VerifyArguments, run_verify
     from tachk.engine.options import Limits
     from tachk.report.run.telling import Telling
 
-    arguments = options.distributed(given, Asked, Options, Limits, RunReporting, Telling)
+    arguments = options.distributed(given, VerifyArguments, Options, Limits, RunReporting, Telling)
     options.finish(lambda: run_verify(*arguments))

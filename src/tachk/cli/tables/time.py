@@ -19,13 +19,13 @@ from tachk.cli.reporting import TableForm
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.model.grid import grid_of
-from tachk.report.time_report import Between, TimedRow, times_to_csv, times_to_json, times_to_text
+from tachk.report.time_report import TimedInterval, TimedRow, times_to_csv, times_to_json, times_to_text
 
 _MOST_ROWS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class TimeArguments:
     """What is to be measured, as it was typed."""
 
     model: str
@@ -40,7 +40,7 @@ class Measured:
 
 
 def run_time(
-    asked: Measured,
+    asked: TimeArguments,
     limits: Limits = Limits(),
     form: TableForm = TableForm.TEXT,
     output: Path | None = None,
@@ -78,7 +78,7 @@ def run_time(
             rows.append(TimedRow(chosen, model.network, times))
             if times.reason == INTERRUPTED:
                 break
-        between = Between(asked.model, asked.start, asked.end, asked.last)
+        between = TimedInterval(asked.model, asked.start, asked.end, asked.last)
         match form:
             case TableForm.TEXT:
                 out.write(times_to_text(between, rows, traces))

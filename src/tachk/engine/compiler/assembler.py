@@ -11,7 +11,7 @@ from tachk.engine.compiler.bytecode import Opcode
 
 
 @dataclass(slots=True, eq=False)
-class Label:
+class JumpLabel:
     """A position that jumps may name before it is known."""
 
     position: int = -1
@@ -55,14 +55,14 @@ class Assembler:
         for position, word in changed.items():
             self.code[start + position] = word
 
-    def emit_to(self, opcode: Opcode, label: Label) -> None:
+    def emit_to(self, opcode: Opcode, label: JumpLabel) -> None:
         """Appends an instruction whose operand is the position of a label."""
         self.code.append(int(opcode))
         label.uses.append(len(self.code))
         self.jumps.append(len(self.code))
         self.code.append(label.position)
 
-    def place(self, label: Label) -> None:
+    def place(self, label: JumpLabel) -> None:
         """Puts a label here."""
         label.position = len(self.code)
         for use in label.uses:

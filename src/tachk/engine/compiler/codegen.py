@@ -14,7 +14,7 @@ from collections.abc import Collection, Sequence
 from tachk.analysis.fold import Known, fold, fold_place, is_integer
 from tachk.base.operators import CONNECTIVES, BinaryOperator, UnaryOperator
 from tachk.base.span import Span
-from tachk.engine.compiler.assembler import Assembler, Label
+from tachk.engine.compiler.assembler import Assembler, JumpLabel
 from tachk.engine.compiler.bytecode import Opcode
 from tachk.engine.compiler.clock_code import clock_comparison_unsupported, refuse_clock_cells, set_clock
 from tachk.engine.compiler.functions import FunctionGenerator
@@ -89,7 +89,7 @@ class CodeGenerator:
     def conjunction_code(self, parts: Sequence[Expression], known: Known | None = None) -> int:
         """Code for the truth of a conjunction, evaluated from left to right."""
         start = len(self.assembler.code)
-        false = Label()
+        false = JumpLabel()
         for part in parts:
             self.jump(fold(part, known or self.known), False, false)
         self.assembler.emit(Opcode.CONST, 1)
@@ -121,19 +121,19 @@ class CodeGenerator:
 
     # ---- loops -------------------------------------------------------------------------------------------------------
 
-    def loop_start(self, variable: Variable) -> Label:
+    def loop_start(self, variable: Variable) -> JumpLabel:
         low, _ = _value_range(variable)
         self.assembler.emit(Opcode.CONST, low)
         self.assembler.emit(Opcode.STORE, self.layout.first_slot(variable))
-        again = Label()
+        again = JumpLabel()
         self.assembler.place(again)
         return again
 
-    def loop_next(self, variable: Variable, again: Label) -> None:
+    def loop_next(self, variable: Variable, again: JumpLabel) -> None:
         """Goes on with the next value; falls through behind the last one."""
         emit, slot = self.assembler.emit, self.layout.first_slot(variable)
         _, high = _value_range(variable)
-        end = Label()
+        end = JumpLabel()
         emit(Opcode.LOAD, slot)
         emit(Opcode.CONST, high)
         emit(Opcode.GREATER_EQUAL)
@@ -161,7 +161,7 @@ class CodeGenerator:
             case Binary():
                 self._binary(expression)
             case Conditional(condition, then, otherwise):
-                other, end = Label(), Label()
+                other, end = JumpLabel(), JumpLabel()
                 self.jump(condition, False, other)
                 self.value(then)
                 self.assembler.emit_to(Opcode.JUMP, end)
@@ -227,7 +227,7 @@ class CodeGenerator:
             emit(Opcode.BOOLEAN)
             emit(Opcode.NOT_EQUAL)
         elif operator in CONNECTIVES:
-            false, end = Label(), Label()
+            false, end = JumpLabel(), JumpLabel()
             self.jump(expression, False, false)
             emit(Opcode.CONST, 1)
             self.assembler.emit_to(Opcode.JUMP, end)
@@ -250,7 +250,7 @@ class CodeGenerator:
             self.value(right)
             emit(Opcode[operator.name], span=span)
 
-    def jump(self, expression: Expression, when: bool, label: Label) -> None:
+    def jump(self, expression: Expression, when: bool, label: JumpLabel) -> None:
         """Goes to the label if the truth of the expression is ``when``, else falls through."""
         match expression:
             case Constant(value):
@@ -264,7 +264,7 @@ class CodeGenerator:
                     self.jump(left, left_decides, label)
                     self.jump(right, when, label)
                 else:
-                    end = Label()
+                    end = JumpLabel()
                     self.jump(left, left_decides, end)
                     self.jump(right, when, label)
                     self.assembler.place(end)
@@ -282,7 +282,7 @@ class CodeGenerator:
             self.loop_next(expression.variable, again)
             return
         exists = expression.kind is QuantifierKind.EXISTS
-        decided, end = Label(), Label()
+        decided, end = JumpLabel(), JumpLabel()
         again = self.loop_start(expression.variable)
         self.jump(expression.body, exists, decided)
         self.loop_next(expression.variable, again)
@@ -350,7 +350,7 @@ class CodeGenerator:
                 if is_integer(function.result):
                     emit(Opcode.POP)
             case Conditional(condition, then, otherwise) if not is_integer(expression.type):
-                other, end = Label(), Label()
+                other, end = JumpLabel(), JumpLabel()
                 self.jump(condition, False, other)
                 self.effect(then)
                 self.assembler.emit_to(Opcode.JUMP, end)
@@ -407,7 +407,7 @@ class CodeGenerator:
                     emit(Opcode.CONST, offset)
                     emit(Opcode.ADD)
             case Conditional(condition, then, otherwise):
-                other, end = Label(), Label()
+                other, end = JumpLabel(), JumpLabel()
                 self.jump(condition, False, other)
                 self.address(then)
                 self.assembler.emit_to(Opcode.JUMP, end)

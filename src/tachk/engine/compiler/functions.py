@@ -10,7 +10,7 @@ from typing import Protocol
 
 from tachk.analysis.fold import Known, fold, is_integer
 from tachk.base.span import Span
-from tachk.engine.compiler.assembler import Assembler, Label
+from tachk.engine.compiler.assembler import Assembler, JumpLabel
 from tachk.engine.compiler.bytecode import Opcode
 from tachk.engine.compiler.slot_layout import SlotLayout
 from tachk.model.cell_layout import cell_range, default_value
@@ -42,7 +42,7 @@ class ExpressionGenerator(Protocol):
 
     def value(self, expression: Expression) -> None: ...
 
-    def jump(self, expression: Expression, when: bool, label: Label) -> None: ...
+    def jump(self, expression: Expression, when: bool, label: JumpLabel) -> None: ...
 
     def effect(self, expression: Expression) -> None: ...
 
@@ -50,9 +50,9 @@ class ExpressionGenerator(Protocol):
 
     def copy_into(self, slot: int, value: Expression, span: Span) -> None: ...
 
-    def loop_start(self, variable: Variable) -> Label: ...
+    def loop_start(self, variable: Variable) -> JumpLabel: ...
 
-    def loop_next(self, variable: Variable, again: Label) -> None: ...
+    def loop_next(self, variable: Variable, again: JumpLabel) -> None: ...
 
 
 class FunctionGenerator:
@@ -60,7 +60,7 @@ class FunctionGenerator:
 
     def __init__(self, code: ExpressionGenerator) -> None:
         self._code = code
-        self._functions: dict[Function, Label] = {}
+        self._functions: dict[Function, JumpLabel] = {}
         self._pending: list[Function] = []
         self._results: dict[Function, int] = {}
         self._current: Function | None = None
@@ -93,7 +93,7 @@ class FunctionGenerator:
         for parameter in reversed(delayed):
             self._store_delayed(parameter, call.span)
         if function not in self._functions:
-            self._functions[function] = Label()
+            self._functions[function] = JumpLabel()
             self._pending.append(function)
         self._code.assembler.emit_to(Opcode.CALL, self._functions[function])
 
@@ -146,7 +146,7 @@ class FunctionGenerator:
                 for inner in statements:
                     self._statement(inner)
             case If(condition, then, otherwise):
-                other, end = Label(), Label()
+                other, end = JumpLabel(), JumpLabel()
                 self._code.jump(fold(condition, self._code.known), False, other)
                 self._statement(then)
                 if otherwise is not None:
@@ -156,7 +156,7 @@ class FunctionGenerator:
                     self._statement(otherwise)
                 self._code.assembler.place(end)
             case While(condition, body, test_first):
-                again, end = Label(), Label()
+                again, end = JumpLabel(), JumpLabel()
                 test = fold(condition, self._code.known)
                 if test_first:
                     self._code.jump(test, False, end)

@@ -18,7 +18,7 @@ from tachk.analysis.conditions import (
 from tachk.analysis.fold import Known, cannot_fail, fold, negate
 from tachk.analysis.intervals import interval
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.base.operators import COMPARISONS, BinaryOperator, Group, UnaryOperator
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.engine.compiler.bounds import ConstraintRange
@@ -46,21 +46,23 @@ class _Literals:
 
 
 @dataclass(frozen=True, slots=True)
-class Observed:
+class ObservedByGoal:
     """What a disjunct compares clocks with, and the pairs (process, location) that it asks for beside that."""
 
     constraint: ConstraintRange
     places: tuple[tuple[int, int], ...]
 
 
-def compile_goal(predicate: Expression, known: Known, compiler: ConditionCompiler) -> tuple[Goal, tuple[Observed, ...]]:
+def compile_goal(
+    predicate: Expression, known: Known, compiler: ConditionCompiler
+) -> tuple[Goal, tuple[ObservedByGoal, ...]]:
     """The goal, and what its constraints compare clocks with.
 
     Raises UnsupportedError for a clock comparison of another form than ``x - y < c`` and for a predicate with too many
     disjuncts.
     """
     disjuncts: list[Disjunct] = []
-    observed: list[Observed] = []
+    observed: list[ObservedByGoal] = []
     for literals in _top_level(fold(predicate, known), known):
         conjunction = Conjunction(literals.integers, tuple((None, atom) for atom in literals.atoms))
         compiled = compiler.compile(conjunction, known)
@@ -71,7 +73,7 @@ def compile_goal(predicate: Expression, known: Known, compiler: ConditionCompile
                 for test in compiled[0].tests
                 if test.slot < compiler.layout.processes and test.comparison is Comparison.EQUAL
             )
-            observed.extend(Observed(constraint, places) for constraint in compiled[1])
+            observed.extend(ObservedByGoal(constraint, places) for constraint in compiled[1])
     return Goal(tuple(disjuncts)), tuple(observed)
 
 
@@ -195,7 +197,7 @@ def _is_condition(expression: Expression) -> bool:
     """Whether the expression is a truth value rather than a clock, a difference or a number."""
     match expression:
         case Binary(operator):
-            return operator.group is not Group.ARITHMETIC
+            return operator.group is not OperandGroup.ARITHMETIC
         case Unary(UnaryOperator.NOT, _) | Deadlock():
             return True
         case Quantifier(kind):

@@ -29,7 +29,7 @@ from tachk.engine.compiler.codegen import CodeGenerator
 from tachk.engine.compiler.condition_code import ConditionCompiler
 from tachk.engine.compiler.edge_pattern import CompiledEdge, EdgePattern, pattern_of, uniform_values
 from tachk.engine.compiler.features import rate_of
-from tachk.engine.compiler.goal import Observed, compile_goal
+from tachk.engine.compiler.goal import ObservedByGoal, compile_goal
 from tachk.engine.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
 from tachk.engine.compiler.program import (
     NO_CODE,
@@ -71,7 +71,7 @@ def lower(
     lowering = _lowered(network, known, tables, never_taken(network))
     lowering.clocks.check_copies(network)
     goals = []
-    observed: list[Observed] = []
+    observed: list[ObservedByGoal] = []
     for goal, compared in (compile_goal(predicate, known, lowering.compiler) for predicate in predicates):
         goals.append(goal)
         observed.extend(compared)
@@ -102,7 +102,10 @@ def lower_recurrence(
 
 
 def lower_measures(
-    network: Network, measured: Sequence[Measured], tables: Collection[Variable] = (), asked: Sequence[Expression] = ()
+    network: Network,
+    measured: Sequence[MeasuredExpression],
+    tables: Collection[Variable] = (),
+    asked: Sequence[Expression] = (),
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
     """The program of a network, goals (what is asked, each clock whose largest value is), and how to measure in states.
 
@@ -157,7 +160,7 @@ def lower_simulation(
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class MeasuredExpression:
     """The least or the largest value of an expression where a predicate holds.
 
     Attributes:
@@ -431,7 +434,7 @@ class _Lowering:
 
     # ---- the whole --------------------------------------------------------------------------------------------------
 
-    def program(self, observed: Sequence[Observed]) -> Program:
+    def program(self, observed: Sequence[ObservedByGoal]) -> Program:
         """The finished program, with the clock bounds filled in."""
         network = self.network
         priorities = {network.default_priority, *(c.priority for c in self.layout.channels)}
@@ -472,7 +475,7 @@ class _Lowering:
 
     def _bounds(
         self,
-        observed: Sequence[Observed],
+        observed: Sequence[ObservedByGoal],
         diagonals: tuple[tuple[int, int, int], ...],
         has_priorities: bool,
     ) -> list[tuple[LocationBounds, ...]]:
@@ -493,7 +496,7 @@ class _Lowering:
         written = _diagonals(ranges)
         return self.clocks.carried(written, MAXIMAL_DIAGONALS)
 
-    def _place(self, observed: Observed) -> tuple[int, int] | None:
+    def _place(self, observed: ObservedByGoal) -> tuple[int, int] | None:
         """A location where the constraint can be counted instead of everywhere: the predicate looks at it only there,
         and the process resets the clocks itself, so that they are free on the way there."""
         constraint = observed.constraint

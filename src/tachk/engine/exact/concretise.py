@@ -7,7 +7,14 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.records import dataclass
-from tachk.engine.exact.schedule import Moment, Phase, Requirement, any_solution, earliest, extreme_solution
+from tachk.engine.exact.schedule import (
+    PhaseConstraint,
+    Requirement,
+    SchedulePhase,
+    any_solution,
+    earliest,
+    extreme_solution,
+)
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.constraints import certain, conditional_constraints
 from tachk.meaning.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
@@ -82,7 +89,7 @@ def paced(
 
 def requirements_of(
     model: PreparedNetwork, path: Sequence[Transition], predicate: Expression | None
-) -> tuple[list[DiscreteState], list[Phase], list[Requirement]]:
+) -> tuple[list[DiscreteState], list[SchedulePhase], list[Requirement]]:
     """The discrete states and the phases of a path, and what its durations must satisfy. Raises EvaluationFault."""
     states, phases = discrete_run(model, path)
     requirements = [r for k, t in enumerate(path) for r in of_phase(model, states[k], k, t)]
@@ -92,19 +99,21 @@ def requirements_of(
     return states, phases, requirements
 
 
-def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> tuple[list[DiscreteState], list[Phase]]:
+def discrete_run(
+    model: PreparedNetwork, path: Sequence[Transition | None]
+) -> tuple[list[DiscreteState], list[SchedulePhase]]:
     """The discrete states of the path, and its phases. None stands for a moment at which nothing happens.
 
     Behind the clocks of the model the phases have one more, which is 0 at the beginning of every phase.
     """
     states = [initial_discrete(model)]
     resets = [(0, value) for value in (0, *model.layout.starts, 0)]
-    phases = [Phase(tuple(resets), stopped_clocks(model, states[0]))]
+    phases = [SchedulePhase(tuple(resets), stopped_clocks(model, states[0]))]
     for number, transition in enumerate(path, start=1):
         if transition is None:
             resets[model.dimension] = (number, 0)
             states.append(states[-1])
-            phases.append(Phase(tuple(resets), phases[-1].stopped))
+            phases.append(SchedulePhase(tuple(resets), phases[-1].stopped))
             continue
         if any(model.edge(p).source != states[-1].locations[p.process] for p in transition.participants):
             raise ValueError(f"transition {number} does not start in the state before it")
@@ -115,7 +124,7 @@ def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> t
             resets[clock] = since, value + more
         resets[model.dimension] = (number, 0)
         states.append(state)
-        phases.append(Phase(tuple(resets), stopped_clocks(model, state)))
+        phases.append(SchedulePhase(tuple(resets), stopped_clocks(model, state)))
     return states, phases
 
 
@@ -131,7 +140,7 @@ def of_phase(
     for location in model.current(discrete):
         if location.invariant is not None:
             condition = conditional_constraints(location.invariant, scratch)
-            yield [tuple(Moment(phase, False, c) for c in conjunction) for conjunction in condition]
+            yield [tuple(PhaseConstraint(phase, False, c) for c in conjunction) for conjunction in condition]
             yield at_end(phase, condition)
     if leaves_by is not None:
         yield at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
@@ -144,7 +153,7 @@ def of_phase(
 
 
 def at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement:
-    return [tuple(Moment(phase, True, c) for c in conjunction) for conjunction in condition]
+    return [tuple(PhaseConstraint(phase, True, c) for c in conjunction) for conjunction in condition]
 
 
 def _unblocked(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
@@ -167,20 +176,23 @@ def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting:
     not mend; or it ends before, or at, the moment a lower bound becomes true. With stopped clocks this is stricter than
     it need be for differences of a running and a stopped clock.
     """
-    options: Requirement = [(Moment(phase, True, (waiting, 0, LESS_EQUAL_ZERO)),)]
+    options: Requirement = [(PhaseConstraint(phase, True, (waiting, 0, LESS_EQUAL_ZERO)),)]
     for constraint in zone.constraints():
         i, j, raw = constraint
         if here.invariant is not None and raw >= here.invariant[i, j]:
             continue
         if i == 0:
-            options.append((Moment(phase, True, (j, 0, raw_bound(-dbm.bound_value(raw), strict=False))),))
+            options.append((PhaseConstraint(phase, True, (j, 0, raw_bound(-dbm.bound_value(raw), strict=False))),))
         else:
-            options.append((Moment(phase, False, complement(constraint)),))
+            options.append((PhaseConstraint(phase, False, complement(constraint)),))
     return options
 
 
 def reached(
-    model: PreparedNetwork, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition | None]
+    model: PreparedNetwork,
+    states: Sequence[DiscreteState],
+    phases: Sequence[SchedulePhase],
+    path: Sequence[Transition | None],
 ) -> Zone:
     """A zone that holds the clock values in which the path can end, and as a rule little more."""
     zone = dbm.point(model.layout.starts)
@@ -205,7 +217,7 @@ def reached(
 def _final(
     model: PreparedNetwork,
     states: Sequence[DiscreteState],
-    phases: Sequence[Phase],
+    phases: Sequence[SchedulePhase],
     path: Sequence[Transition],
     predicate: Expression,
 ) -> list[tuple[Constraint, ...]]:
@@ -225,7 +237,7 @@ def _final(
 def timed_trace(
     model: PreparedNetwork,
     states: Sequence[DiscreteState],
-    phases: Sequence[Phase],
+    phases: Sequence[SchedulePhase],
     path: Sequence[Transition | None],
     durations: Sequence[Fraction],
 ) -> TimedTrace:

@@ -31,7 +31,7 @@ RETRIES = 2000
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class PhaseConstraint:
     """A clock constraint at the beginning or the end of a phase."""
 
     phase: int
@@ -39,12 +39,12 @@ class Moment:
     constraint: Constraint
 
 
-Requirement = list[tuple[Moment, ...]]
+Requirement = list[tuple[PhaseConstraint, ...]]
 """One of the conjunctions must hold."""
 
 
 @dataclass(frozen=True, slots=True)
-class Phase:
+class SchedulePhase:
     """Attributes:
     resets: for each clock (entry 0 is unused) the phase at whose beginning it was set last, and the value it got. A
         clock that was set to another one was set when that one was.
@@ -105,7 +105,7 @@ class _Moments:
                 self.least[place] = value
 
 
-def earliest(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
+def earliest(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
     """The durations of the phases of an early run; None if there is no run.
 
     Takes for each requirement the first conjunction with which a solution is left, and then the least moments. Where
@@ -137,7 +137,7 @@ def earliest(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> li
     return _durations(moments.least)
 
 
-def _difference(phases: Sequence[Phase], moment: Moment) -> Constraint:
+def _difference(phases: Sequence[SchedulePhase], moment: PhaseConstraint) -> Constraint:
     """A clock constraint as a bound on the difference of two moments."""
     now = moment.phase + moment.at_end
     i, j, raw = moment.constraint
@@ -156,7 +156,7 @@ def _durations(least: Sequence[int]) -> list[Fraction]:
     return [after - before for before, after in pairwise(times)]
 
 
-def any_solution(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
+def any_solution(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
     """The durations of the phases of some run, where clocks may stop; None if there is no run."""
     import z3
 
@@ -169,7 +169,7 @@ def any_solution(phases: Sequence[Phase], requirements: Sequence[Requirement]) -
 
 
 @dataclass(frozen=True, slots=True)
-class Extreme:
+class ExtremeTime:
     """The least or the largest time that some phases take together, and a run that is at it or close to it.
 
     Attributes:
@@ -183,8 +183,8 @@ class Extreme:
 
 
 def extreme_solution(
-    phases: Sequence[Phase], requirements: Sequence[Requirement], latest: bool, milliseconds: int | None = None
-) -> Extreme | None:
+    phases: Sequence[SchedulePhase], requirements: Sequence[Requirement], latest: bool, milliseconds: int | None = None
+) -> ExtremeTime | None:
     """A run whose last transition is as late as possible, or a run that ends as early as possible.
 
     The late one ends as early as it can behind its last transition. None if there is no run.
@@ -212,7 +212,7 @@ def extreme_solution(
     solver.add(*formulas, close, z3.Sum(durations) == last if at_end else z3.Sum(durations) <= last + half)
     if solver.check() != z3.sat:
         return None
-    return Extreme(_values(solver.model(), durations), total, attained)
+    return ExtremeTime(_values(solver.model(), durations), total, attained)
 
 
 _NEAR = Fraction(1, 2)
@@ -239,20 +239,22 @@ def _limit(formulas: Sequence[Any], time: Any, largest: bool, milliseconds: int 
     return _fraction(value), z3.is_true(z3.simplify(infinitesimal == 0))
 
 
-def _linear_problem(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> tuple[list[Any], list[Any]]:
+def _linear_problem(
+    phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]
+) -> tuple[list[Any], list[Any]]:
     """The durations of the phases as unknowns of z3, and what they must satisfy."""
     import z3
 
     durations = [z3.Real(f"d{k}") for k in range(len(phases))]
 
-    def clock(number: int, moment: Moment) -> z3.ArithRef:
+    def clock(number: int, moment: PhaseConstraint) -> z3.ArithRef:
         if number == 0:
             return z3.RealVal(0)
         since, value = phases[moment.phase].resets[number]
         passed = [durations[k] for k in range(since, moment.phase + moment.at_end) if number not in phases[k].stopped]
         return z3.Sum([z3.RealVal(value), *passed])
 
-    def formula(moment: Moment) -> z3.BoolRef:
+    def formula(moment: PhaseConstraint) -> z3.BoolRef:
         i, j, raw = moment.constraint
         if raw >= INFINITY:
             return z3.BoolVal(True)

@@ -32,7 +32,7 @@ Numbers = NDArray[np.int64]
 _NONE: Numbers = np.empty(0, dtype=np.int64)
 
 
-class Ending(StrEnum):
+class SimulationEnding(StrEnum):
     """Why a run ends."""
 
     HORIZON = "horizon"
@@ -51,7 +51,7 @@ class Ending(StrEnum):
     """It has no bound on time, and lasts longer than can be counted."""
 
 
-_ENDINGS = {ending: Ending[ending.name] for ending in _core.Ending}
+_ENDINGS = {ending: SimulationEnding[ending.name] for ending in _core.Ending}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class Simulated:
 
     number: int
     ticks_per_unit: int
-    ending: Ending
+    ending: SimulationEnding
     end: int
     transitions: int
     times: Numbers
@@ -103,7 +103,7 @@ class Simulated:
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class RecordedChanges:
     """What is recorded of runs beside how they end."""
 
     actions: bool = False
@@ -112,7 +112,7 @@ class Recorded:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawing:
+class SimulationOptions:
     """Which runs are drawn.
 
     Attributes:
@@ -138,7 +138,7 @@ class Simulator:
         self._observed = len(chances.observed)
         self._core = _core.Simulation(encode(program, ()), list(chances_image(chances)))
 
-    def runs(self, drawing: Drawing, numbers: range, recorded: Recorded) -> Iterator[Simulated]:
+    def runs(self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges) -> Iterator[Simulated]:
         """The runs of these numbers, which follow one another. Raises OutOfTimeError."""
         left = time_left()
         found = self._core.run(
@@ -160,10 +160,10 @@ class Simulator:
         for number, record in zip(numbers, found, strict=True):
             yield self._simulated(number, drawing.ticks_per_unit, record, recorded)
 
-    def _simulated(self, number: int, per_unit: int, record: _core.RunRecord, recorded: Recorded) -> Simulated:
+    def _simulated(self, number: int, per_unit: int, record: _core.RunRecord, recorded: RecordedChanges) -> Simulated:
         ending = _ENDINGS[record.ending]
         fault = None
-        if ending is Ending.FAULT:
+        if ending is SimulationEnding.FAULT:
             kind, position = record.fault
             fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
         if not (recorded.actions or recorded.observed or recorded.clocks):

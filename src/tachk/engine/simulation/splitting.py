@@ -10,7 +10,7 @@ from tachk.base.time_limit import OutOfTimeError, time_left
 from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.simulator import chances_image
-from tachk.engine.simulation.trials import Asked, core_asked
+from tachk.engine.simulation.trials import TrialQuestion, core_asked
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Splitter:
         self.levels = Levels(self._levels.top, self._levels.states, self._levels.whole, self._levels.reached)
 
     def replications(
-        self, asked: Asked, seed: int, numbers: range, effort: int, threads: int, most_steps: int | None
+        self, asked: TrialQuestion, seed: int, numbers: range, effort: int, threads: int, most_steps: int | None
     ) -> Sequence[tuple[float, int, int]]:
         """Of these numbers, in order: the estimate, the transitions, and the runs that are unknown. Raises
         OutOfTimeError."""

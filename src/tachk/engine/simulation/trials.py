@@ -15,14 +15,14 @@ from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.core_search import site_of
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Ending, chances_image
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationEnding, chances_image
 from tachk.model.fault import RuntimeErrorKind
 
-_ENDINGS = [Ending[ending.name] for ending in _core.Ending]
-_FAULT = _ENDINGS.index(Ending.FAULT)
+_ENDINGS = [SimulationEnding[ending.name] for ending in _core.Ending]
+_FAULT = _ENDINGS.index(SimulationEnding.FAULT)
 
 
-class Answered(IntEnum):
+class TrialAnswer(IntEnum):
     """What a run says about its goal."""
 
     NO = 0
@@ -48,7 +48,7 @@ class Reach:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class TrialQuestion:
     """What runs are asked, in numbers of the program.
 
     Attributes:
@@ -71,7 +71,7 @@ class Trials:
     """What came of some runs, in their order.
 
     Attributes:
-        answers: an `Answered` each.
+        answers: an `TrialAnswer` each.
         ends: the moment at which the goal is reached, or up to which the run was looked at, in ticks.
         measured: the extreme value of what is measured.
         endings: how many runs end how, before their goal is reached.
@@ -82,7 +82,7 @@ class Trials:
     ends: NDArray[np.int64]
     transitions: int
     measured: NDArray[np.float64]
-    endings: dict[Ending, int]
+    endings: dict[SimulationEnding, int]
     fault: tuple[RuntimeErrorKind, Span] | None
 
 
@@ -93,7 +93,7 @@ class Trier:
         self.program = program
         self._core = _core.Simulation(encode(program, chances.goals), list(chances_image(chances)))
 
-    def trials(self, asked: Asked, seed: int, numbers: range, threads: int, most_steps: int | None) -> Trials:
+    def trials(self, asked: TrialQuestion, seed: int, numbers: range, threads: int, most_steps: int | None) -> Trials:
         """The runs of these numbers. Raises OutOfTimeError."""
         left = time_left()
         found = _core.trials(
@@ -110,7 +110,7 @@ class Trier:
         answers, endings = found.answers(), found.endings()
         if len(answers) < len(numbers):
             raise OutOfTimeError
-        counts = np.bincount(endings[answers != Answered.YES], minlength=len(_ENDINGS))
+        counts = np.bincount(endings[answers != TrialAnswer.YES], minlength=len(_ENDINGS))
         fault = None
         if counts[_FAULT]:
             kind, position = found.fault(int(np.argmax(endings == _FAULT)))
@@ -125,7 +125,7 @@ class Trier:
         )
 
 
-def core_asked(asked: Asked) -> _core.Asked:
+def core_asked(asked: TrialQuestion) -> _core.Asked:
     result = _core.Asked()
     reach = asked.reach
     if reach.until is not None:

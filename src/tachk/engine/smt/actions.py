@@ -47,7 +47,7 @@ class Instance:
         return self.edge.synchronisation is not None and self.edge.synchronisation.direction is Direction.SEND
 
 
-class Moment(Protocol):
+class EdgesOfMoment(Protocol):
     """What the edges say at one moment."""
 
     @property
@@ -68,7 +68,7 @@ class Moment(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Action:
+class SymbolicAction:
     """Attributes:
     taken: that the edges of the action fire, and no others.
     possible: that they can, the invariants behind them included, or that something goes wrong in the attempt.
@@ -91,7 +91,7 @@ class _Choice:
     channel_priority: int
 
 
-def actions(network: Network, moment: Moment, priorities: Sequence[int]) -> list[Action]:
+def actions(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) -> list[SymbolicAction]:
     """All actions of a network.
 
     Args:
@@ -100,7 +100,7 @@ def actions(network: Network, moment: Moment, priorities: Sequence[int]) -> list
 
     Raises UnsupportedError if there are too many.
     """
-    found: list[Action] = []
+    found: list[SymbolicAction] = []
     for choice in _choices(network, moment, priorities):
         check_time()
         if choice.condition is False:
@@ -114,11 +114,11 @@ def actions(network: Network, moment: Moment, priorities: Sequence[int]) -> list
         goes_well, wrong = moment.behind(choice.instances, choice.condition)
         possible = conj(choice.condition, any_of([goes_well, *(fault.condition for fault in wrong)]))
         rank = choice.channel_priority, max(network.processes[i.process].priority for i in choice.instances)
-        found.append(Action(taken, possible, tuple(wrong), rank))
+        found.append(SymbolicAction(taken, possible, tuple(wrong), rank))
     return found
 
 
-def _choices(network: Network, moment: Moment, priorities: Sequence[int]) -> Iterator[_Choice]:
+def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) -> Iterator[_Choice]:
     receivers: list[list[Instance]] = [[] for _ in network.processes]
     for instance in moment.instances:
         if instance.receives:
@@ -153,7 +153,7 @@ def _hears(receiver: Instance, channel: int) -> Formula:
     return conj(receiver.open, any_of(condition for condition, named in receiver.channels if named == channel))
 
 
-def unblocked(found: Sequence[Action]) -> Formula:
+def unblocked(found: Sequence[SymbolicAction]) -> Formula:
     """That the action that is taken has the highest priority of those that are possible."""
     parts: list[Formula] = []
     for rank in {action.rank for action in found}:

@@ -13,10 +13,10 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, CONNECTIVES, CONSTANT_HIGH, BinaryOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.base.time_limit import check_time
-from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Place, Storage, either, place_at
+from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage, SymbolicPlace, either, place_at
 from tachk.engine.smt.terms import (
     Formula,
-    Number,
+    SymbolicNumber,
     all_of,
     any_of,
     choose,
@@ -88,7 +88,7 @@ class PossibleFault:
 
 
 Clocks = tuple[int, ...]
-CompareClocks = Callable[[BinaryOperator, Clocks, Clocks, Number], Formula]
+CompareClocks = Callable[[BinaryOperator, Clocks, Clocks, SymbolicNumber], Formula]
 """Whether the sum of some clocks minus that of others compares in some way with a number."""
 
 _T = TypeVar("_T")
@@ -105,14 +105,14 @@ class Evaluator:
     """
 
     layout: CellLayout
-    locations: Sequence[Number]
+    locations: Sequence[SymbolicNumber]
     storage: Storage
     compare_clocks: CompareClocks
     deadlock: Callable[[], Formula] | None = None
     path: Formula = True
     faults: list[PossibleFault] = field(default_factory=list)
     doomed: bool = False
-    frame: dict[Variable, Place] = field(default_factory=dict)
+    frame: dict[Variable, SymbolicPlace] = field(default_factory=dict)
 
     def bind(self, variable: Variable, value: int) -> None:
         """Gives a select or quantifier variable its value."""
@@ -221,7 +221,7 @@ class Evaluator:
 
     def _linear(
         self, side: Expression
-    ) -> tuple[list[tuple[Formula, int]] | None, list[tuple[Formula, int]] | None, Number]:
+    ) -> tuple[list[tuple[Formula, int]] | None, list[tuple[Formula, int]] | None, SymbolicNumber]:
         """One side of a comparison: a clock added, one subtracted, or a number."""
         if not isinstance(side.type, ClockType):
             return None, None, self.number(side)
@@ -234,7 +234,7 @@ class Evaluator:
         """The clocks, or the channels, that an expression may denote, each with its condition."""
         return self._of_place(self.place(expression))
 
-    def _of_place(self, place: Place) -> list[tuple[Formula, int]]:
+    def _of_place(self, place: SymbolicPlace) -> list[tuple[Formula, int]]:
         found: list[tuple[Formula, int]] = []
         for condition, segment, position in place.alternatives:
             number = self.storage.cells[segment, position]
@@ -259,7 +259,7 @@ class Evaluator:
 
     # ---- values ------------------------------------------------------------------------------------------------------
 
-    def number(self, expression: Expression) -> Number:
+    def number(self, expression: Expression) -> SymbolicNumber:
         """The value of an expression of integer, boolean or scalar type."""
         match expression:
             case Constant(value):
@@ -299,7 +299,7 @@ class Evaluator:
             case _ as never:
                 assert_never(never)
 
-    def cells(self, expression: Expression) -> tuple[Number, ...]:
+    def cells(self, expression: Expression) -> tuple[SymbolicNumber, ...]:
         """The cells of the value of an expression of any type."""
         match expression:
             case Assign():
@@ -324,7 +324,9 @@ class Evaluator:
             case _:
                 return self._read(self.place(expression), cell_count(expression.type))
 
-    def _computed(self, operator: BinaryOperator, left: Number, right: Number, span: Span) -> Number:
+    def _computed(
+        self, operator: BinaryOperator, left: SymbolicNumber, right: SymbolicNumber, span: Span
+    ) -> SymbolicNumber:
         wrong = undefined(operator, right)
         if wrong is not False:
             kind = _WRONG.get(operator, RuntimeErrorKind.DIVISION)
@@ -334,7 +336,7 @@ class Evaluator:
         except ValueError as error:
             raise refused(f"this expression: {error}", span) from None
 
-    def _summed(self, variable: Variable, body: Expression) -> Number:
+    def _summed(self, variable: Variable, body: Expression) -> SymbolicNumber:
         assert isinstance(variable.type, IntType | BoolType | ScalarType)
         low, high = bounds(variable.type)
         total = constant(0)
@@ -345,7 +347,7 @@ class Evaluator:
 
     # ---- places ------------------------------------------------------------------------------------------------------
 
-    def place(self, expression: Expression) -> Place:
+    def place(self, expression: Expression) -> SymbolicPlace:
         match expression:
             case Reference(variable):
                 in_frame = self.frame.get(variable)
@@ -361,13 +363,13 @@ class Evaluator:
                 first = self.under(test, lambda: self.place(then))
                 second = self.under(neg(test), lambda: self.place(otherwise))
                 if first is None or second is None:
-                    return first or second or Place(())
+                    return first or second or SymbolicPlace(())
                 return either(test, first, second)
             case _:
                 values = self.cells(expression)
                 return place_at(self.storage.new_segment(values, ranges_of(expression.type)))
 
-    def _indexed(self, start: Place, array: ArrayType, index: Number, span: Span) -> Place:
+    def _indexed(self, start: SymbolicPlace, array: ArrayType, index: SymbolicNumber, span: Span) -> SymbolicPlace:
         size, count = array.size, cell_count(array.element)
         first, last = array.low, array.low + size - 1
         outside = disj(
@@ -381,12 +383,12 @@ class Evaluator:
                 both = conj(condition, here)
                 if both is not False:
                     found.append((both, segment, position + (number - first) * count))
-        return Place(tuple(found) or ((True, *start.alternatives[0][1:]),))
+        return SymbolicPlace(tuple(found) or ((True, *start.alternatives[0][1:]),))
 
-    def _read(self, place: Place, count: int = 1) -> tuple[Number, ...]:
-        values: list[Number] = []
+    def _read(self, place: SymbolicPlace, count: int = 1) -> tuple[SymbolicNumber, ...]:
+        values: list[SymbolicNumber] = []
         for offset in range(count):
-            value: Number | None = None
+            value: SymbolicNumber | None = None
             for condition, segment, position in reversed(place.alternatives):
                 cell = self.storage.cells[segment, position + offset]
                 value = cell if value is None else choose(condition, cell, value)
@@ -394,7 +396,7 @@ class Evaluator:
             values.append(value)
         return tuple(values)
 
-    def _write(self, place: Place, values: Sequence[Number], span: Span) -> None:
+    def _write(self, place: SymbolicPlace, values: Sequence[SymbolicNumber], span: Span) -> None:
         for offset, value in enumerate(values):
             for condition, segment, position in place.alternatives:
                 low, high = self.storage.ranges[segment][position + offset]
@@ -408,7 +410,7 @@ class Evaluator:
                 stored = narrowed(value, low, high)
                 self.storage.write(cell, choose(condition, stored, self.storage.cells.get(cell, stored)))
 
-    def _assign(self, expression: Assign) -> tuple[Number, ...]:
+    def _assign(self, expression: Assign) -> tuple[SymbolicNumber, ...]:
         target, value, span = expression.target, expression.value, expression.span
         place = self.place(target)
         if isinstance(target.type, ClockType):
@@ -421,7 +423,7 @@ class Evaluator:
         self._write(place, cells, span)
         return cells
 
-    def _set_clock(self, target: Place, value: Expression, span: Span) -> Number:
+    def _set_clock(self, target: SymbolicPlace, value: Expression, span: Span) -> SymbolicNumber:
         whole = clock_sum(value)
         if whole is None:
             raise refused("a clock that is set to something else than a number, a clock, or a sum of both", span)
@@ -442,7 +444,7 @@ class Evaluator:
                 self.storage.write(cell, choose(condition, number, self.storage.cells[cell]))
         return offset
 
-    def call(self, expression: Call) -> tuple[Number, ...]:
+    def call(self, expression: Call) -> tuple[SymbolicNumber, ...]:
         """Executes a function; the cells of its result."""
         raise NotImplementedError
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import z3
 
 from tachk.base.time_limit import check_time
-from tachk.engine.smt.frame import Frame
-from tachk.engine.smt.relation import Relation
+from tachk.engine.smt.frame import StateFrame
+from tachk.engine.smt.relation import TransitionRelation
 from tachk.engine.smt.terms import Formula, all_of, any_of, conj
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.clock_constants import clock_constants
@@ -73,7 +73,7 @@ def known_zones(network: Network, goals: Sequence[Expression], limit: int = ZONE
 class ZonesAt:
     """Sets of zones as formulas about one frame, at the end of its delay."""
 
-    def __init__(self, encoded: Relation, frame: Frame) -> None:
+    def __init__(self, encoded: TransitionRelation, frame: StateFrame) -> None:
         self._encoded = encoded
         self._frame = frame
         self._known: dict[Constraint, Formula] = {}

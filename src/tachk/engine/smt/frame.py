@@ -13,7 +13,17 @@ from tachk.base.time_limit import check_time
 from tachk.engine.smt.evaluator import Clocks
 from tachk.engine.smt.machine import Machine
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
-from tachk.engine.smt.terms import Formula, Number, any_of, compare, conj, constant, of_each_value, real, unknown
+from tachk.engine.smt.terms import (
+    Formula,
+    SymbolicNumber,
+    any_of,
+    compare,
+    conj,
+    constant,
+    of_each_value,
+    real,
+    unknown,
+)
 from tachk.model.cell_layout import CellLayout
 from tachk.model.network import Network
 from tachk.model.run import Participant
@@ -22,7 +32,7 @@ from tachk.model.types import ChannelType, ClockType, bounds, cell_count
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class StateFrame:
     """The variables of one frame, or of the template of all of them.
 
     Attributes:
@@ -33,8 +43,8 @@ class Frame:
         fires: for each edge instance whether it takes part in the step that ends the frame.
     """
 
-    locations: tuple[Number, ...]
-    cells: tuple[Number, ...]
+    locations: tuple[SymbolicNumber, ...]
+    cells: tuple[SymbolicNumber, ...]
     resets: tuple[z3.ArithRef, ...]
     entered: z3.ArithRef
     left: z3.ArithRef
@@ -53,7 +63,7 @@ class Frame:
 class ClocksOf:
     """The clocks of a frame at a moment of it."""
 
-    frame: Frame
+    frame: StateFrame
     stopped: dict[int, Formula]
     moment: z3.ArithRef
 
@@ -64,7 +74,7 @@ class ClocksOf:
             return self.frame.entered if stopped else self.moment
         return z3.If(stopped, self.frame.entered, self.moment)
 
-    def compare(self, operator: BinaryOperator, plus: Clocks, less: Clocks, bound: Number) -> Formula:
+    def compare(self, operator: BinaryOperator, plus: Clocks, less: Clocks, bound: SymbolicNumber) -> Formula:
         added = [clock for clock in plus if clock not in less]
         taken = [clock for clock in less if clock not in plus]
         known = of_each_value(bound)
@@ -102,7 +112,7 @@ def _compared(operator: BinaryOperator, left: z3.ArithRef, right: z3.ArithRef) -
             raise ValueError(f"{operator} does not compare clocks")
 
 
-def fresh_frame(network: Network, layout: CellLayout, like: Frame | None, name: str) -> Frame:
+def fresh_frame(network: Network, layout: CellLayout, like: StateFrame | None, name: str) -> StateFrame:
     """Variables of a frame; without a pattern those that nothing writes are known."""
     locations = tuple(
         unknown(f"{name}.{number}", 0, len(process.locations) - 1) for number, process in enumerate(network.processes)
@@ -124,7 +134,7 @@ def fresh_frame(network: Network, layout: CellLayout, like: Frame | None, name: 
     resets = tuple(z3.Real(f"{name}.r{number}") for number in range(1, len(layout.clock_cells) + 1))
     count = _count(network) if like is None else len(like.fires)
     fires = tuple(z3.Bool(f"{name}.fire{number}") for number in range(count))
-    return Frame(locations, cells, resets, z3.Real(f"{name}.entered"), z3.Real(f"{name}.left"), fires)
+    return StateFrame(locations, cells, resets, z3.Real(f"{name}.entered"), z3.Real(f"{name}.left"), fires)
 
 
 def participants(network: Network) -> Iterator[Participant]:
@@ -141,7 +151,7 @@ def _count(network: Network) -> int:
     return sum(1 for _ in participants(network))
 
 
-def machine_of(layout: CellLayout, frame: Frame, clocks: ClocksOf) -> Machine:
+def machine_of(layout: CellLayout, frame: StateFrame, clocks: ClocksOf) -> Machine:
     cells = {(STATE, position): number for position, number in enumerate(frame.cells)}
     for clock in range(1, len(layout.clock_cells) + 1):
         cells[CLOCK_SOURCE, clock], cells[CLOCK_VALUE, clock] = constant(clock), constant(0)

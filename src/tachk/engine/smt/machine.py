@@ -12,7 +12,7 @@ from typing import assert_never
 from tachk.base.time_limit import check_time
 from tachk.engine.smt.evaluator import Evaluator, ranges_of, refused
 from tachk.engine.smt.storage import Cell, place_at
-from tachk.engine.smt.terms import Formula, Number, any_of, choose, conj, constant, disj, neg
+from tachk.engine.smt.terms import Formula, SymbolicNumber, any_of, choose, conj, constant, disj, neg
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
     Assert,
@@ -40,13 +40,13 @@ class Machine(Evaluator):
     returned: where the current function has returned, with what, and what cells held then.
     """
 
-    returned: list[tuple[Formula, tuple[Number, ...], dict[Cell, Number]]] = field(default_factory=list)
+    returned: list[tuple[Formula, tuple[SymbolicNumber, ...], dict[Cell, SymbolicNumber]]] = field(default_factory=list)
 
     def execute(self, updates: Iterable[Expression]) -> None:
         for update in updates:
             self.cells(update)
 
-    def call(self, expression: Call) -> tuple[Number, ...]:
+    def call(self, expression: Call) -> tuple[SymbolicNumber, ...]:
         function = expression.function
         if function.operation is not None:
             raise refused("floating point arithmetic", expression.span)
@@ -69,7 +69,7 @@ class Machine(Evaluator):
         if goes_on is not False:
             exits.append((conj(path, goes_on), self.storage.snapshot()))
         self.storage.continue_from(exits, segments)
-        result: tuple[Number, ...] = ()
+        result: tuple[SymbolicNumber, ...] = ()
         for condition, values, _ in reversed(self.returned):
             result = tuple(choose(condition, a, b) for a, b in zip(values, result, strict=True)) if result else values
         self.returned, self.path = outer_returned, path
@@ -161,7 +161,7 @@ class Machine(Evaluator):
 
     def _loop(self, condition: Expression, body: Statement, test_first: bool, result: Type) -> Formula:
         outer, segments = self.path, self.storage.segments
-        exits: list[tuple[Formula, dict[Cell, Number]]] = []
+        exits: list[tuple[Formula, dict[Cell, SymbolicNumber]]] = []
         alive: Formula = True
         for number in range(ROUNDS + 1):
             check_time()

@@ -9,8 +9,8 @@ import z3
 
 from tachk.base.time_limit import OutOfTimeError, check_time, time_limit
 from tachk.engine.smt.facts import ZonesAt, known_zones
-from tachk.engine.smt.frame import Frame
-from tachk.engine.smt.solving import Asking, GaveUpError
+from tachk.engine.smt.frame import StateFrame
+from tachk.engine.smt.solving import GaveUpError, SolverOptions
 from tachk.engine.smt.targets import Targets
 from tachk.engine.smt.terms import Formula, any_of, conj, neg
 from tachk.model.expressions import Expression
@@ -33,13 +33,15 @@ class Proofs:
     Every proof also shows that nothing goes wrong in any reachable state, without which nothing would be proved.
     """
 
-    def __init__(self, targets: Targets, asking: Asking, network: Network, predicates: Sequence[Expression]) -> None:
+    def __init__(
+        self, targets: Targets, asking: SolverOptions, network: Network, predicates: Sequence[Expression]
+    ) -> None:
         self.targets = targets
         self.relation = targets.relation
         self.asking = asking
         self.network = network
         self.predicates = predicates
-        self._frames: list[Frame] = []
+        self._frames: list[StateFrame] = []
         self._solver = asking.solver()
         self._tried_zones = False
 
@@ -69,12 +71,12 @@ class Proofs:
             return False
         return not self._enters_wrongly(last, deadline, *before)
 
-    def _add_frame(self, name: str) -> Frame:
+    def _add_frame(self, name: str) -> StateFrame:
         frame = self.relation.frame(name)
         self._solver.add(self.relation.any_frame(frame), self.relation.at(self.relation.stay, frame))
         return frame
 
-    def _enters_wrongly(self, frame: Frame, deadline: float, *assumptions: Formula) -> bool:
+    def _enters_wrongly(self, frame: StateFrame, deadline: float, *assumptions: Formula) -> bool:
         """Whether a step out of a frame leads to where an invariant goes wrong."""
         faults = any_of(fault.condition for fault in self.relation.entry_faults)
         if faults is False:

@@ -15,10 +15,10 @@ from itertools import combinations
 import z3
 
 from tachk.base.time_limit import check_time
-from tachk.engine.smt.actions import Action, Instance, TooManyComparisonsError, actions, sometimes, unblocked
+from tachk.engine.smt.actions import Instance, SymbolicAction, TooManyComparisonsError, actions, sometimes, unblocked
 from tachk.engine.smt.conditions import certain, guard
 from tachk.engine.smt.evaluator import PossibleFault, refused
-from tachk.engine.smt.frame import ClocksOf, Frame, fresh_frame, machine_of, participants
+from tachk.engine.smt.frame import ClocksOf, StateFrame, fresh_frame, machine_of, participants
 from tachk.engine.smt.machine import Machine
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engine.smt.terms import (
@@ -45,7 +45,7 @@ from tachk.model.types import ChannelType
 
 
 @dataclass(slots=True)
-class Relation:
+class TransitionRelation:
     """Attributes:
     template: the variables that all formulas are about; `after` are those of the frame behind a step.
     stay: that the invariants hold at both moments, and that time may pass between them.
@@ -58,8 +58,8 @@ class Relation:
 
     network: Network
     layout: CellLayout
-    template: Frame
-    after: Frame
+    template: StateFrame
+    after: StateFrame
     instances: tuple[Participant, ...]
     initiators: tuple[bool, ...]
     stay: Formula
@@ -71,11 +71,11 @@ class Relation:
     stopped: dict[int, Formula]
     deadlock: Callable[[], tuple[Formula, Sequence[PossibleFault]]]
 
-    def frame(self, name: str) -> Frame:
+    def frame(self, name: str) -> StateFrame:
         """Fresh variables of the same shape."""
         return fresh_frame(self.network, self.layout, self.template, name)
 
-    def at(self, formula: Formula, frame: Frame, after: Frame | None = None) -> Formula:
+    def at(self, formula: Formula, frame: StateFrame, after: StateFrame | None = None) -> Formula:
         """A formula about the template, said of a frame and of the one behind it."""
         if isinstance(formula, bool):
             return formula
@@ -84,7 +84,7 @@ class Relation:
             pairs += list(zip(self.after.state(), after.state(), strict=True))
         return z3.substitute(formula, *pairs)
 
-    def initial(self, frame: Frame) -> Formula:
+    def initial(self, frame: StateFrame) -> Formula:
         """That a frame is the first one of a run."""
         parts: list[Formula] = [
             number.is_value(process.initial)
@@ -94,7 +94,7 @@ class Relation:
         parts += [reset == -start for reset, start in zip(frame.resets, self.layout.starts, strict=True)]
         return all_of([*parts, frame.entered == 0])
 
-    def any_frame(self, frame: Frame) -> Formula:
+    def any_frame(self, frame: StateFrame) -> Formula:
         """What holds of the variables of every frame: their ranges, and that clocks are not negative."""
         parts = [in_range(number) for number in (*frame.locations, *frame.cells)]
         return all_of([*parts, *(reset <= frame.entered for reset in frame.resets), frame.entered <= frame.left])
@@ -121,7 +121,7 @@ class Relation:
         return ClocksOf(self.template, self.stopped, self.template.left).now(number) - self.template.resets[number - 1]
 
 
-def relation(network: Network) -> Relation:
+def relation(network: Network) -> TransitionRelation:
     """Encodes a network. Raises UnsupportedError for what is not encoded."""
     layout = cell_layout(network)
     channels = [layout.types[cell] for cell in layout.channel_cells]
@@ -133,14 +133,14 @@ class _Encoder:
     network: Network
     layout: CellLayout
     channels: Sequence[ChannelType]
-    frame: Frame = field(init=False)
+    frame: StateFrame = field(init=False)
     instances: list[Instance] = field(init=False)
     committed: Formula = field(init=False)
     may_go: list[Formula] = field(init=False)
     stopped: dict[int, Formula] = field(default_factory=dict)
     faults: list[PossibleFault] = field(default_factory=list)
 
-    def encode(self) -> Relation:
+    def encode(self) -> TransitionRelation:
         self.frame = fresh_frame(self.network, self.layout, None, "s")
         after = fresh_frame(self.network, self.layout, self.frame, "n")
         self.stopped = stopped = self._stopped()
@@ -153,7 +153,7 @@ class _Encoder:
         chosen = self._chosen()
         changed, step_faults = self._updated(after)
         first = unblocked(self._actions()) if self.network.has_priorities else True
-        return Relation(
+        return TransitionRelation(
             self.network,
             self.layout,
             self.frame,
@@ -326,7 +326,7 @@ class _Encoder:
 
     # ---- single actions ----------------------------------------------------------------------------------------------
 
-    def _actions(self) -> list[Action]:
+    def _actions(self) -> list[SymbolicAction]:
         return actions(self.network, self, [priority for _, priority in prepare(self.network).channels])
 
     def behind(self, instances: Sequence[Instance], condition: Formula) -> tuple[Formula, list[PossibleFault]]:
@@ -346,7 +346,7 @@ class _Encoder:
         clocks = range(1, len(self.frame.resets) + 1)
         resets = [self._reset(machine.storage, clock) for clock in clocks]
         there = _Encoder(self.network, self.layout, self.channels)
-        there.frame = Frame(tuple(locations), tuple(cells), tuple(resets), self.frame.left, self.frame.left, ())
+        there.frame = StateFrame(tuple(locations), tuple(cells), tuple(resets), self.frame.left, self.frame.left, ())
         invariant, wrong = there._invariant(ClocksOf(there.frame, {}, there.frame.entered))
         wrong = [replace(fault, condition=conj(condition, fault.condition)) for fault in wrong]
         return invariant, [*machine.faults, *wrong]
@@ -425,7 +425,7 @@ class _Encoder:
                         parts.append(neg(all_of([sends[named], receiver.open, condition, neg(takes_part)])))
         return parts
 
-    def _updated(self, after: Frame) -> tuple[Formula, list[PossibleFault]]:
+    def _updated(self, after: StateFrame) -> tuple[Formula, list[PossibleFault]]:
         machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
         self._execute(machine, [instance for instance in self.instances if not instance.receives])
         for process in range(len(self.network.processes)):

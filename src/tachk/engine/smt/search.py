@@ -16,7 +16,7 @@ from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engine.smt.proofs import Proofs
 from tachk.engine.smt.relation import relation
-from tachk.engine.smt.solving import Asking, GaveUpError
+from tachk.engine.smt.solving import GaveUpError, SolverOptions
 from tachk.engine.smt.targets import Targets
 from tachk.engine.smt.unrolling import Unrolled
 from tachk.model.expressions import Expression
@@ -44,7 +44,7 @@ def explore(
         depth = 0 if unrolled is None else unrolled.depth
         return Statistics(depth, depth, asking.asked, time.monotonic() - started)
 
-    asking = Asking(
+    asking = SolverOptions(
         None if limits.seconds is None else started + limits.seconds,
         None if limits.memory_bytes is None else max(limits.memory_bytes >> 20, 1),
         None if progress is None else lambda: progress(statistics()),

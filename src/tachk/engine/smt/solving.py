@@ -25,7 +25,7 @@ class GaveUpError(Exception):
 
 
 @dataclass(slots=True)
-class Asking:
+class SolverOptions:
     """How z3 is asked.
 
     Attributes:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from tachk.engine.smt.terms import Formula, Number, choose, conj, neg
+from tachk.engine.smt.terms import Formula, SymbolicNumber, choose, conj, neg
 
 Cell = tuple[int, int]
 """A segment and a position in it."""
@@ -28,13 +28,13 @@ class Storage:
     ranges: smallest and largest value of each cell of a segment.
     """
 
-    cells: dict[Cell, Number]
+    cells: dict[Cell, SymbolicNumber]
     ranges: dict[int, Sequence[tuple[int, int]]]
     segments: int = CLOCK_VALUE + 1
-    journal: dict[Cell, Number | None] = field(default_factory=dict)
+    journal: dict[Cell, SymbolicNumber | None] = field(default_factory=dict)
     """What cells held before the current branch."""
 
-    def new_segment(self, values: Sequence[Number], ranges: Sequence[tuple[int, int]]) -> int:
+    def new_segment(self, values: Sequence[SymbolicNumber], ranges: Sequence[tuple[int, int]]) -> int:
         segment = self.segments
         self.segments += 1
         self.ranges[segment] = ranges
@@ -42,11 +42,11 @@ class Storage:
             self.write((segment, position), value)
         return segment
 
-    def write(self, cell: Cell, value: Number) -> None:
+    def write(self, cell: Cell, value: SymbolicNumber) -> None:
         self.journal.setdefault(cell, self.cells.get(cell))
         self.cells[cell] = value
 
-    def apart(self, action: Callable[[], _T]) -> tuple[_T, dict[Cell, Number]]:
+    def apart(self, action: Callable[[], _T]) -> tuple[_T, dict[Cell, SymbolicNumber]]:
         """Does something and takes it back: what it gave, and the cells that it changed."""
         outer, self.journal = self.journal, {}
         result = action()
@@ -59,25 +59,27 @@ class Storage:
         self.journal = outer
         return result, changes
 
-    def apply(self, changes: Mapping[Cell, Number], condition: Formula = True) -> None:
+    def apply(self, changes: Mapping[Cell, SymbolicNumber], condition: Formula = True) -> None:
         """Makes changes where a condition holds."""
         for cell, value in changes.items():
             self.write(cell, choose(condition, value, self.cells.get(cell, value)))
 
-    def join(self, condition: Formula, then: Mapping[Cell, Number], otherwise: Mapping[Cell, Number]) -> None:
+    def join(
+        self, condition: Formula, then: Mapping[Cell, SymbolicNumber], otherwise: Mapping[Cell, SymbolicNumber]
+    ) -> None:
         """Makes the changes of one of two branches."""
         for cell in {**then, **otherwise}:
             before = self.cells.get(cell, then.get(cell, otherwise.get(cell)))
             assert before is not None
             self.write(cell, choose(condition, then.get(cell, before), otherwise.get(cell, before)))
 
-    def snapshot(self) -> dict[Cell, Number]:
+    def snapshot(self) -> dict[Cell, SymbolicNumber]:
         return dict(self.cells)
 
-    def continue_from(self, exits: Iterable[tuple[Formula, dict[Cell, Number]]], segments: int) -> None:
+    def continue_from(self, exits: Iterable[tuple[Formula, dict[Cell, SymbolicNumber]]], segments: int) -> None:
         """Goes on where one of several paths has left off, in the segments that were there before they parted."""
         known = list(exits)
-        merged: dict[Cell, Number] = {}
+        merged: dict[Cell, SymbolicNumber] = {}
         for number, (condition, snapshot) in enumerate(reversed(known)):
             for cell, value in snapshot.items():
                 if cell[0] < segments:
@@ -92,23 +94,25 @@ Alternative = tuple[Formula, int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SymbolicPlace:
     """Where a value is: one of several places, each with the condition that it is this one."""
 
     alternatives: tuple[Alternative, ...]
 
-    def moved(self, offset: int) -> Place:
-        return Place(tuple((condition, segment, start + offset) for condition, segment, start in self.alternatives))
+    def moved(self, offset: int) -> SymbolicPlace:
+        return SymbolicPlace(
+            tuple((condition, segment, start + offset) for condition, segment, start in self.alternatives)
+        )
 
 
-def place_at(segment: int, position: int = 0) -> Place:
-    return Place(((True, segment, position),))
+def place_at(segment: int, position: int = 0) -> SymbolicPlace:
+    return SymbolicPlace(((True, segment, position),))
 
 
-def either(condition: Formula, then: Place, otherwise: Place) -> Place:
+def either(condition: Formula, then: SymbolicPlace, otherwise: SymbolicPlace) -> SymbolicPlace:
     if isinstance(condition, bool):
         return then if condition else otherwise
-    return Place(
+    return SymbolicPlace(
         tuple((conj(condition, c), s, p) for c, s, p in then.alternatives)
         + tuple((conj(neg(condition), c), s, p) for c, s, p in otherwise.alternatives)
     )

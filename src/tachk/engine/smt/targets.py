@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from tachk.base.records import dataclass
 from tachk.engine.smt.evaluator import PossibleFault
-from tachk.engine.smt.relation import Relation
+from tachk.engine.smt.relation import TransitionRelation
 from tachk.engine.smt.terms import Formula, any_of, conj
 from tachk.model.expressions import Expression
 
@@ -19,13 +19,13 @@ class Targets:
     undecided: where that leaves it open whether the goal is reached.
     """
 
-    relation: Relation
+    relation: TransitionRelation
     goals: tuple[Formula, ...]
     undecided: tuple[Formula, ...]
     wrong: tuple[tuple[PossibleFault, ...], ...]
 
     @staticmethod
-    def of(encoded: Relation, predicates: Sequence[Expression]) -> Targets:
+    def of(encoded: TransitionRelation, predicates: Sequence[Expression]) -> Targets:
         found = [encoded.where(predicate) for predicate in predicates]
         return Targets(
             encoded,

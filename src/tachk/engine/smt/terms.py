@@ -62,7 +62,7 @@ def same(left: Formula, right: Formula) -> Formula:
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class SymbolicNumber:
     """``term``: None exactly where ``low`` equals ``high``."""
 
     low: int
@@ -85,16 +85,16 @@ class Number:
         return range(self.low, self.high + 1)
 
 
-def constant(value: int) -> Number:
-    return Number(value, value)
+def constant(value: int) -> SymbolicNumber:
+    return SymbolicNumber(value, value)
 
 
-def unknown(name: str, low: int, high: int) -> Number:
+def unknown(name: str, low: int, high: int) -> SymbolicNumber:
     """A number of which only the range is known; `in_range` says that range to the solver."""
-    return constant(low) if low == high else Number(low, high, z3.BitVec(name, _width(low, high)))
+    return constant(low) if low == high else SymbolicNumber(low, high, z3.BitVec(name, _width(low, high)))
 
 
-def in_range(number: Number) -> Formula:
+def in_range(number: SymbolicNumber) -> Formula:
     """That a number which `unknown` made lies in its range."""
     if number.term is None:
         return True
@@ -107,33 +107,33 @@ def in_range(number: Number) -> Formula:
     return all_of(parts)
 
 
-def narrowed(number: Number, low: int, high: int) -> Number:
+def narrowed(number: SymbolicNumber, low: int, high: int) -> SymbolicNumber:
     """The number where it is known to lie in a range."""
     low, high = max(number.low, low), min(number.high, high)
     if low >= high:  # above: it never lies there, so that any value will do
         return constant(low)
-    return Number(low, high, Number(number.low, number.high, number.term).at_width(_width(low, high)))
+    return SymbolicNumber(low, high, SymbolicNumber(number.low, number.high, number.term).at_width(_width(low, high)))
 
 
-def of_formula(formula: Formula) -> Number:
+def of_formula(formula: Formula) -> SymbolicNumber:
     return choose(formula, constant(1), constant(0))
 
 
-def truth_of(number: Number) -> Formula:
+def truth_of(number: SymbolicNumber) -> Formula:
     return neg(number.is_value(0))
 
 
-def choose(condition: Formula, then: Number, otherwise: Number) -> Number:
+def choose(condition: Formula, then: SymbolicNumber, otherwise: SymbolicNumber) -> SymbolicNumber:
     if isinstance(condition, bool):
         return then if condition else otherwise
     if then is otherwise or (then.term is None and otherwise.term is None and then.low == otherwise.low):
         return then
     low, high = min(then.low, otherwise.low), max(then.high, otherwise.high)
     bits = _width(low, high)
-    return Number(low, high, z3.If(condition, then.at_width(bits), otherwise.at_width(bits)))
+    return SymbolicNumber(low, high, z3.If(condition, then.at_width(bits), otherwise.at_width(bits)))
 
 
-def compare(operator: BinaryOperator, left: Number, right: Number) -> Formula:
+def compare(operator: BinaryOperator, left: SymbolicNumber, right: SymbolicNumber) -> Formula:
     if left.term is None and right.term is None:
         return operator.holds(left.low, right.low)
     if left.high < right.low:
@@ -163,7 +163,7 @@ def compare(operator: BinaryOperator, left: Number, right: Number) -> Formula:
             raise ValueError(f"{operator} does not compare")
 
 
-def compute(operator: BinaryOperator, left: Number, right: Number) -> Number:
+def compute(operator: BinaryOperator, left: SymbolicNumber, right: SymbolicNumber) -> SymbolicNumber:
     """The value of an operation where it has one; anything where it has none.
 
     Raises ValueError for a power whose exponent varies too much.
@@ -208,11 +208,11 @@ def compute(operator: BinaryOperator, left: Number, right: Number) -> Number:
             raise ValueError(f"{operator} does not compute a number")
 
 
-def minus(number: Number) -> Number:
+def minus(number: SymbolicNumber) -> SymbolicNumber:
     return compute(BinaryOperator.SUBTRACT, constant(0), number)
 
 
-def undefined(operator: BinaryOperator, right: Number) -> Formula:
+def undefined(operator: BinaryOperator, right: SymbolicNumber) -> Formula:
     """Whether an operation has no value for a right side."""
     if operator.total or operator.defined_for(right.low, right.high):
         return False
@@ -224,14 +224,14 @@ def undefined(operator: BinaryOperator, right: Number) -> Formula:
     return disj(below, compare(BinaryOperator.GREATER, right, constant(31)))
 
 
-def of_each_value(number: Number) -> list[tuple[Formula, int]] | None:
+def of_each_value(number: SymbolicNumber) -> list[tuple[Formula, int]] | None:
     """The values of a number, each with the condition that it has it; None where there are many."""
     if number.high - number.low >= _LISTED:
         return None
     return [(number.is_value(value), value) for value in number.values]
 
 
-def real(number: Number) -> z3.ArithRef:
+def real(number: SymbolicNumber) -> z3.ArithRef:
     """The number among the reals, as a sum of its bits."""
     if number.term is None:
         return z3.RealVal(number.low)
@@ -246,24 +246,26 @@ def _width(low: int, high: int) -> int:
     return max((low if low >= 0 else ~low).bit_length(), (high if high >= 0 else ~high).bit_length()) + 1
 
 
-def _exact(low: int, high: int, left: Number, right: Number, apply: Callable[[Any, Any], Any]) -> Number:
+def _exact(
+    low: int, high: int, left: SymbolicNumber, right: SymbolicNumber, apply: Callable[[Any, Any], Any]
+) -> SymbolicNumber:
     """An operation in as many bits as its exact result needs, cut to 32 bits if that is more."""
     bits = _width(min(low, left.low, right.low), max(high, left.high, right.high))
     term = apply(left.at_width(bits), right.at_width(bits))
     if low < CONSTANT_LOW or high > CONSTANT_HIGH:
-        return Number(CONSTANT_LOW, CONSTANT_HIGH, Number(low, high, term).at_width(32))
+        return SymbolicNumber(CONSTANT_LOW, CONSTANT_HIGH, SymbolicNumber(low, high, term).at_width(32))
     if low == high:
         return constant(low)
-    return Number(low, high, Number(low, high, term).at_width(_width(low, high)))
+    return SymbolicNumber(low, high, SymbolicNumber(low, high, term).at_width(_width(low, high)))
 
 
-def _bitwise(left: Number, right: Number, apply: Callable[[Any, Any], Any]) -> Number:
+def _bitwise(left: SymbolicNumber, right: SymbolicNumber, apply: Callable[[Any, Any], Any]) -> SymbolicNumber:
     bits = _width(min(left.low, right.low), max(left.high, right.high))
     top = (1 << (bits - 1)) - 1
     return _exact(0 if left.low >= 0 and right.low >= 0 else -top - 1, top, left, right, apply)
 
 
-def _power(base: Number, exponent: Number) -> Number:
+def _power(base: SymbolicNumber, exponent: SymbolicNumber) -> SymbolicNumber:
     choices = of_each_value(exponent)
     if choices is None:
         raise ValueError("the exponent has too many values")

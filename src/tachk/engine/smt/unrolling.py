@@ -8,8 +8,8 @@ import z3
 
 from tachk.engine.outcome import GoalOutcome, Status
 from tachk.engine.smt.evaluator import PossibleFault
-from tachk.engine.smt.frame import Frame
-from tachk.engine.smt.solving import Asking
+from tachk.engine.smt.frame import StateFrame
+from tachk.engine.smt.solving import SolverOptions
 from tachk.engine.smt.targets import Targets
 from tachk.engine.smt.terms import Formula, any_of, conj
 from tachk.model.run import RunTimeFault, Transition
@@ -23,7 +23,7 @@ class Unrolled:
         status: the goals that are decided, or go wrong.
     """
 
-    def __init__(self, targets: Targets, asking: Asking) -> None:
+    def __init__(self, targets: Targets, asking: SolverOptions) -> None:
         self.targets = targets
         self.relation = targets.relation
         self.asking = asking
@@ -100,7 +100,7 @@ class Unrolled:
     def _path(self) -> tuple[Transition, ...]:
         return tuple(self._transition(frame) for frame in self._frames[: self.depth])
 
-    def _transition(self, frame: Frame) -> Transition:
+    def _transition(self, frame: StateFrame) -> Transition:
         model = self._solver.model()
         fired = [number for number, fires in enumerate(frame.fires) if _is_true(model, fires)]
         first = [self.relation.instances[n] for n in fired if self.relation.initiators[n]]

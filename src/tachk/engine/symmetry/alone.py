@@ -9,8 +9,8 @@ from functools import partial
 from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.kinds import Kinds
-from tachk.engine.symmetry.terms import Number, Reader
-from tachk.engine.symmetry.units import Unit, read_edge, read_location, without_names
+from tachk.engine.symmetry.terms import KindedNumber, TermReader
+from tachk.engine.symmetry.units import TermUnit, read_edge, read_location, without_names
 from tachk.model.network import Edge, Process
 from tachk.model.remembered import by_part
 
@@ -18,13 +18,13 @@ from tachk.model.remembered import by_part
 @dataclass(frozen=True, slots=True)
 class _Alone:
     kinds: Kinds
-    locations: Sequence[Unit]
-    edges: Sequence[Unit]
+    locations: Sequence[TermUnit]
+    edges: Sequence[TermUnit]
 
 
 @by_part
 def _read(process: Process, edges: tuple[Edge, ...], known: Known) -> _Alone:
-    reader = Reader(known)
+    reader = TermReader(known)
     locations = [read_location(reader, 0, location) for location in process.locations]
     return _Alone(reader.kinds, locations, [read_edge(reader, 0, edge, rank=lambda _: 0) for edge in edges])
 
@@ -54,5 +54,5 @@ def numbers_alone(
     return [_numbers(unit) for unit in alone.locations], [_numbers(unit) for unit in alone.edges]
 
 
-def _numbers(unit: Unit) -> tuple[Hashable, tuple[int, ...]]:
-    return unit.outline, tuple(token.value for token in unit.every_token if isinstance(token, Number))
+def _numbers(unit: TermUnit) -> tuple[Hashable, tuple[int, ...]]:
+    return unit.outline, tuple(token.value for token in unit.every_token if isinstance(token, KindedNumber))

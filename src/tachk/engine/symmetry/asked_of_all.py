@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.automorphism import Reading, Renaming
+from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming
 from tachk.engine.symmetry.detection import find_symmetry
 from tachk.engine.symmetry.kinds import ArrayTree, RecordTree, Tree
 from tachk.engine.symmetry.sketch import sketch_of
@@ -80,7 +80,7 @@ def asked_of_all(
     return (asked, on_the_way) if interchanged(network, [*asked, *on_the_way]) == everything else None
 
 
-def _any_image(reading: Reading, renamings: Sequence[Renaming], question: Expression) -> Expression:
+def _any_image(reading: NetworkTerms, renamings: Sequence[Renaming], question: Expression) -> Expression:
     """Whether the question, or one that renamings make of it, is true; the question itself if there are too many."""
     images = {_in_any_order(part): part for part in _parts(question, BinaryOperator.OR)}
     pending = list(images.values())
@@ -111,7 +111,7 @@ def _in_any_order(expression: Expression) -> Hashable:
     return frozenset(_parts(expression, BinaryOperator.AND))
 
 
-def _renamed(expression: Expression, reading: Reading, renaming: Renaming) -> Expression:
+def _renamed(expression: Expression, reading: NetworkTerms, renaming: Renaming) -> Expression:
     """The image of a question. Numbers are renamed where they are indices or compared with variables; whether nothing
     is forgotten shows where the processes are found to be interchangeable."""
 
@@ -141,7 +141,7 @@ def _renamed(expression: Expression, reading: Reading, renaming: Renaming) -> Ex
             return with_parts(expression, of)
 
 
-def _tree(place: Expression, reading: Reading) -> Tree | None:
+def _tree(place: Expression, reading: NetworkTerms) -> Tree | None:
     """The kinds of a variable or a part of one."""
     match place:
         case Reference(variable):

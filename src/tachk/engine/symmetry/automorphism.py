@@ -17,17 +17,17 @@ from dataclasses import field, replace
 
 from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
-from tachk.engine.symmetry.predicates import Junction, Term, flat, predicate_term
-from tachk.engine.symmetry.terms import Number, Place, Reader, Token, cell_nodes
-from tachk.engine.symmetry.units import Unit, read_edge, read_location, without_names
+from tachk.engine.symmetry.kinds import ArrayTree, AsymmetryReason, Kinds, RecordTree, Tree
+from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
+from tachk.engine.symmetry.terms import KindedNumber, ProcessNumber, TermReader, Token, cell_nodes
+from tachk.engine.symmetry.units import TermUnit, read_edge, read_location, without_names
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Expression, Variable, VariableKind
 from tachk.model.network import Network
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, cell_count
 
-Atom = Variable | Place | tuple[int, int]
+Atom = Variable | ProcessNumber | tuple[int, int]
 """What a renaming may move: a variable, a process, a number of a kind."""
 
 
@@ -50,7 +50,7 @@ class Renaming:
 
 
 @dataclass(slots=True)
-class Reading:
+class NetworkTerms:
     """A network and what is asked of it, as terms.
 
     Attributes:
@@ -59,9 +59,9 @@ class Reading:
     """
 
     network: Network
-    reader: Reader
-    locations: list[list[Unit]]
-    edges: list[list[Unit]]
+    reader: TermReader
+    locations: list[list[TermUnit]]
+    edges: list[list[TermUnit]]
     predicates: list[Term]
     colours: Sequence[int] | None = None
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
@@ -86,14 +86,14 @@ class Reading:
 
     def _note_predicates(self) -> None:
         for term in self.predicates:
-            parts = term.parts if isinstance(term, Junction) else (term,)
+            parts = term.parts if isinstance(term, UnorderedJunction) else (term,)
             mentioning: dict[Atom, list[int]] = {}
             for number, part in enumerate(parts):
                 for atom in set(self.atoms(flat([part]))):
                     mentioning.setdefault(atom, []).append(number)
             self._asked.append((parts, mentioning))
 
-    def asking(self, predicates: Sequence[Expression]) -> Reading | None:
+    def asking(self, predicates: Sequence[Expression]) -> NetworkTerms | None:
         """The same network where this is asked of it; None if these predicates say more of the numbers in the network
         than it says itself, or change a variable."""
         if written_variables(predicates):
@@ -109,10 +109,10 @@ class Reading:
 
     def atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
         for token in tokens:
-            if isinstance(token, Number):
+            if isinstance(token, KindedNumber):
                 root, shift = self.kinds.find(token.node)
                 yield root, token.value - shift
-            elif isinstance(token, Variable | Place):
+            elif isinstance(token, Variable | ProcessNumber):
                 yield token
 
     # ---- images -----------------------------------------------------------------------------------------------------
@@ -121,17 +121,17 @@ class Reading:
         """Renamed tokens, without the kinds of numbers."""
         image: list[Hashable] = []
         for token in tokens:
-            if isinstance(token, Number):
+            if isinstance(token, KindedNumber):
                 image.append(renaming.value(self.kinds, token.node, token.value))
             elif isinstance(token, Variable):
                 image.append(renaming.variables.get(token, token))
-            elif isinstance(token, Place):
-                image.append(Place(renaming.processes.get(token.process, token.process)))
+            elif isinstance(token, ProcessNumber):
+                image.append(ProcessNumber(renaming.processes.get(token.process, token.process)))
             else:
                 image.append(token)
         return tuple(image)
 
-    def text(self, unit: Unit, renaming: Renaming) -> Hashable:
+    def text(self, unit: TermUnit, renaming: Renaming) -> Hashable:
         """The renamed text of a location or an edge; updates in any order have none."""
         loose = (Counter(self.image(update.tokens, renaming) for update in updates) for updates in unit.loose)
         return (self.image(unit.tokens, renaming), *(frozenset(counted.items()) for counted in loose))
@@ -141,7 +141,7 @@ class Reading:
         return without_names(self.kinds, token)
 
     def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
-        if isinstance(term, Junction):
+        if isinstance(term, UnorderedJunction):
             parts = Counter(self._term_image(part, renaming) for part in term.parts)
             return term.conjunctive, frozenset(parts.items())
         return self.image(term, renaming)
@@ -149,13 +149,13 @@ class Reading:
     def _moved_atoms(self, renaming: Renaming) -> set[Atom]:
         return {
             *renaming.variables,
-            *map(Place, renaming.processes),
+            *map(ProcessNumber, renaming.processes),
             *((root, value) for root, moved in renaming.values.items() for value in moved),
         }
 
     # ---- the proof --------------------------------------------------------------------------------------------------
 
-    def objection(self, renaming: Renaming) -> Refusal | None:
+    def objection(self, renaming: Renaming) -> AsymmetryReason | None:
         """Why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
         moved = self._moved_atoms(renaming)
         return (
@@ -166,11 +166,11 @@ class Reading:
             or self._predicate_objection(renaming, moved)
         )
 
-    def objection_of_predicates(self, renaming: Renaming) -> Refusal | None:
+    def objection_of_predicates(self, renaming: Renaming) -> AsymmetryReason | None:
         """As `objection`, of a renaming that maps the network onto itself where nothing is asked of it."""
         return self._kinds_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
 
-    def _kinds_objection(self, renaming: Renaming) -> Refusal | None:
+    def _kinds_objection(self, renaming: Renaming) -> AsymmetryReason | None:
         for root in renaming.values:
             refusal = self.no_name(root)
             if refusal is not None:
@@ -180,32 +180,32 @@ class Reading:
             for value, image in renaming.values.get(root, {}).items():
                 if (limit.low <= value + shift <= limit.high) != (limit.low <= image + shift <= limit.high):
                     reason = f"the range [{limit.low}, {limit.high}] holds the number of one and not that of another"
-                    return Refusal(reason, limit.span)
+                    return AsymmetryReason(reason, limit.span)
         for cycle in self.kinds.cycles:
             size = cycle.high + 1
             images = [renaming.value(self.kinds, cycle.node, value) for value in range(size)]
             if images != [(value + images[0]) % size for value in range(size)]:
-                return Refusal(f"the model counts round with them, modulo {size}", cycle.span)
+                return AsymmetryReason(f"the model counts round with them, modulo {size}", cycle.span)
         for default in self.kinds.defaults:
             if renaming.value(self.kinds, default.node, default.low) != default.low:
-                return Refusal(f"a variable begins with {default.low}, the number of one of them", default.span)
+                return AsymmetryReason(f"a variable begins with {default.low}, the number of one of them", default.span)
         return None
 
-    def no_name(self, root: int) -> Refusal | None:
+    def no_name(self, root: int) -> AsymmetryReason | None:
         """Why numbers of a kind are not exchanged; None if they may be."""
         plain = self.kinds.plain(root)
         if plain is None:
             return None
-        return Refusal(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
+        return AsymmetryReason(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
 
-    def _process_objection(self, renaming: Renaming) -> Refusal | None:
+    def _process_objection(self, renaming: Renaming) -> AsymmetryReason | None:
         processes = self.network.processes
         for one, other in renaming.processes.items():
             first, second = processes[one], processes[other]
             if first.priority != second.priority:
-                return Refusal("they have different priorities", second.span)
+                return AsymmetryReason("they have different priorities", second.span)
             if first.initial != second.initial or len(first.locations) != len(second.locations):
-                return Refusal("they begin in different locations", second.span)
+                return AsymmetryReason("they begin in different locations", second.span)
         return None
 
     def keeps_initial_values(self, renaming: Renaming) -> bool:
@@ -230,38 +230,38 @@ class Reading:
             for image, node, value in zip(images, nodes, before, strict=True)
         )
 
-    def _variable_objection(self, renaming: Renaming) -> Refusal | None:
+    def _variable_objection(self, renaming: Renaming) -> AsymmetryReason | None:
         for variable in self.moved_variables(renaming):
             objection = self._one_variable(variable, renaming)
             if objection is not None:
                 return objection
         return None
 
-    def _one_variable(self, variable: Variable, renaming: Renaming) -> Refusal | None:
+    def _one_variable(self, variable: Variable, renaming: Renaming) -> AsymmetryReason | None:
         other = renaming.variables.get(variable, variable)
         tree, others_tree = self.reader.tree_of(variable), self.reader.tree_of(other)
         nodes, of_other = cell_nodes(tree, variable.type), cell_nodes(others_tree, other.type)
         if variable.type != other.type or self.network.resets(variable) != self.network.resets(other):
-            return Refusal(f"`{variable.name}` and `{other.name}` are declared differently", other.span)
+            return AsymmetryReason(f"`{variable.name}` and `{other.name}` are declared differently", other.span)
         if variable.carries is not None or other.carries is not None:
-            return Refusal(f"`{variable.name}` passes values through a channel", other.span)
+            return AsymmetryReason(f"`{variable.name}` passes values through a channel", other.span)
         if list(map(self.kinds.find, nodes)) != list(map(self.kinds.find, of_other)):
-            return Refusal(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
+            return AsymmetryReason(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
         images = cell_images(self.kinds, tree, variable.type, renaming)
         if (self.is_constant(variable) or self.is_constant(other)) and not self._keeps_values(variable, renaming):
-            return Refusal(f"the values of `{other.name}` tell them apart", other.span)
+            return AsymmetryReason(f"the values of `{other.name}` tell them apart", other.span)
         if variable.priorities or other.priorities:
             default = (self.network.default_priority,) * len(images)
             priority, others_priority = variable.priorities or default, other.priorities or default
             if any(others_priority[image] != priority[cell] for cell, image in enumerate(images)):
-                return Refusal(f"the priorities of the channels `{other.name}` tell them apart", other.span)
+                return AsymmetryReason(f"the priorities of the channels `{other.name}` tell them apart", other.span)
         return None
 
     def is_constant(self, variable: Variable) -> bool:
         """Whether every transition finds the initial value in it."""
         return variable in self.reader.known.values or self.network.resets(variable)
 
-    def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
+    def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> AsymmetryReason | None:
         for one, other in renaming.processes.items():
             locations = zip(self.locations[one], self.locations[other], strict=True)
             odd = next((image for unit, image in locations if not self._becomes(unit, image, renaming)), None)
@@ -269,8 +269,8 @@ class Reading:
                 number = self._without_image(self.edges[one], self.edges[other], renaming)
                 odd = None if number is None else self.edges[other][number]
             if odd is not None:
-                return Refusal("their texts differ in more than their own numbers and variables", odd.span)
-        edges: dict[int, list[Unit]] = {}
+                return AsymmetryReason("their texts differ in more than their own numbers and variables", odd.span)
+        edges: dict[int, list[TermUnit]] = {}
         for process, is_edge, number in sorted(set(self._places(moved))):
             if process in renaming.processes:
                 continue
@@ -279,18 +279,20 @@ class Reading:
                 continue
             unit = self.locations[process][number]
             if not self._becomes(unit, unit, renaming):
-                return Refusal(f"the process {self.network.processes[process].name} tells them apart here", unit.span)
+                return AsymmetryReason(
+                    f"the process {self.network.processes[process].name} tells them apart here", unit.span
+                )
         for process, units in edges.items():
             number = self._without_image(units, units, renaming)
             if number is not None:
                 name = self.network.processes[process].name
-                return Refusal(f"the process {name} tells them apart here", units[number].span)
+                return AsymmetryReason(f"the process {name} tells them apart here", units[number].span)
         return None
 
-    def _becomes(self, unit: Unit, image: Unit, renaming: Renaming) -> bool:
+    def _becomes(self, unit: TermUnit, image: TermUnit, renaming: Renaming) -> bool:
         return self.text(unit, renaming) == self.text(image, Renaming())
 
-    def _without_image(self, units: Sequence[Unit], images: Sequence[Unit], renaming: Renaming) -> int | None:
+    def _without_image(self, units: Sequence[TermUnit], images: Sequence[TermUnit], renaming: Renaming) -> int | None:
         """The number of the first unit that becomes none of equally many images."""
         same = Renaming()
         present = Counter(self.text(image, same) for image in images)
@@ -309,13 +311,13 @@ class Reading:
         """The edges that mention one of them: processes and numbers."""
         return {(process, number) for process, is_edge, number in self._places(atoms) if is_edge}
 
-    def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
+    def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> AsymmetryReason | None:
         for parts, mentioning in self._asked:
             numbers = sorted({number for atom in moved for number in mentioning.get(atom, ())})
             touched = [parts[number] for number in numbers]
             before = Counter(self._term_image(part, Renaming()) for part in touched)
             if before != Counter(self._term_image(part, renaming) for part in touched):
-                return Refusal("what is asked for tells them apart")
+                return AsymmetryReason("what is asked for tells them apart")
         return None
 
 
@@ -358,18 +360,18 @@ def cell_images(kinds: Kinds, tree: Tree, type_: Type, renaming: Renaming) -> li
 
 def read(
     network: Network, predicates: Iterable[Expression], known: Known, never: Container[tuple[int, int]]
-) -> Reading:
+) -> NetworkTerms:
     """The terms of a network and of what is asked of it.
 
     Args:
         never: edges that are never taken, by process and number.
     """
-    reader = Reader(known)
+    reader = TermReader(known)
     for variable in network.all_variables():
         reader.tree_of(variable)
     outlines: dict[Hashable, int] = {}
 
-    def rank(unit: Unit) -> int:
+    def rank(unit: TermUnit) -> int:
         return outlines.setdefault(unit.outline, len(outlines))
 
     locations, edges = [], []
@@ -377,4 +379,4 @@ def read(
         locations.append([read_location(reader, number, each) for each in process.locations])
         taken = (edge for place, edge in enumerate(process.edges) if (number, place) not in never)
         edges.append(sorted((read_edge(reader, number, each, rank) for each in taken), key=rank))
-    return Reading(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])
+    return NetworkTerms(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from tachk.analysis.fold import Known, fold, fold_place
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.engine.symmetry.kinds import Refusal
+from tachk.engine.symmetry.kinds import AsymmetryReason
 from tachk.model.expressions import (
     Assign,
     Constant,
@@ -51,7 +51,7 @@ class _Listener:
     sets: frozenset[tuple[Cell, int]]
 
 
-def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> Refusal | None:
+def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> AsymmetryReason | None:
     """Why the order of some members of a group among themselves and with others can be noticed; None if it cannot."""
     # Any two members behave to each other, or to somebody else, as the first one and some member do.
     everybody = {number for team in members for number in team}
@@ -63,7 +63,7 @@ def order_matters(network: Network, known: Known, members: Sequence[tuple[int, .
         for other in (*own[number + 1 :], *foreign):
             if one.process != other.process and _may_be(one.channel, other.channel) and not _commute(one, other):
                 reason = "the updates of two of them that hear the same broadcast depend on their order"
-                return Refusal(reason, other.edge.spans[0])
+                return AsymmetryReason(reason, other.edge.spans[0])
     return None
 
 

@@ -10,23 +10,23 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 
-from tachk.engine.symmetry.automorphism import Atom, Reading
+from tachk.engine.symmetry.automorphism import Atom, NetworkTerms
 from tachk.engine.symmetry.refinement import numbered, refined
-from tachk.engine.symmetry.terms import Number, Place, Token
-from tachk.engine.symmetry.units import Unit
+from tachk.engine.symmetry.terms import KindedNumber, ProcessNumber, Token
+from tachk.engine.symmetry.units import TermUnit
 
 _Mention = tuple[Hashable, Atom]
 """Where in a location or an edge something is mentioned, and what."""
 
 
-def colours_of_processes(reading: Reading) -> Sequence[int]:
+def colours_of_processes(reading: NetworkTerms) -> Sequence[int]:
     """A number for each process; those of different numbers never become each other."""
     if reading.colours is None:
         reading.colours = _refined(reading)
     return reading.colours
 
 
-def _refined(reading: Reading) -> Sequence[int]:
+def _refined(reading: NetworkTerms) -> Sequence[int]:
     told = reading.outline
     texts = [
         [
@@ -41,12 +41,12 @@ def _refined(reading: Reading) -> Sequence[int]:
     atoms = list(dict.fromkeys(atom for own in lines for _, mentions in own for _, atom in mentions))
     processes = numbered(frozenset(Counter(shape for shape, _ in own).items()) for own in lines)
     colours = dict(zip(atoms, numbered(map(_kind, atoms)), strict=True))
-    return refined(lines, processes, colours, lambda atom: atom.process if isinstance(atom, Place) else None)
+    return refined(lines, processes, colours, lambda atom: atom.process if isinstance(atom, ProcessNumber) else None)
 
 
 def _kind(atom: Atom) -> Hashable:
     match atom:
-        case Place():
+        case ProcessNumber():
             return "a process"
         case (root, _):
             return root
@@ -54,7 +54,7 @@ def _kind(atom: Atom) -> Hashable:
             return atom.type
 
 
-def _mentions(reading: Reading, unit: Unit) -> list[_Mention]:
+def _mentions(reading: NetworkTerms, unit: TermUnit) -> list[_Mention]:
     found = list(_mentioned(reading, unit.tokens, ()))
     for number, updates in enumerate(unit.loose):
         for update in updates:
@@ -62,11 +62,11 @@ def _mentions(reading: Reading, unit: Unit) -> list[_Mention]:
     return found
 
 
-def _mentioned(reading: Reading, tokens: Iterable[Token], where: Hashable) -> Iterator[_Mention]:
+def _mentioned(reading: NetworkTerms, tokens: Iterable[Token], where: Hashable) -> Iterator[_Mention]:
     for place, token in enumerate(tokens):
-        if isinstance(token, Number):
+        if isinstance(token, KindedNumber):
             root, shift = reading.kinds.find(token.node)
             if reading.kinds.plain(root) is None:
                 yield (where, place), (root, token.value - shift)
-        elif isinstance(token, Place) or not isinstance(token, str | tuple):
+        elif isinstance(token, ProcessNumber) or not isinstance(token, str | tuple):
             yield (where, place), token

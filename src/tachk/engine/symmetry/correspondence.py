@@ -16,16 +16,16 @@ from dataclasses import field
 
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.symmetry.automorphism import Atom, Reading, Renaming
-from tachk.engine.symmetry.terms import Number, Place, Token
-from tachk.engine.symmetry.units import Unit
+from tachk.engine.symmetry.automorphism import Atom, NetworkTerms, Renaming
+from tachk.engine.symmetry.terms import KindedNumber, ProcessNumber, Token
+from tachk.engine.symmetry.units import TermUnit
 from tachk.model.expressions import Variable
 
-Alike = tuple[Sequence[Unit], Sequence[Unit]]
+Alike = tuple[Sequence[TermUnit], Sequence[TermUnit]]
 """Units, and others to which they correspond in some order: equally many of each outline."""
 
 
-def corresponding(reading: Reading, processes: Mapping[int, int]) -> Iterator[tuple[Token, Token, Span]]:
+def corresponding(reading: NetworkTerms, processes: Mapping[int, int]) -> Iterator[tuple[Token, Token, Span]]:
     """What stands at corresponding places of each process and of its image, and what they declare."""
     matching = _Matching(reading, processes)
     left: list[Alike] = []
@@ -64,7 +64,7 @@ class _Matching:
         asked: the edges of processes that stay that have been looked at.
     """
 
-    reading: Reading
+    reading: NetworkTerms
     processes: Mapping[int, int]
     images: dict[Atom, Atom] = field(default_factory=dict)
     sources: dict[Atom, Atom] = field(default_factory=dict)
@@ -76,18 +76,18 @@ class _Matching:
             self.images.setdefault(one, other)
             self.sources.setdefault(other, one)
 
-    def told_apart(self, units: Sequence[Unit], images: Sequence[Unit]) -> Iterable[Alike]:
+    def told_apart(self, units: Sequence[TermUnit], images: Sequence[TermUnit]) -> Iterable[Alike]:
         """Units that correspond to each other in some order, as far as can be told; those without a counterpart
         correspond to one of the same outline."""
         if len(units) <= 1:
             return [(units, images)] if units else []
-        classes: dict[Hashable, tuple[list[Unit], list[Unit]]] = {}
+        classes: dict[Hashable, tuple[list[TermUnit], list[TermUnit]]] = {}
         for unit in units:
             classes.setdefault(unit.text(self._told_image), ([], []))[0].append(unit)
         for image in images:
             classes.setdefault(image.text(self._told), ([], []))[1].append(image)
         alike = [each for each in classes.values() if len(each[0]) == len(each[1])]
-        lonely: dict[Hashable, tuple[list[Unit], list[Unit]]] = {}
+        lonely: dict[Hashable, tuple[list[TermUnit], list[TermUnit]]] = {}
         for own, its_images in classes.values():
             if len(own) != len(its_images):
                 for side, one in (*((0, unit) for unit in own), *((1, image) for image in its_images)):
@@ -100,19 +100,19 @@ class _Matching:
         atoms = {one for one, other in self.images.items() if one != other}
         tokens = (token for units, _ in left for unit in units for token in unit.every_token)
         atoms |= {atom for atom in map(self._atom, tokens) if atom is not None and atom not in self.images}
-        found: dict[int, list[Unit]] = {}
+        found: dict[int, list[TermUnit]] = {}
         for process, number in sorted(self.reading.edges_with(atoms) - self.asked):
             if process not in self.processes:
                 self.asked.add((process, number))
                 found.setdefault(process, []).append(self.reading.edges[process][number])
         return [(units, units) for units in found.values()]
 
-    def guessed(self, units: Sequence[Unit], images: Sequence[Unit]) -> list[tuple[Unit, Unit]]:
+    def guessed(self, units: Sequence[TermUnit], images: Sequence[TermUnit]) -> list[tuple[TermUnit, TermUnit]]:
         """Of units that nothing tells apart: those that become each other if what is not known to move stays, where
         two processes are exchanged or one stays; all of them in their order if there are none."""
         if self.processes.get(images[0].process, images[0].process) == units[0].process:
             known = Renaming({**self.processes}, *self._moves())
-            places: dict[Hashable, list[Unit]] = {}
+            places: dict[Hashable, list[TermUnit]] = {}
             for image in images:
                 places.setdefault(self.reading.text(image, Renaming()), []).append(image)
             found = []
@@ -130,20 +130,20 @@ class _Matching:
         for one, other in self.images.items():
             if isinstance(one, Variable) and isinstance(other, Variable):
                 variables[one] = other
-            elif not isinstance(one, Variable | Place) and not isinstance(other, Variable | Place):
+            elif not isinstance(one, Variable | ProcessNumber) and not isinstance(other, Variable | ProcessNumber):
                 values.setdefault(one[0], {})[one[1]] = other[1]
         return variables, values
 
     def _told_image(self, token: Token) -> Hashable:
         """What is known of the image of a token."""
-        if isinstance(token, Place):
-            return Place(self.processes.get(token.process, token.process))
+        if isinstance(token, ProcessNumber):
+            return ProcessNumber(self.processes.get(token.process, token.process))
         atom = self._atom(token)
         return self.reading.outline(token) if atom is None else self.images.get(atom) or self.reading.outline(token)
 
     def _told(self, token: Token) -> Hashable:
         """The same of a token that is an image."""
-        if isinstance(token, Place):
+        if isinstance(token, ProcessNumber):
             return token
         atom = self._atom(token)
         return atom if atom in self.sources else self.reading.outline(token)
@@ -152,7 +152,7 @@ class _Matching:
         """A variable, or a number that is a name."""
         if isinstance(token, Variable):
             return token
-        if not isinstance(token, Number):
+        if not isinstance(token, KindedNumber):
             return None
         root, shift = self.reading.kinds.find(token.node)
         return (root, token.value - shift) if self.reading.kinds.plain(root) is None else None

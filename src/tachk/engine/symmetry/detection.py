@@ -17,14 +17,14 @@ from tachk.analysis.failures import location_can_fail
 from tachk.analysis.fold import known_values
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.symmetry.automorphism import Reading, Renaming, read
+from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, read
 from tachk.engine.symmetry.broadcasts import order_matters
 from tachk.engine.symmetry.colours import colours_of_processes
 from tachk.engine.symmetry.correspondence import corresponding
-from tachk.engine.symmetry.kinds import Refusal
+from tachk.engine.symmetry.kinds import AsymmetryReason
 from tachk.engine.symmetry.rings import Ring, Team, find_ring, subsets
 from tachk.engine.symmetry.sketch import sketch_of
-from tachk.engine.symmetry.terms import Number, Shift, Token
+from tachk.engine.symmetry.terms import KindedNumber, Shift, Token
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
@@ -35,7 +35,7 @@ There may be as many as there are pairs."""
 
 
 @dataclass(frozen=True, slots=True)
-class Interchangeable:
+class InterchangeableTeams:
     """Teams any two of which can be exchanged. A team is what is only exchanged together, such as a cell and its
     arbiter: as a rule one process.
 
@@ -58,7 +58,7 @@ class Apart:
 
     one: Team
     other: Team
-    refusal: Refusal | None = None
+    refusal: AsymmetryReason | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Difference:
     template: str
     one: str
     other: str
-    refusal: Refusal
+    refusal: AsymmetryReason
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +83,10 @@ class Symmetry:
         reading: what the renamings of the groups and rings speak of.
     """
 
-    groups: tuple[Interchangeable, ...]
+    groups: tuple[InterchangeableTeams, ...]
     rings: tuple[Ring, ...]
     apart: tuple[Apart, ...]
-    reading: Reading
+    reading: NetworkTerms
 
     @property
     def renamings(self) -> Iterable[Renaming]:
@@ -100,7 +100,7 @@ class Symmetry:
         processes = self.reading.network.processes
         for apart in self.apart:
             refusal = apart.refusal or _proved(self.reading, apart.one, apart.other)
-            assert isinstance(refusal, Refusal)
+            assert isinstance(refusal, AsymmetryReason)
             first, second = processes[apart.one[0]], processes[apart.other[0]]
             yield Difference(first.template, first.name, second.name, refusal)
 
@@ -138,7 +138,7 @@ def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Sym
     return Symmetry(groups, tuple(rings), apart, reading)
 
 
-def _attempts(reading: Reading, candidates: Iterable[Sequence[int]]) -> list[_Attempt]:
+def _attempts(reading: NetworkTerms, candidates: Iterable[Sequence[int]]) -> list[_ExchangeAttempt]:
     """What has become of the candidates, each by itself or those of several sets together."""
     singles: list[list[Team]] = [[(member,) for member in members] for members in candidates]
     found = [_attempt(reading, teams, most_in_vain=1) for teams in singles]
@@ -157,7 +157,7 @@ def _attempts(reading: Reading, candidates: Iterable[Sequence[int]]) -> list[_At
 
 
 @dataclass(frozen=True, slots=True)
-class _Attempt:
+class _ExchangeAttempt:
     """What has become of teams that might be interchangeable.
 
     Attributes:
@@ -165,7 +165,7 @@ class _Attempt:
     """
 
     teams: list[Team]
-    groups: list[Interchangeable]
+    groups: list[InterchangeableTeams]
     apart: Apart | None
 
     @property
@@ -179,20 +179,22 @@ class _Attempt:
         return prod(factorial(len(group.members)) for group in self.groups)
 
 
-def _in_full(reading: Reading, attempt: _Attempt) -> _Attempt:
+def _in_full(reading: NetworkTerms, attempt: _ExchangeAttempt) -> _ExchangeAttempt:
     """An attempt that was given up early, made again."""
     return attempt if attempt.apart is None else _attempt(reading, attempt.teams)
 
 
-def _joined(reading: Reading, partners: Sequence[_Attempt], most_in_vain: int = MOST_IN_VAIN) -> _Attempt:
+def _joined(
+    reading: NetworkTerms, partners: Sequence[_ExchangeAttempt], most_in_vain: int = MOST_IN_VAIN
+) -> _ExchangeAttempt:
     teams = list(zip(*(sum(each.teams, ()) for each in partners), strict=True))
     return _attempt(reading, teams, most_in_vain)
 
 
-def _attempt(reading: Reading, teams: list[Team], most_in_vain: int = MOST_IN_VAIN) -> _Attempt:
+def _attempt(reading: NetworkTerms, teams: list[Team], most_in_vain: int = MOST_IN_VAIN) -> _ExchangeAttempt:
     refusal = _order_of_errors(reading, teams)
     if refusal is not None:
-        return _Attempt(teams, [], Apart(teams[0], teams[1], refusal))
+        return _ExchangeAttempt(teams, [], Apart(teams[0], teams[1], refusal))
     classes, apart = _classes(reading, teams, most_in_vain)
     groups = []
     for each in classes:
@@ -202,12 +204,12 @@ def _attempt(reading: Reading, teams: list[Team], most_in_vain: int = MOST_IN_VA
                 groups.append(each)
             else:
                 apart = apart or Apart(each.members[0], each.members[1], refused)
-    return _Attempt(teams, groups, apart)
+    return _ExchangeAttempt(teams, groups, apart)
 
 
-def _partnerships(attempts: Sequence[_Attempt]) -> Iterable[tuple[_Attempt, ...]]:
+def _partnerships(attempts: Sequence[_ExchangeAttempt]) -> Iterable[tuple[_ExchangeAttempt, ...]]:
     """Sets of equally many processes, which may be interchangeable together only."""
-    sizes: dict[int, list[_Attempt]] = {}
+    sizes: dict[int, list[_ExchangeAttempt]] = {}
     for attempt in attempts:
         sizes.setdefault(len(attempt.teams), []).append(attempt)
     for equal in sizes.values():
@@ -217,10 +219,10 @@ def _partnerships(attempts: Sequence[_Attempt]) -> Iterable[tuple[_Attempt, ...]
             yield from combinations(equal, 2)
 
 
-def _with_rings(reading: Reading, attempts: list[_Attempt]) -> tuple[list[Ring], list[_Attempt]]:
+def _with_rings(reading: NetworkTerms, attempts: list[_ExchangeAttempt]) -> tuple[list[Ring], list[_ExchangeAttempt]]:
     """The rings of teams that are not all interchangeable, where those leave fewer states, and the other attempts."""
     rings: list[Ring] = []
-    gone: list[_Attempt] = []
+    gone: list[_ExchangeAttempt] = []
     sizes = {len(attempt.teams) for attempt in attempts if attempt.apart is not None}
     for size in sorted(sizes):
         equal = [attempt for attempt in attempts if attempt.apart is not None and len(attempt.teams) == size]
@@ -236,7 +238,7 @@ def _with_rings(reading: Reading, attempts: list[_Attempt]) -> tuple[list[Ring],
     return rings, [attempt for attempt in attempts if attempt not in gone]
 
 
-def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
+def ring_of(reading: NetworkTerms, teams: Sequence[Team]) -> Ring | None:
     """A ring in which teams stand in their order, if there is one."""
     families = list(zip(*teams, strict=True))
     if _order_of_errors(reading, teams):
@@ -244,12 +246,12 @@ def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
     if any(len({colours[member] for member in family}) > 1 for colours in _colours(reading) for family in families):
         return None
     ring = find_ring(reading, families)
-    if isinstance(ring, Refusal) or order_matters(reading.network, reading.reader.known, ring.members):
+    if isinstance(ring, AsymmetryReason) or order_matters(reading.network, reading.reader.known, ring.members):
         return None
     return ring
 
 
-def _candidates(reading: Reading) -> Iterable[list[int]]:
+def _candidates(reading: NetworkTerms) -> Iterable[list[int]]:
     """Sets of processes with the same text up to numbers and variables."""
     network = reading.network
     shapes: dict[Hashable, list[int]] = {}
@@ -266,7 +268,7 @@ def _candidates(reading: Reading) -> Iterable[list[int]]:
     return (members for members in shapes.values() if len(members) > 1)
 
 
-def _pairs(reading: Reading, one: int, other: int) -> Iterable[tuple[Token, Token, Span]]:
+def _pairs(reading: NetworkTerms, one: int, other: int) -> Iterable[tuple[Token, Token, Span]]:
     """What stands at the same places of two processes, and what they declare."""
     first, second = (reading.network.processes[number] for number in (one, other))
     for variable, another in zip(first.variables, second.variables, strict=True):
@@ -277,17 +279,17 @@ def _pairs(reading: Reading, one: int, other: int) -> Iterable[tuple[Token, Toke
                 yield token, another_token, image.span
 
 
-def _align(reading: Reading, one: int, other: int) -> None:
+def _align(reading: NetworkTerms, one: int, other: int) -> None:
     """Whatever stands at the same place of two processes is of one kind."""
     reader = reading.reader
     for token, another, span in _pairs(reading, one, other):
-        if isinstance(token, Number) and isinstance(another, Number):
+        if isinstance(token, KindedNumber) and isinstance(another, KindedNumber):
             reader.kinds.unite(token.node, another.node, 0, span)
         elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
             reader.kinds.unite_trees(reader.tree_of(token), reader.tree_of(another), span)
 
 
-def _order_of_errors(reading: Reading, teams: Sequence[Team]) -> Refusal | None:
+def _order_of_errors(reading: NetworkTerms, teams: Sequence[Team]) -> AsymmetryReason | None:
     """Invariants are looked at process by process up to one that is false: where one of these processes, or of those
     that stand between them, may be a run-time error their order can be noticed."""
     members = {member for team in teams for member in team}
@@ -295,11 +297,13 @@ def _order_of_errors(reading: Reading, teams: Sequence[Team]) -> Refusal | None:
     for number in (*teams[0], *sorted(between)):
         for location in reading.network.processes[number].locations:
             if location_can_fail(location, reading.reader.known):
-                return Refusal("an invariant or a rate may be a run-time error", location.span)
+                return AsymmetryReason("an invariant or a rate may be a run-time error", location.span)
     return None
 
 
-def _classes(reading: Reading, teams: Sequence[Team], most_in_vain: int) -> tuple[list[Interchangeable], Apart | None]:
+def _classes(
+    reading: NetworkTerms, teams: Sequence[Team], most_in_vain: int
+) -> tuple[list[InterchangeableTeams], Apart | None]:
     """The teams in classes of those that can be exchanged, and two that are in different ones if there are several.
 
     Colours that take longer to find are looked for once an exchange has been tried in vain.
@@ -311,7 +315,7 @@ def _classes(reading: Reading, teams: Sequence[Team], most_in_vain: int) -> tupl
     return classes, apart
 
 
-def _colours(reading: Reading) -> Iterator[Sequence[int]]:
+def _colours(reading: NetworkTerms) -> Iterator[Sequence[int]]:
     """What tells processes apart, as long as nothing better is known first what is found fast."""
     sketch = sketch_of(reading.network)
     if reading.colours is None and reading.reader.known is sketch.known:
@@ -320,8 +324,8 @@ def _colours(reading: Reading) -> Iterator[Sequence[int]]:
 
 
 def _exchanged(
-    reading: Reading, teams: Sequence[Team], colours: Sequence[int], most_in_vain: int
-) -> tuple[list[Interchangeable], Apart | None]:
+    reading: NetworkTerms, teams: Sequence[Team], colours: Sequence[int], most_in_vain: int
+) -> tuple[list[InterchangeableTeams], Apart | None]:
     found: dict[Hashable, list[tuple[list[Team], list[Renaming]]]] = {}
     apart: Apart | None = None
     in_vain = 0
@@ -342,39 +346,39 @@ def _exchanged(
         (one, _), (other, _) = (alike[0] for alike in list(found.values())[:2])
         apart = Apart(one[0], other[0])
     classes = chain.from_iterable(found.values())
-    return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in classes], apart
+    return [InterchangeableTeams(tuple(numbers), tuple(exchanges)) for numbers, exchanges in classes], apart
 
 
-def _proved(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
+def _proved(reading: NetworkTerms, one: Team, other: Team) -> Renaming | AsymmetryReason:
     """The exchange of two teams, if it maps the network onto itself."""
     exchange = exchange_of(reading, one, other)
-    return exchange if isinstance(exchange, Refusal) else reading.objection(exchange) or exchange
+    return exchange if isinstance(exchange, AsymmetryReason) else reading.objection(exchange) or exchange
 
 
-def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
+def exchange_of(reading: NetworkTerms, one: Team, other: Team) -> Renaming | AsymmetryReason:
     """What has to be exchanged together with two teams, where the texts of their processes differ."""
     variables: dict[Variable, Variable] = {}
     values: dict[int, dict[int, int]] = {}
     processes = dict(zip((*one, *other), (*other, *one), strict=True))
 
-    def hinders(number: Number, another: Number, span: Span) -> Refusal | None:
+    def hinders(number: KindedNumber, another: KindedNumber, span: Span) -> AsymmetryReason | None:
         if number.value == another.value:
             return None
         root, shift = reading.kinds.find(number.node)
         moved = values.setdefault(root, {})
         here, there = number.value - shift, another.value - shift
         if moved.setdefault(here, there) != there or moved.setdefault(there, here) != here:
-            return Refusal("their numbers do not correspond one to one", span)
+            return AsymmetryReason("their numbers do not correspond one to one", span)
         return reading.no_name(root)
 
     for token, another, span in corresponding(reading, processes):
-        if isinstance(token, Number) and isinstance(another, Number):
+        if isinstance(token, KindedNumber) and isinstance(another, KindedNumber):
             refusal = hinders(token, another, span)
             if refusal is not None:
                 return refusal
         elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
             if variables.setdefault(token, another) is not another or variables.setdefault(another, token) is not token:
-                return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
+                return AsymmetryReason(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
         elif isinstance(token, Shift) and token != another:
-            return Refusal("they compute with their numbers", span)
+            return AsymmetryReason("they compute with their numbers", span)
     return Renaming(processes, variables, values)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.analysis.fold import Known, known_values, network_expressions
-from tachk.base.operators import BinaryOperator, Group
+from tachk.base.operators import BinaryOperator, OperandGroup
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
 from tachk.engine.symmetry.detection import find_symmetry
@@ -112,7 +112,7 @@ def _counting(network: Network) -> list[Variable]:
             match node:
                 case Binary(BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL):
                     pass
-                case Binary(operator, left, right) if operator.group is not Group.CONNECTIVE:
+                case Binary(operator, left, right) if operator.group is not OperandGroup.CONNECTIVE:
                     operands = (left, right)
                 case Increment(target):
                     operands = (target,)

@@ -28,7 +28,7 @@ from tachk.model.types import (
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class AsymmetryReason:
     """Why processes are not interchangeable, in words that follow the name of their template."""
 
     reason: str
@@ -78,7 +78,7 @@ class Kinds:
     cycles: list[Range] = field(default_factory=list)
     _parent: list[int] = field(default_factory=list)
     _shift: list[int] = field(default_factory=list)
-    _plain: dict[int, Refusal] = field(default_factory=dict)
+    _plain: dict[int, AsymmetryReason] = field(default_factory=dict)
 
     def copy(self) -> Kinds:
         """The same kinds, of which more may be found."""
@@ -141,9 +141,9 @@ class Kinds:
     def make_plain(self, tree: Tree, reason: str, span: Span = NOWHERE) -> None:
         """Numbers of this kind are more than names."""
         for node in _nodes(tree):
-            self._plain.setdefault(self.find(node)[0], Refusal(reason, span))
+            self._plain.setdefault(self.find(node)[0], AsymmetryReason(reason, span))
 
-    def plain(self, root: int) -> Refusal | None:
+    def plain(self, root: int) -> AsymmetryReason | None:
         """Why numbers of a kind are more than names; None if they are not."""
         return self._plain.get(root)
 

@@ -6,24 +6,24 @@ from collections.abc import Iterable
 
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import fold
-from tachk.base.operators import BinaryOperator, Group, UnaryOperator
+from tachk.base.operators import BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.terms import Reader, Token
+from tachk.engine.symmetry.terms import TermReader, Token
 from tachk.model.expressions import Binary, Expression, Unary
 
 
 @dataclass(frozen=True, slots=True)
-class Junction:
+class UnorderedJunction:
     """A conjunction or disjunction, whose parts have no order."""
 
     conjunctive: bool
     parts: tuple[Term, ...]
 
 
-Term = tuple[Token, ...] | Junction
+Term = tuple[Token, ...] | UnorderedJunction
 
 
-def predicate_term(reader: Reader, predicate: Expression) -> Term:
+def predicate_term(reader: TermReader, predicate: Expression) -> Term:
     """A predicate; where nothing in it can be a run-time error the order of its parts does not matter."""
     folded = fold(predicate, reader.known)
     reader.begin()
@@ -34,7 +34,7 @@ def predicate_term(reader: Reader, predicate: Expression) -> Term:
     return _term(reader, folded, True)
 
 
-def _term(reader: Reader, expression: Expression, positive: bool) -> Term:
+def _term(reader: TermReader, expression: Expression, positive: bool) -> Term:
     conjunctive = _joins(expression, positive)
     if conjunctive is None:
         if isinstance(expression, Unary) and expression.operator is UnaryOperator.NOT:
@@ -53,12 +53,12 @@ def _term(reader: Reader, expression: Expression, positive: bool) -> Term:
             pending.append((part.left, holds == (part.operator is not BinaryOperator.IMPLY)))
         else:
             parts.append(_term(reader, part, holds))
-    return Junction(conjunctive, tuple(parts))
+    return UnorderedJunction(conjunctive, tuple(parts))
 
 
 def _joins(expression: Expression, positive: bool) -> bool | None:
     """Whether an expression, or its negation, is a conjunction (True) or a disjunction (False)."""
-    if not isinstance(expression, Binary) or expression.operator.group is not Group.CONNECTIVE:
+    if not isinstance(expression, Binary) or expression.operator.group is not OperandGroup.CONNECTIVE:
         return None
     return (expression.operator is BinaryOperator.AND) == positive
 
@@ -66,7 +66,7 @@ def _joins(expression: Expression, positive: bool) -> bool | None:
 def flat(terms: Iterable[Term]) -> Iterable[Token]:
     """All tokens of some terms."""
     for term in terms:
-        if isinstance(term, Junction):
+        if isinstance(term, UnorderedJunction):
             yield from flat(term.parts)
         else:
             yield from term

@@ -12,10 +12,10 @@ from itertools import combinations
 from typing import TypeVar
 
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.automorphism import Reading, Renaming
+from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming
 from tachk.engine.symmetry.correspondence import corresponding
-from tachk.engine.symmetry.kinds import Refusal
-from tachk.engine.symmetry.terms import Number, Shift
+from tachk.engine.symmetry.kinds import AsymmetryReason
+from tachk.engine.symmetry.terms import KindedNumber, Shift
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, ScalarType
@@ -40,10 +40,10 @@ class Ring:
     rotation: Renaming
 
 
-def find_ring(reading: Reading, families: Sequence[Sequence[int]]) -> Ring | Refusal:
+def find_ring(reading: NetworkTerms, families: Sequence[Sequence[int]]) -> Ring | AsymmetryReason:
     """The largest ring in which equally many processes of some families stand, or why the whole of them is none."""
     size = len(families[0])
-    reason: Refusal | None = None
+    reason: AsymmetryReason | None = None
     for step in range(1, size // 2 + 1):
         if size % step != 0:
             continue
@@ -59,10 +59,10 @@ def find_ring(reading: Reading, families: Sequence[Sequence[int]]) -> Ring | Ref
         else:
             refusal = rotation
         reason = reason or refusal
-    return reason or Refusal("there is only one of them")
+    return reason or AsymmetryReason("there is only one of them")
 
 
-def _rotation(reading: Reading, families: Sequence[Sequence[int]], step: int) -> Renaming | Refusal:
+def _rotation(reading: NetworkTerms, families: Sequence[Sequence[int]], step: int) -> Renaming | AsymmetryReason:
     """What moves each process of a family to the place of the one that comes some steps behind it."""
     processes = {
         number: family[(place + step) % len(family)] for family in families for place, number in enumerate(family)
@@ -75,26 +75,26 @@ def _rotation(reading: Reading, families: Sequence[Sequence[int]], step: int) ->
         return values.setdefault(root, {}).setdefault(value - shift, image - shift) == image - shift
 
     for token, another, span in corresponding(reading, processes):
-        if isinstance(token, Number) and isinstance(another, Number):
+        if isinstance(token, KindedNumber) and isinstance(another, KindedNumber):
             if not goes_to(token.node, token.value, another.value):
-                return Refusal("their numbers do not correspond one to one", span)
+                return AsymmetryReason("their numbers do not correspond one to one", span)
         elif isinstance(token, Variable) and isinstance(another, Variable):
             if variables.setdefault(token, another) is not another:
-                return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
+                return AsymmetryReason(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
         elif isinstance(token, Shift) and token != another:
-            return Refusal("they compute with their numbers", span)
+            return AsymmetryReason("they compute with their numbers", span)
     for variable, image in variables.items():
         node = reading.reader.tree_of(variable)
         if isinstance(node, int) and isinstance(variable.type, IntType | ScalarType):
             (before,), (after,) = (each.initial or default_cells(each.type) for each in (variable, image))
             if not goes_to(node, before, after) and reading.is_constant(variable):
-                return Refusal(f"`{variable.name}` and `{image.name}` have different numbers", image.span)
+                return AsymmetryReason(f"`{variable.name}` and `{image.name}` have different numbers", image.span)
     moved = {one: other for one, other in variables.items() if one is not other}
     moved_values = {root: {one: other for one, other in of.items() if one != other} for root, of in values.items()}
     moved_values = {root: of for root, of in moved_values.items() if of}
     turns = len(families[0]) // step
     if not _returns_after(turns, moved) or not all(_returns_after(turns, of) for of in moved_values.values()):
-        return Refusal("what belongs to them does not go round with them")
+        return AsymmetryReason("what belongs to them does not go round with them")
     return Renaming(processes, moved, moved_values)
 
 

@@ -24,7 +24,7 @@ from tachk.model.traversal import statement_expressions, walk
 
 
 @dataclass(frozen=True, slots=True)
-class Sketch:
+class NetworkSketch:
     """Attributes:
     known: the constants of the network.
     never: the edges that are never taken, by process and number.
@@ -53,14 +53,14 @@ _Mentions = tuple[Line[_Mention], ...]
 
 
 @by_network
-def sketch_of(network: Network) -> Sketch:
+def sketch_of(network: Network) -> NetworkSketch:
     known = known_values(network, ())
     never = never_taken(network)
     lines: list[_Mentions] = []
     for number, process in enumerate(network.processes):
         edges = enumerate(_edges(process, known))
         lines.append((*_locations(process, known), *(line for place, line in edges if (number, place) not in never)))
-    return _divided(network, Sketch(known, never, _refined(network, lines)))
+    return _divided(network, NetworkSketch(known, never, _refined(network, lines)))
 
 
 def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
@@ -79,7 +79,7 @@ def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
     return refined(lines, processes, colours, lambda _: None)
 
 
-def _divided(network: Network, sketch: Sketch) -> Sketch:
+def _divided(network: Network, sketch: NetworkSketch) -> NetworkSketch:
     """Colours divided by what processes do on their own, where that tells the first two of a colour apart."""
 
     def alone(number: int) -> Hashable:

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
-from tachk.engine.symmetry.automorphism import Reading, Renaming, cell_images
-from tachk.engine.symmetry.detection import Interchangeable, Symmetry, find_symmetry, ring_of
-from tachk.engine.symmetry.kinds import Refusal
+from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, cell_images
+from tachk.engine.symmetry.detection import InterchangeableTeams, Symmetry, find_symmetry, ring_of
+from tachk.engine.symmetry.kinds import AsymmetryReason
 from tachk.engine.symmetry.rings import Ring, Team, orbits
 from tachk.engine.symmetry.sketch import sketch_of
 from tachk.engine.symmetry.terms import cell_nodes
@@ -28,21 +28,23 @@ def with_symmetry(program: Program, network: Network, predicates: Sequence[Expre
     return replace(program, interchangeable=tuple(table for table in tables if isinstance(table, Table)))
 
 
-def tables_of(network: Network, symmetry: Symmetry) -> list[tuple[Interchangeable | Ring, Table | Refusal]]:
+def tables_of(
+    network: Network, symmetry: Symmetry
+) -> list[tuple[InterchangeableTeams | Ring, Table | AsymmetryReason]]:
     """For each ring and each group what the engine has to know of it, or why it cannot exchange its members."""
     layout, reading = cell_layout(network), symmetry.reading
-    found: list[tuple[Interchangeable | Ring, Table | Refusal]] = []
+    found: list[tuple[InterchangeableTeams | Ring, Table | AsymmetryReason]] = []
     clocks: set[int] = set()
-    pending: list[Interchangeable | Ring] = [*symmetry.rings, *symmetry.groups]
+    pending: list[InterchangeableTeams | Ring] = [*symmetry.rings, *symmetry.groups]
     for each in pending:
         table = _ring_table(reading, layout, each) if isinstance(each, Ring) else _table(reading, layout, each)
-        if isinstance(table, Refusal) and isinstance(each, Interchangeable):
+        if isinstance(table, AsymmetryReason) and isinstance(each, InterchangeableTeams):
             ring = ring_of(reading, each.members)
             pending += [ring] if ring is not None and (ring.rotation.variables or ring.rotation.values) else []
         if isinstance(table, Table):
             moved = {clock for own in table.clocks for clock in own}
             if not clocks.isdisjoint(moved):
-                table = Refusal("clocks of theirs belong to other interchangeable processes, too")
+                table = AsymmetryReason("clocks of theirs belong to other interchangeable processes, too")
             clocks |= moved
         found.append((each, table))
     return found
@@ -66,12 +68,12 @@ def interchanged(network: Network, predicates: Sequence[Expression]) -> frozense
     return frozenset([*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)])
 
 
-def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Table | Refusal:
+def _table(reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeams) -> Table | AsymmetryReason:
     """Refused where something belongs to two members at a time, and where there is nothing to exchange."""
     if all(len(reading.network.processes[member].locations) == 1 for member in group.members[0]) and not any(
         exchange.variables or exchange.values for exchange in group.exchanges
     ):
-        return Refusal("they have nothing of their own to be exchanged")
+        return AsymmetryReason("they have nothing of their own to be exchanged")
     moves = [_cell_moves(reading, layout, exchange) for exchange in group.exchanges]
     own = _own_cells(layout, moves)
     belongs = [own, *([move[cell] for cell in own] for move in moves)]
@@ -82,7 +84,7 @@ def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Tabl
     if shared:
         variable = max((v for v in layout.first if layout.first[v] <= min(shared)), key=layout.first.__getitem__)
         reason = f"`{variable.name}` holds what belongs to two of them at a time: tachk cannot exchange that"
-        return Refusal(reason, variable.span)
+        return AsymmetryReason(reason, variable.span)
     names, tables = _names(reading, layout, group)
     before = len(reading.network.processes)
 
@@ -106,7 +108,7 @@ def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Tabl
     )
 
 
-def _ring_table(reading: Reading, layout: CellLayout, ring: Ring) -> Table:
+def _ring_table(reading: NetworkTerms, layout: CellLayout, ring: Ring) -> Table:
     """Whatever a rotation moves goes round in a circle of its own, which may begin anywhere."""
     before = len(reading.network.processes)
     slots: list[list[int]] = list(orbits(ring.rotation.processes))
@@ -131,7 +133,7 @@ def _ring_table(reading: Reading, layout: CellLayout, ring: Ring) -> Table:
     )
 
 
-def _cell_moves(reading: Reading, layout: CellLayout, exchange: Renaming) -> dict[int, int]:
+def _cell_moves(reading: NetworkTerms, layout: CellLayout, exchange: Renaming) -> dict[int, int]:
     """The cells that an exchange moves, with where it moves them to."""
     moves: dict[int, int] = {}
     kinds = reading.kinds
@@ -152,7 +154,7 @@ def _own_cells(layout: CellLayout, moves: Sequence[dict[int, int]]) -> list[int]
 
 
 def _names(
-    reading: Reading, layout: CellLayout, group: Interchangeable
+    reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeams
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
     """The cells that may name members, each with the number of its table; and the tables."""
     numbers = {}
@@ -163,7 +165,7 @@ def _names(
 
 
 def _named_cells(
-    reading: Reading, layout: CellLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
+    reading: NetworkTerms, layout: CellLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
     """As `_names`, where `numbers` holds the names of the members for each kind: of each member as many as lists."""
     tables: dict[tuple[int, int, int], int] = {}
@@ -179,7 +181,7 @@ def _named_cells(
     return names, tuple(tuple(each + shift for each in numbers[root][number]) for root, shift, number in tables)
 
 
-def _first_number(group: Interchangeable, root: int) -> int:
+def _first_number(group: InterchangeableTeams, root: int) -> int:
     """The number of a kind that stands for the first member: the one that each exchange moves."""
     moved = [set(exchange.values[root]) for exchange in group.exchanges]
     return min(moved[0].intersection(*moved[1:]))

@@ -10,7 +10,7 @@ from typing import NamedTuple, assert_never
 
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, fold_place
-from tachk.base.operators import COMPARISONS, BinaryOperator, Group, UnaryOperator
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.kinds import ArrayTree, Kinds, Range, RecordTree, Tree
 from tachk.model.cell_layout import default_value
@@ -59,14 +59,14 @@ from tachk.model.types import (
 )
 
 
-class Number(NamedTuple):
+class KindedNumber(NamedTuple):
     """A constant, with its kind."""
 
     node: int
     value: int
 
 
-class Place(NamedTuple):
+class ProcessNumber(NamedTuple):
     """The number of a process, in the test of a location."""
 
     process: int
@@ -78,14 +78,14 @@ class Shift(NamedTuple):
     by: int
 
 
-Token = Variable | Number | Place | Shift | str | tuple[object, ...]
+Token = Variable | KindedNumber | ProcessNumber | Shift | str | tuple[object, ...]
 """What is renamed, and the rest."""
 
 _ORDERED = frozenset(COMPARISONS) - {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL}
 
 
 @dataclass(slots=True)
-class Reader:
+class TermReader:
     """Reads the expressions of a network.
 
     Attributes:
@@ -98,9 +98,9 @@ class Reader:
     _functions: dict[Function, tuple[list[Token], Tree]] = field(default_factory=dict)
     _scope: dict[Variable, int] = field(default_factory=dict)
 
-    def copy(self) -> Reader:
+    def copy(self) -> TermReader:
         """One that knows the same and may read on."""
-        return Reader(self.known, self.kinds.copy(), {**self.trees}, {**self._functions})
+        return TermReader(self.known, self.kinds.copy(), {**self.trees}, {**self._functions})
 
     def begin(self) -> None:
         """What is read from here on has names of its own for bound variables."""
@@ -138,7 +138,7 @@ class Reader:
         """An expression that counts as true if it is not 0."""
         tree = self._read(expression, tokens)
         if isinstance(tree, int) and isinstance(expression.type, IntType | BoolType | ScalarType):
-            tokens.append(Number(tree, 0))
+            tokens.append(KindedNumber(tree, 0))
 
     def _result(self) -> int:
         node = self.kinds.fresh()
@@ -149,7 +149,7 @@ class Reader:
         match expression:
             case Constant(value):
                 node = self.kinds.fresh()
-                tokens.append(Number(node, value))
+                tokens.append(KindedNumber(node, value))
                 return node
             case Reference(variable):
                 tree = self.tree_of(variable)
@@ -206,7 +206,7 @@ class Reader:
             case Quantifier():
                 return self._quantifier(expression, tokens)
             case LocationTest(process, location):
-                tokens += (Place(process), ("at", location))
+                tokens += (ProcessNumber(process), ("at", location))
                 return self._result()
             case Deadlock():
                 tokens.append("deadlock")
@@ -230,12 +230,12 @@ class Reader:
     def _binary(self, expression: Binary, tokens: list[Token]) -> Tree:
         operator, left, right = expression.operator, expression.left, expression.right
         kinds = self.kinds
-        if operator.group is Group.CONNECTIVE:
+        if operator.group is OperandGroup.CONNECTIVE:
             tokens.append(("binary", operator))
             self._truth(left, tokens)
             self._truth(right, tokens)
             return self._result()
-        if operator.group is Group.COMPARISON:
+        if operator.group is OperandGroup.COMPARISON:
             tokens.append(("binary", operator))
             one, other = self._read(left, tokens), self._read(right, tokens)
             if operator in _ORDERED or reads_clock(left) or reads_clock(right):

@@ -10,13 +10,13 @@ from tachk.analysis.fold import fold_place
 from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.engine.symmetry.kinds import Kinds
-from tachk.engine.symmetry.terms import Number, Place, Reader, Shift, Token
+from tachk.engine.symmetry.terms import KindedNumber, ProcessNumber, Shift, TermReader, Token
 from tachk.model.expressions import Assign, Constant, Expression, Reference, Variable
 from tachk.model.network import Edge, Location
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class TermUnit:
     """A location, an edge or an update.
 
     Attributes:
@@ -27,7 +27,7 @@ class Unit:
     process: int
     tokens: tuple[Token, ...]
     span: Span
-    loose: tuple[tuple[Unit, ...], ...] = ()
+    loose: tuple[tuple[TermUnit, ...], ...] = ()
 
     @property
     def every_token(self) -> Iterator[Token]:
@@ -50,7 +50,7 @@ class Unit:
 def _outline(token: Token) -> Hashable:
     if isinstance(token, Variable):
         return token.type
-    if isinstance(token, Number | Place | Shift):
+    if isinstance(token, KindedNumber | ProcessNumber | Shift):
         return type(token).__name__
     return token
 
@@ -58,17 +58,17 @@ def _outline(token: Token) -> Hashable:
 def without_names(kinds: Kinds, token: Token) -> Hashable:
     """What a token has in common with all that it may become."""
     match token:
-        case Number(node, value):
+        case KindedNumber(node, value):
             return value if kinds.plain(kinds.find(node)[0]) is not None else "a name"
         case Variable():
             return token.type
-        case Place():
+        case ProcessNumber():
             return "a process"
         case _:
             return token
 
 
-def read_location(reader: Reader, process: int, location: Location) -> Unit:
+def read_location(reader: TermReader, process: int, location: Location) -> TermUnit:
     reader.begin()
     kind = location.urgent, location.committed, location.observes
     tokens: list[Token] = [("location", *kind, location.invariant is None)]
@@ -78,10 +78,10 @@ def read_location(reader: Reader, process: int, location: Location) -> Unit:
         tokens.append("rate")
         reader.whole(clock, tokens)
         reader.kinds.make_plain(reader.whole(rate, tokens), "a clock runs with it", rate.span)
-    return Unit(process, tuple(tokens), location.span)
+    return TermUnit(process, tuple(tokens), location.span)
 
 
-def read_edge(reader: Reader, process: int, edge: Edge, rank: Callable[[Unit], int]) -> Unit:
+def read_edge(reader: TermReader, process: int, edge: Edge, rank: Callable[[TermUnit], int]) -> TermUnit:
     """Updates that may come in any order come in that of their ranks."""
     reader.begin()
     tokens: list[Token] = [("edge", edge.source, edge.target, edge.guard is None, len(edge.updates))]
@@ -103,12 +103,12 @@ def read_edge(reader: Reader, process: int, edge: Edge, rank: Callable[[Unit], i
         for update in updates:
             its_own: list[Token] = []
             reader.whole(update, its_own)
-            read.append(Unit(process, tuple(its_own), span))
+            read.append(TermUnit(process, tuple(its_own), span))
         loose.append(tuple(sorted(read, key=rank)))
-    return Unit(process, tuple(tokens), span, tuple(loose))
+    return TermUnit(process, tuple(tokens), span, tuple(loose))
 
 
-def _stretches(reader: Reader, updates: Iterable[Expression]) -> Iterator[list[Expression]]:
+def _stretches(reader: TermReader, updates: Iterable[Expression]) -> Iterator[list[Expression]]:
     """Updates one after the other, those together of which it makes no difference which one comes first: each sets a
     variable of its own to a constant that it can hold."""
     stretch: list[Expression] = []
@@ -125,7 +125,7 @@ def _stretches(reader: Reader, updates: Iterable[Expression]) -> Iterator[list[E
         yield stretch
 
 
-def _set_to_constant(reader: Reader, update: Expression) -> Variable | None:
+def _set_to_constant(reader: TermReader, update: Expression) -> Variable | None:
     match fold_place(update, reader.known):
         case Assign(Reference(variable), Constant(), _, None) if not can_fail(update, reader.known):
             return variable

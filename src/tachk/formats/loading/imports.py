@@ -9,7 +9,7 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.records import dataclass
 from tachk.base.span import Source
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.syntax import ast
 from tachk.syntax.parsing.contextual import CONTEXTUAL_KEYWORDS
 from tachk.syntax.parsing.parser import parse_document
@@ -25,7 +25,7 @@ class Importer:
         done: the files that have been read.
     """
 
-    findings: Findings
+    findings: DiagnosticCollector
     strict_xta: bool = False
     reading: list[Path] = field(default_factory=list)
     done: set[Path] = field(default_factory=set)

@@ -20,7 +20,7 @@ from tachk.formats.loading.damage import beyond_damage
 from tachk.formats.loading.imports import Importer
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import Elaborated, elaborate, elaborate_each_property
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.hybrid_clocks import hybrid_clocks, urgent_guards
 from tachk.frontend.loaded import INSTANCES, LoadedModel, explained
 from tachk.frontend.overrides import constant_overrides
@@ -55,7 +55,7 @@ def load_model(
         UsageError: the file cannot be read, or there is no such constant.
     """
     source = model if isinstance(model, Source) else read_source(model)
-    findings = Findings()
+    findings = DiagnosticCollector()
     if is_xml(source):
         from tachk.formats.uppaal.reader import parse_uppaal_xml
 
@@ -91,7 +91,7 @@ def load_model(
     )
 
 
-def _context(items: Sequence[ast.Item], findings: Findings, keeps_doubles: bool) -> Context:
+def _context(items: Sequence[ast.Item], findings: DiagnosticCollector, keeps_doubles: bool) -> Context:
     used = hybrid_clocks(items) if keeps_doubles else frozenset()
     for guard in urgent_guards(items) if keeps_doubles else ():
         findings.add(
@@ -124,7 +124,9 @@ def _charts_beside(source: Source, items: Sequence[ast.Item]) -> frozenset[str]:
     return frozenset(name[1] for name in names if name is not None)
 
 
-def _without_charts(items: tuple[ast.Item, ...], charts: frozenset[str], findings: Findings) -> tuple[ast.Item, ...]:
+def _without_charts(
+    items: tuple[ast.Item, ...], charts: frozenset[str], findings: DiagnosticCollector
+) -> tuple[ast.Item, ...]:
     """The items without the instances of message sequence charts, which are refused."""
     names = set(charts)
     kept: list[ast.Item] = []
@@ -143,13 +145,13 @@ def _without_charts(items: tuple[ast.Item, ...], charts: frozenset[str], finding
     return tuple(kept) if names else items
 
 
-def _refuse_chart(name: ast.Identifier, findings: Findings) -> None:
+def _refuse_chart(name: ast.Identifier, findings: DiagnosticCollector) -> None:
     findings.add(
         "E0750", name.span, f"`{name.name}` is a message sequence chart, which is not supported", "leave it out here"
     )
 
 
-def _told_apart(findings: Findings) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+def _told_apart(findings: DiagnosticCollector) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
     """The refusals and the warnings among findings that have no other errors."""
     found = findings.sorted()
     return tuple(d for d in found if d.is_unsupported), tuple(d for d in found if not d.is_unsupported)
@@ -159,7 +161,7 @@ def _load_xml(
     read: XmlModel, constants: Mapping[str, int | bool | str], strict_xta: bool, keeps_doubles: bool
 ) -> LoadedModel:
     """As `load_model`; a wrong query is an unchecked one, for the file is another program's."""
-    findings = Findings()
+    findings = DiagnosticCollector()
     findings.extend(read.diagnostics)
     if strict_xta:
         # Properties are how a query of UPPAAL's file is held.
@@ -178,7 +180,7 @@ def _load_xml(
     refusals, warnings = _told_apart(findings)
     broken = []
     for query in read.broken:
-        own = Findings()
+        own = DiagnosticCollector()
         own.extend(query.diagnostics)
         broken.append(wrong_query(query.name, query.text, query.comment, query.span, own))
     return LoadedModel(
@@ -196,7 +198,7 @@ def _load_xml(
     )
 
 
-def _refuse_dynamic_templates(items: Iterable[ast.Item], findings: Findings) -> None:
+def _refuse_dynamic_templates(items: Iterable[ast.Item], findings: DiagnosticCollector) -> None:
     for item in items:
         if isinstance(item, ast.DynamicTemplate):
             findings.add(

@@ -13,7 +13,7 @@ from itertools import product
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.span import Span
 from tachk.base.words import Direction
-from tachk.formats.munta.cases import Case, CaseFinder, Contents, TooManyCasesError
+from tachk.formats.munta.cases import CaseFinder, KnownContents, MuntaCase, TooManyCasesError
 from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints
 from tachk.meaning.dbm import bound_value, is_strict
 from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named
@@ -29,7 +29,7 @@ def refused(what: str, span: Span, help_: str | None = None) -> UnsupportedError
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
+class CaseEffect:
     """What an edge does in some case.
 
     Attributes:
@@ -46,7 +46,7 @@ class Effect:
 
 
 @dataclass(frozen=True, slots=True)
-class Action:
+class SelectedEdge:
     """An edge with its select variables bound.
 
     Attributes:
@@ -59,7 +59,7 @@ class Action:
     target: int
     direction: Direction | None
     span: Span
-    cases: tuple[Case[Effect], ...]
+    cases: tuple[MuntaCase[CaseEffect], ...]
     heard: frozenset[int]
 
     @property
@@ -77,14 +77,14 @@ class ActionFinder:
     model: PreparedNetwork
     finder: CaseFinder
 
-    def actions(self, process: int) -> list[Action]:
+    def actions(self, process: int) -> list[SelectedEdge]:
         """What the edges of a process do. Raises UnsupportedError."""
         return [self._action(p) for of_location in self.model.instances[process] for p in of_location]
 
-    def together(self, sender: Action, receiver: Action, channel: int) -> tuple[Case[Effect], ...]:
+    def together(self, sender: SelectedEdge, receiver: SelectedEdge, channel: int) -> tuple[MuntaCase[CaseEffect], ...]:
         """What a sender and a receiver do together over a channel: the receiver sees what the sender has written."""
 
-        def outcome(environment: Environment, contents: Contents) -> Effect | None:
+        def outcome(environment: Environment, contents: KnownContents) -> CaseEffect | None:
             pair = (sender.participant, receiver.participant)
             guard: Disjunction = [()]
             for participant in pair:
@@ -100,25 +100,25 @@ class ActionFinder:
 
         return self._found(outcome, sender.span)
 
-    def hearing(self, receiver: Action, channel: int, said: Said) -> tuple[Case[Effect], ...]:
+    def hearing(self, receiver: SelectedEdge, channel: int, said: Said) -> tuple[MuntaCase[CaseEffect], ...]:
         """What a receiver does when the sender of a broadcast has written something."""
         heard: set[int] = set()
         cases = self._cases(receiver.participant, said, heard)
         return tuple(case for case in cases if case.outcome.channel == channel)
 
-    def _action(self, participant: Participant) -> Action:
+    def _action(self, participant: Participant) -> SelectedEdge:
         edge = self.model.edge(participant)
         heard: set[int] = set()
         cases = self._cases(participant, (), heard)
         direction = None if edge.synchronisation is None else edge.synchronisation.direction
-        return Action(participant, edge.source, edge.target, direction, edge.spans[0], cases, frozenset(heard))
+        return SelectedEdge(participant, edge.source, edge.target, direction, edge.spans[0], cases, frozenset(heard))
 
-    def _cases(self, participant: Participant, said: Said, heard: set[int]) -> tuple[Case[Effect], ...]:
+    def _cases(self, participant: Participant, said: Said, heard: set[int]) -> tuple[MuntaCase[CaseEffect], ...]:
         """What an edge does, if its updates find cells with other contents than its guard did; collects what they
         read."""
         edge = self.model.edge(participant)
 
-        def outcome(environment: Environment, contents: Contents) -> Effect | None:
+        def outcome(environment: Environment, contents: KnownContents) -> CaseEffect | None:
             bind_selects(self.model, participant, environment)
             guard = self._guard(participant, environment)
             if not guard:
@@ -135,7 +135,9 @@ class ActionFinder:
 
         return self._found(outcome, edge.spans[0])
 
-    def _found(self, outcome: Callable[[Environment, Contents], Effect | None], span: Span) -> tuple[Case[Effect], ...]:
+    def _found(
+        self, outcome: Callable[[Environment, KnownContents], CaseEffect | None], span: Span
+    ) -> tuple[MuntaCase[CaseEffect], ...]:
         try:
             return tuple(self.finder.find(outcome))
         except TooManyCasesError as error:
@@ -147,8 +149,8 @@ class ActionFinder:
         return clock_conjunctions(conditional_constraints(edge.guard, environment), edge.spans[0])
 
     def _effect(
-        self, guard: Disjunction, channel: int | None, environment: Environment, contents: Contents, span: Span
-    ) -> Effect:
+        self, guard: Disjunction, channel: int | None, environment: Environment, contents: KnownContents, span: Span
+    ) -> CaseEffect:
         layout = self.model.layout
         writes = tuple((cell, list.__getitem__(contents, cell)) for cell in sorted(contents.written))
         for clock, (source, value) in environment.resets.items():
@@ -156,7 +158,7 @@ class ActionFinder:
                 name = layout.names[layout.clock_cells[clock - 1]]
                 what = "the value of a clock" if source else value
                 raise refused(f"clocks that are set to another value than 0, here `{name}` to {what}", span)
-        return Effect(guard, channel, writes, tuple(sorted(environment.resets)))
+        return CaseEffect(guard, channel, writes, tuple(sorted(environment.resets)))
 
 
 def too_many_cases(name: str, range_: tuple[int, int], span: Span) -> UnsupportedError:
@@ -197,7 +199,9 @@ def _tightest(conjunction: Conjunction) -> Conjunction:
     return tuple((i, j, raw) for (i, j), raw in tightest.items())
 
 
-def conflicting(senders: Iterable[Action], receivers: Sequence[Action]) -> tuple[Action, Action] | None:
+def conflicting(
+    senders: Iterable[SelectedEdge], receivers: Sequence[SelectedEdge]
+) -> tuple[SelectedEdge, SelectedEdge] | None:
     """A sender and a receiver for which the order of their updates matters."""
     for sender, receiver in product(senders, receivers):
         if sender.participant.process != receiver.participant.process:

@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
+class CellCondition:
     """The content of a cell is in ``[low, high]``; a negative cell ``-1 - p`` is the location of process p."""
 
     cell: int
@@ -32,10 +32,10 @@ class Condition:
 
 
 @dataclass(frozen=True, slots=True)
-class Case(Generic[T]):
+class MuntaCase(Generic[T]):
     """What happens where all conditions hold."""
 
-    conditions: tuple[Condition, ...]
+    conditions: tuple[CellCondition, ...]
     outcome: T
 
 
@@ -59,7 +59,7 @@ class _UnreadError(Exception):
         self.cell = cell
 
 
-class Contents(list[int]):
+class KnownContents(list[int]):
     """The contents of cells as far as they are known.
 
     Attributes:
@@ -112,7 +112,7 @@ class CaseFinder:
         """What a condition on a cell, or on the location of a process, can be about."""
         return self.ranges[cell] if cell >= 0 else (0, self.sizes[-1 - cell] - 1)
 
-    def find(self, outcome: Callable[[Environment, Contents], T | None]) -> list[Case[T]]:
+    def find(self, outcome: Callable[[Environment, KnownContents], T | None]) -> list[MuntaCase[T]]:
         """The cases that have an outcome. Where the expression has a run-time error there is none.
 
         Neighbouring values of a cell that make no difference are one case. Raises TooManyCasesError.
@@ -121,8 +121,11 @@ class CaseFinder:
         return list(self._cases(outcome, {}, budget))
 
     def _cases(
-        self, outcome: Callable[[Environment, Contents], T | None], chosen: Mapping[int, int], budget: Iterator[int]
-    ) -> tuple[Case[T], ...]:
+        self,
+        outcome: Callable[[Environment, KnownContents], T | None],
+        chosen: Mapping[int, int],
+        budget: Iterator[int],
+    ) -> tuple[MuntaCase[T], ...]:
         try:
             found = outcome(*self._environment(chosen))
         except EvaluationFault:
@@ -130,11 +133,11 @@ class CaseFinder:
         except _UnreadError as unread:
             cell = unread.cell
         else:
-            return () if found is None else (Case((), found),)
+            return () if found is None else (MuntaCase((), found),)
         low, high = self.range_of(cell)
         if high - low >= LARGEST_RANGE:
             raise TooManyCasesError(cell)
-        groups: list[tuple[int, int, tuple[Case[T], ...]]] = []
+        groups: list[tuple[int, int, tuple[MuntaCase[T], ...]]] = []
         for value in range(low, high + 1):
             if next(budget, None) is None:
                 raise TooManyCasesError(cell)
@@ -146,16 +149,16 @@ class CaseFinder:
         if len(groups) == 1:
             return groups[0][2]
         return tuple(
-            Case((Condition(cell, first, last), *case.conditions), case.outcome)
+            MuntaCase((CellCondition(cell, first, last), *case.conditions), case.outcome)
             for first, last, cases in groups
             for case in cases
         )
 
-    def _environment(self, chosen: Mapping[int, int]) -> tuple[Environment, Contents]:
+    def _environment(self, chosen: Mapping[int, int]) -> tuple[Environment, KnownContents]:
         contents = [chosen.get(cell, value) for cell, value in enumerate(self.layout.initial)]
-        values = Contents(contents, self.unknown - chosen.keys())
+        values = KnownContents(contents, self.unknown - chosen.keys())
         processes = range(len(self.sizes))
-        locations = Contents(
+        locations = KnownContents(
             [chosen.get(-1 - p, 0) for p in processes], frozenset(p for p in processes if -1 - p not in chosen), -1
         )
         return Environment(self.layout, values, locations), values

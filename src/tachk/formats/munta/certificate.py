@@ -15,13 +15,13 @@ import numpy as np
 
 from tachk.formats.munta.network import MuntaNetwork
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
-from tachk.meaning.judge.certificate import Block, Numbers
+from tachk.meaning.judge.certificate import Numbers, StateBlock
 
 _MAGIC = 42
 _NO_BOUND = (1 << 63) - 1
 
 
-def certificate_of(munta: MuntaNetwork, blocks: Iterable[Block], clocks: int) -> bytes:
+def certificate_of(munta: MuntaNetwork, blocks: Iterable[StateBlock], clocks: int) -> bytes:
     """A set of states of the network that the model was made of.
 
     Args:
@@ -62,7 +62,7 @@ def _states(munta: MuntaNetwork, row: list[int]) -> Iterator[tuple[int, ...]]:
         yield (*locations, *contents)
 
 
-def _with_invariants(munta: MuntaNetwork, block: Block, dimension: int) -> Numbers:
+def _with_invariants(munta: MuntaNetwork, block: StateBlock, dimension: int) -> Numbers:
     """The zones of a block as matrices, without what the invariants exclude: they may be larger, but then Munta would
     find deadlocks outside the invariants."""
     zones = np.full((len(block.constraints), dimension * dimension), INFINITY, np.int64)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.formats.munta.actions import clock_conjunctions, refused, too_many_cases
-from tachk.formats.munta.cases import Case, CaseFinder, Condition, Contents, TooManyCasesError
+from tachk.formats.munta.cases import CaseFinder, CellCondition, KnownContents, MuntaCase, TooManyCasesError
 from tachk.formats.munta.network import Variables
 from tachk.meaning.constraints import Conjunction, Disjunction, compares_clocks, disjunctive
 from tachk.model.evaluate import Environment, evaluate
@@ -38,7 +38,7 @@ class Some:
     parts: tuple[Formula, ...]
 
 
-Formula = Condition | Clocks | Every | Some
+Formula = CellCondition | Clocks | Every | Some
 
 TRUE, FALSE = Every(()), Some(())
 
@@ -82,7 +82,7 @@ class FormulaFinder:
         if any(isinstance(part, Deadlock) for part in walk(node)):
             raise refused("`deadlock` beside other conditions", node.span, "ask for it alone: `A[] !deadlock`")
 
-        def outcome(environment: Environment, contents: Contents) -> Disjunction | None:
+        def outcome(environment: Environment, contents: KnownContents) -> Disjunction | None:
             for variable, value in bound.items():
                 environment.bind(variable, value)
             if compares_clocks(node):
@@ -91,14 +91,14 @@ class FormulaFinder:
 
         return _joined(False, [_case(case) for case in self._cases(outcome, node.span)])
 
-    def _cases(self, outcome: object, span: Span) -> list[Case[Disjunction]]:
+    def _cases(self, outcome: object, span: Span) -> list[MuntaCase[Disjunction]]:
         try:
             return self.finder.find(outcome)  # type: ignore[arg-type]
         except TooManyCasesError as error:
             raise too_many_cases("its value", self.finder.range_of(error.cell), span) from None
 
 
-def _case(case: Case[Disjunction]) -> Formula:
+def _case(case: MuntaCase[Disjunction]) -> Formula:
     clocks = _joined(False, [_joined(True, [Clocks(c)] if c else []) for c in case.outcome])
     return _joined(True, [*case.conditions, clocks])
 
@@ -119,7 +119,7 @@ def has_clocks(formula: Formula) -> bool:
     match formula:
         case Clocks():
             return True
-        case Condition():
+        case CellCondition():
             return False
         case Every(parts) | Some(parts):
             return any(map(has_clocks, parts))
@@ -129,23 +129,23 @@ def cells_in(formula: Formula) -> set[int]:
     match formula:
         case Clocks():
             return set()
-        case Condition(cell):
+        case CellCondition(cell):
             return {cell}
         case Every(parts) | Some(parts):
             return {cell for part in parts for cell in cells_in(part)}
 
 
-def alternatives(formula: Formula) -> list[tuple[tuple[Condition, ...], Conjunction]]:
+def alternatives(formula: Formula) -> list[tuple[tuple[CellCondition, ...], Conjunction]]:
     """The disjunctive normal form."""
     match formula:
         case Clocks(conjunction):
             return [((), conjunction)]
-        case Condition():
+        case CellCondition():
             return [((formula,), ())]
         case Some(parts):
             return [one for part in parts for one in alternatives(part)]
         case Every(parts):
-            found: list[tuple[tuple[Condition, ...], Conjunction]] = [((), ())]
+            found: list[tuple[tuple[CellCondition, ...], Conjunction]] = [((), ())]
             for part in parts:
                 found = [(a + c, b + d) for a, b in found for c, d in alternatives(part)]
                 if len(found) > MOST_ALTERNATIVES:
@@ -160,11 +160,11 @@ def written(formula: Formula, names: Mapping[tuple[int, int], str], variables: V
         names: of the locations that Munta knows, by process and location: ``P.loc``.
     """
     match formula:
-        case Condition(cell, low, high) if cell < 0:
+        case CellCondition(cell, low, high) if cell < 0:
             process = -1 - cell
             inside = [names[process, n] for n in range(low, high + 1) if (process, n) in names]
             return _text(" || ", inside, outer, next(iter(names.values())))
-        case Condition():
+        case CellCondition():
             return variables.condition(formula)
         case Some(parts):
             texts = [written(part, names, variables) for part in parts]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tachk.base.span import Span
 from tachk.formats.munta.actions import clock_conjunctions, refused
-from tachk.formats.munta.cases import CaseFinder, Contents, TooManyCasesError
+from tachk.formats.munta.cases import CaseFinder, KnownContents, TooManyCasesError
 from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints
 from tachk.model.evaluate import Environment
 from tachk.model.expressions import Expression
@@ -14,7 +14,7 @@ def constant_invariant(invariant: Expression | None, span: Span, finder: CaseFin
     """The constraints of an invariant of the location at a place. Raises UnsupportedError."""
     place = span if invariant is None else invariant.span
 
-    def outcome(environment: Environment, contents: Contents) -> Disjunction:
+    def outcome(environment: Environment, contents: KnownContents) -> Disjunction:
         return clock_conjunctions(conditional_constraints(invariant, environment), place)
 
     try:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from tachk.formats.munta.cases import Condition
+from tachk.formats.munta.cases import CellCondition
 from tachk.meaning.constraints import Conjunction
 from tachk.meaning.dbm import bound_value, is_strict
 
@@ -24,7 +24,7 @@ class MuntaEdge:
 
     source: int
     target: int
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[CellCondition, ...] = ()
     clocks: Conjunction = ()
     label: str = ""
     writes: tuple[tuple[int, int], ...] = ()
@@ -52,7 +52,7 @@ class MuntaProcess:
 
     def added_location(self, name: str) -> int:
         """The number of a new location."""
-        self.locations.append(Names(self.locations).fresh(name))
+        self.locations.append(MuntaNames(self.locations).fresh(name))
         self.invariants.append(())
         return len(self.locations) - 1
 
@@ -79,7 +79,7 @@ class Variables:
     starts: dict[int, int]
     ranges: dict[int, tuple[int, int]]
 
-    def condition(self, condition: Condition) -> str:
+    def condition(self, condition: CellCondition) -> str:
         name, start = self.names[condition.cell], self.starts[condition.cell]
         low, high = condition.low, condition.high
         if low == high:
@@ -95,7 +95,7 @@ class Variables:
             return f"{self.clock_names[i]} {'<' if strict else '<='} {value}"
         return f"{self.clock_names[j]} {'>' if strict else '>='} {-value}"
 
-    def guard(self, conditions: Iterable[Condition], clocks: Conjunction) -> str:
+    def guard(self, conditions: Iterable[CellCondition], clocks: Conjunction) -> str:
         return " && ".join([*map(self.condition, conditions), *map(self.clock, clocks)])
 
     def update(self, edge: MuntaEdge) -> str:
@@ -193,7 +193,7 @@ def _in_lines(value: object, depth: int = 3) -> str:
     return f"{opening}\n{junction.join(parts)}\n{closing}"
 
 
-class Names:
+class MuntaNames:
     """Names of letters, digits and underscores, each given once."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:

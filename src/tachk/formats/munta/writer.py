@@ -10,14 +10,14 @@ from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.formats.munta.accommodation import add_ceilings, order_of_cells
 from tachk.formats.munta.actions import (
-    Action,
     ActionFinder,
-    Effect,
+    CaseEffect,
     Said,
+    SelectedEdge,
     conflicting,
     refused,
 )
-from tachk.formats.munta.cases import Case, CaseFinder, case_finder
+from tachk.formats.munta.cases import CaseFinder, MuntaCase, case_finder
 from tachk.formats.munta.formula import (
     FALSE,
     Formula,
@@ -29,7 +29,7 @@ from tachk.formats.munta.formula import (
     written,
 )
 from tachk.formats.munta.invariants import constant_invariant
-from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaNetwork, MuntaProcess, Names, Variables
+from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaNames, MuntaNetwork, MuntaProcess, Variables
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.cell_layout import CellLayout, begun_clocks
 from tachk.model.expressions import Deadlock, Expression, Unary
@@ -64,7 +64,7 @@ def to_munta(network: Network, query: Query, ranges: Mapping[int, tuple[int, int
         )
     _check_features(network)
     model = prepare(network)
-    return _Writer(model, case_finder(model, ranges)).run(query.target, query.span)
+    return _MuntaWriter(model, case_finder(model, ranges)).run(query.target, query.span)
 
 
 def _check_features(network: Network) -> None:
@@ -91,10 +91,10 @@ def is_deadlock(predicate: Expression) -> bool:
 
 
 @dataclass(slots=True)
-class _Writer:
+class _MuntaWriter:
     model: PreparedNetwork
     finder: CaseFinder
-    names: Names = field(default_factory=lambda: Names({"true", "none", IMPOSSIBLE[:-1]}))
+    names: MuntaNames = field(default_factory=lambda: MuntaNames({"true", "none", IMPOSSIBLE[:-1]}))
     broadcast: list[str] = field(default_factory=list)
     outside: dict[tuple[int, int], int] = field(default_factory=dict)
 
@@ -133,7 +133,7 @@ class _Writer:
     def _processes(self) -> list[MuntaProcess]:
         found = []
         for process in self.model.network.processes:
-            own = Names()
+            own = MuntaNames()
             found.append(
                 MuntaProcess(
                     self.names.fresh(process.name),
@@ -179,7 +179,7 @@ class _Writer:
         variables = self.model.network.all_variables()
         return max((v for v in variables if self.layout.first[v] <= cell), key=self.layout.first.__getitem__).span
 
-    def _check_broadcast(self, channel: int, receivers: Sequence[Action]) -> None:
+    def _check_broadcast(self, channel: int, receivers: Sequence[SelectedEdge]) -> None:
         for receiver in receivers:
             if any(c != () for case in _over(receiver, channel) for c in case.outcome.guard):
                 raise refused(
@@ -197,13 +197,13 @@ class _Writer:
         self,
         finder: ActionFinder,
         channel: int,
-        senders: Sequence[Action],
-        receivers: Sequence[Action],
+        senders: Sequence[SelectedEdge],
+        receivers: Sequence[SelectedEdge],
         processes: Sequence[MuntaProcess],
     ) -> None:
         """A broadcast channel for all that senders may have written which receivers need."""
         needed = frozenset(cell for receiver in receivers for cell in receiver.heard)
-        sent: dict[Said, list[tuple[Action, Case[Effect]]]] = {}
+        sent: dict[Said, list[tuple[SelectedEdge, MuntaCase[CaseEffect]]]] = {}
         for sender in senders:
             for case in _over(sender, channel):
                 said = tuple((cell, value) for cell, value in case.outcome.writes if cell in needed)
@@ -221,8 +221,8 @@ class _Writer:
         self,
         finder: ActionFinder,
         channel: int,
-        senders: Iterable[Action],
-        receivers: Sequence[Action],
+        senders: Iterable[SelectedEdge],
+        receivers: Sequence[SelectedEdge],
         processes: Sequence[MuntaProcess],
     ) -> None:
         """A channel for each pair whose receiver needs what the sender writes: the sender's edge does the work of both,
@@ -242,7 +242,11 @@ class _Writer:
         return self.names.fresh(self.layout.names[self.layout.channel_cells[channel]])
 
     def _add(
-        self, processes: Sequence[MuntaProcess], action: Action, cases: Iterable[Case[Effect]], label: str
+        self,
+        processes: Sequence[MuntaProcess],
+        action: SelectedEdge,
+        cases: Iterable[MuntaCase[CaseEffect]],
+        label: str,
     ) -> None:
         """Adds an edge for each case and alternative. It leads to a location of its own if a cell leaves its range."""
         number = action.participant.process
@@ -340,5 +344,5 @@ class _Writer:
         )
 
 
-def _over(action: Action, channel: int) -> list[Case[Effect]]:
+def _over(action: SelectedEdge, channel: int) -> list[MuntaCase[CaseEffect]]:
     return [case for case in action.cases if case.outcome.channel == channel]

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tachk.base.operators import BinaryOperator, Group, PrefixOperator
-from tachk.formats.plain.plain_model import PlainModel, PlainQuery, Step
+from tachk.base.operators import BinaryOperator, OperandGroup, PrefixOperator
+from tachk.formats.plain.plain_model import PlainModel, PlainQuery, PlainRewriting
 from tachk.formats.plain.text_types import TextTypes, text_types
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
@@ -25,7 +25,7 @@ _JOINING = (_AND, _OR, _IMPLY)
 def with_plain_conditions(plain: PlainModel) -> PlainModel:
     """The model with every guard, invariant and query in that form."""
     names = text_types((*plain.declarations, *plain.templates, *plain.instantiations))
-    steps: list[Step] = []
+    steps: list[PlainRewriting] = []
     templates = tuple(_template(template, names, steps) for template in plain.templates)
     queries = tuple(_query(query, names, steps) for query in plain.queries)
     if not steps:
@@ -33,7 +33,7 @@ def with_plain_conditions(plain: PlainModel) -> PlainModel:
     return replace(plain, templates=templates, queries=queries, steps=(*plain.steps, *steps))
 
 
-def _template(template: ast.Template, names: TextTypes, steps: list[Step]) -> ast.Template:
+def _template(template: ast.Template, names: TextTypes, steps: list[PlainRewriting]) -> ast.Template:
     inside = names.within(template.declarations, template.parameters)
     locations = tuple(
         _changed(location, "invariant", _ConditionRewriting(inside, invariant=True), steps)
@@ -48,18 +48,18 @@ def _template(template: ast.Template, names: TextTypes, steps: list[Step]) -> as
     return replace(template, locations=locations, edges=tuple(edges))
 
 
-def _changed(node: Any, field: str, former: _ConditionRewriting, steps: list[Step]) -> Any:
+def _changed(node: Any, field: str, former: _ConditionRewriting, steps: list[PlainRewriting]) -> Any:
     old = getattr(node, field)
     if old is None or not former.names.mentions_clock(old):
         return node
     new = former.formed(old, True)
     if new is old:
         return node
-    steps.append(Step("condition", old.span, f"`{print_expression(old)}` is `{print_expression(new)}`"))
+    steps.append(PlainRewriting("condition", old.span, f"`{print_expression(old)}` is `{print_expression(new)}`"))
     return replace(node, **{field: new})
 
 
-def _query(query: PlainQuery, names: TextTypes, steps: list[Step]) -> PlainQuery:
+def _query(query: PlainQuery, names: TextTypes, steps: list[PlainRewriting]) -> PlainQuery:
     formula = query.formula
     if not isinstance(formula, ast.QueryFormula):
         return query
@@ -70,7 +70,7 @@ def _query(query: PlainQuery, names: TextTypes, steps: list[Step]) -> PlainQuery
     predicate = None if formula.predicate is None else former.formed(formula.predicate, True)
     if predicate is formula.predicate and _same(operands, formula.operands):
         return query
-    steps.append(Step("condition", formula.span, f"`{query.name}` asks without `?:` and `==` about clocks"))
+    steps.append(PlainRewriting("condition", formula.span, f"`{query.name}` asks without `?:` and `==` about clocks"))
     return replace(query, formula=replace(formula, predicate=predicate, operands=operands))
 
 
@@ -104,7 +104,7 @@ class _ConditionRewriting:
                 return whole if positive else inner
             case ast.BinaryExpression(operator=operator) if operator in _JOINING:
                 return self._joined(node, positive)
-            case ast.BinaryExpression(operator=operator) if operator.group is not Group.COMPARISON:
+            case ast.BinaryExpression(operator=operator) if operator.group is not OperandGroup.COMPARISON:
                 return self._compared(node, positive)  # xor
             case ast.BinaryExpression(left=left, right=right):
                 if self._is_condition(left) or self._is_condition(right):
@@ -156,7 +156,7 @@ class _ConditionRewriting:
     def _is_truth(self, node: ast.Expression) -> bool:
         match node:
             case ast.BinaryExpression(operator=operator):
-                return operator.group is not Group.ARITHMETIC
+                return operator.group is not OperandGroup.ARITHMETIC
             case ast.UnaryExpression(operator=operator):
                 return operator is PrefixOperator.NOT
             case ast.QuantifierExpression(kind=kind):
@@ -189,7 +189,7 @@ class _ConditionRewriting:
             case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
                 return self._is_condition(operand)
             case ast.BinaryExpression(operator=operator, left=left, right=right):
-                if operator.group is Group.ARITHMETIC:
+                if operator.group is OperandGroup.ARITHMETIC:
                     return False
                 return self._is_condition(left) or self._is_condition(right) or self._compares(node)
             case ast.ConditionalExpression(condition=condition, then=then, otherwise=otherwise):
@@ -200,7 +200,7 @@ class _ConditionRewriting:
                 return False
 
     def _compares(self, node: ast.BinaryExpression) -> bool:
-        return node.operator.group is Group.COMPARISON and (
+        return node.operator.group is OperandGroup.COMPARISON and (
             self.names.reads_clock(node.left) or self.names.reads_clock(node.right)
         )
 

@@ -15,7 +15,7 @@ from tachk.base.span import NOWHERE
 from tachk.formats.plain.builtins import without_builtins
 from tachk.formats.plain.clock_conditions import with_plain_conditions
 from tachk.formats.plain.free_names import name_repairs
-from tachk.formats.plain.plain_model import PlainModel, PlainQuery, Step
+from tachk.formats.plain.plain_model import PlainModel, PlainQuery, PlainRewriting
 from tachk.formats.plain.value_passing import ValuePassing
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.query import Expectation
@@ -82,7 +82,7 @@ def expand_document(document: ast.Document | None) -> PlainModel:
     channels stay as they are. No document is an empty model."""
     items: tuple[ast.Item, ...] = () if document is None else _ordered_prefixes(document.items)
     span = NOWHERE if document is None else document.span
-    steps: list[Step] = []
+    steps: list[PlainRewriting] = []
     typed = tuple(_typed(item, steps) for item in items)
     systems = [item for item in typed if isinstance(item, ast.SystemLine)]
     return PlainModel(
@@ -119,7 +119,7 @@ def _renamed(query: PlainQuery, repairs: Mapping[str, str]) -> PlainQuery:
     return replace(query, formula=renamed(query.formula, repairs), conditional=conditional)
 
 
-def document_repairs(document: ast.Document) -> tuple[ast.Document, list[Step]]:
+def document_repairs(document: ast.Document) -> tuple[ast.Document, list[PlainRewriting]]:
     """A document, imports not followed, with the same replacements.
 
     Raises:
@@ -136,25 +136,25 @@ def document_repairs(document: ast.Document) -> tuple[ast.Document, list[Step]]:
     return replace(document, items=renamed(document.items, repairs)), steps
 
 
-def _repairs(items: Sequence[ast.Item], formulas: Sequence[object]) -> tuple[dict[str, str], list[Step]]:
+def _repairs(items: Sequence[ast.Item], formulas: Sequence[object]) -> tuple[dict[str, str], list[PlainRewriting]]:
     used = names_in((*items, *formulas))
     repairs: dict[str, str] = {}
     steps = []
     for name, reason in name_repairs(items, formulas).items():
         repairs[name] = fresh_name(name, {*used, *repairs.values()})
-        steps.append(Step("name", used[name], f"`{name}` is `{repairs[name]}`: {reason}"))
+        steps.append(PlainRewriting("name", used[name], f"`{name}` is `{repairs[name]}`: {reason}"))
     return repairs, steps
 
 
-def _imports(model: LoadedModel) -> list[Step]:
+def _imports(model: LoadedModel) -> list[PlainRewriting]:
     return [
-        Step("import", item.span, f"the declarations of `{item.path}` stand in its place")
+        PlainRewriting("import", item.span, f"the declarations of `{item.path}` stand in its place")
         for item in model.document.items
         if isinstance(item, ast.ImportDeclaration)
     ]
 
 
-def _with_value(item: ast.Item, values: Mapping[str, int], steps: list[Step]) -> ast.Item:
+def _with_value(item: ast.Item, values: Mapping[str, int], steps: list[PlainRewriting]) -> ast.Item:
     """A declaration of constants with the values that were given from outside."""
     if not isinstance(item, ast.VariableDeclaration) or not _constant(item):
         return item
@@ -165,7 +165,9 @@ def _with_value(item: ast.Item, values: Mapping[str, int], steps: list[Step]) ->
             boolean = item.type is not None and _is_bool(item.type)
             span = declarator.span
             value = ast.BooleanLiteral(span, bool(values[name])) if boolean else ast.IntegerLiteral(span, values[name])
-            steps.append(Step("constant", declarator.name.span, f"`{name}` is {print_expression(value)}, as given"))
+            steps.append(
+                PlainRewriting("constant", declarator.name.span, f"`{name}` is {print_expression(value)}, as given")
+            )
             declarators.append(replace(declarator, initialiser=value))
         else:
             declarators.append(declarator)
@@ -196,11 +198,11 @@ def _is_bool(type_: ast.TypeExpression) -> bool:
     return isinstance(type_.base, ast.BuiltinType) and type_.base.name == "bool"
 
 
-def _typed(item: ast.Item, steps: list[Step]) -> ast.Item:
+def _typed(item: ast.Item, steps: list[PlainRewriting]) -> ast.Item:
     """A declaration with the ``int`` that UPPAAL 3.x left out."""
     match item:
         case ast.VariableDeclaration(type=None, span=span):
-            steps.append(Step("UPPAAL 3.x", span, "a constant without a type is a `const int`"))
+            steps.append(PlainRewriting("UPPAAL 3.x", span, "a constant without a type is a `const int`"))
             return replace(item, type=ast.TypeExpression(span, ("const",), ast.BuiltinType(span, "int")))
         case ast.Template(declarations=declarations):
             typed = tuple(_typed(declaration, steps) for declaration in declarations)
@@ -211,7 +213,7 @@ def _typed(item: ast.Item, steps: list[Step]) -> ast.Item:
             return item
 
 
-def _classic(template: ast.Template, steps: list[Step]) -> ast.Template:
+def _classic(template: ast.Template, steps: list[PlainRewriting]) -> ast.Template:
     """A template whose edges stand together behind its locations."""
     if template.classic:
         return template
@@ -219,7 +221,7 @@ def _classic(template: ast.Template, steps: list[Step]) -> ast.Template:
     edges = tuple(replace(edge, source=owner.name) for owner in owners for edge in owner.edges)
     places = _count(len(template.locations), "location")
     text = f"{_count(len(edges), 'edge')} of `{template.name.name}` behind {places}"
-    steps.append(Step("location blocks", template.name.span, text))
+    steps.append(PlainRewriting("location blocks", template.name.span, text))
     return replace(
         template,
         locations=tuple(replace(location, edges=()) for location in template.locations),
@@ -237,7 +239,7 @@ def _count(number: int, noun: str) -> str:
 
 
 def _queries(
-    items: Sequence[ast.Item], steps: list[Step], outcomes: Mapping[str, Expectation | None] | None = None
+    items: Sequence[ast.Item], steps: list[PlainRewriting], outcomes: Mapping[str, Expectation | None] | None = None
 ) -> tuple[PlainQuery, ...]:
     """The properties as queries.
 
@@ -249,7 +251,9 @@ def _queries(
         if isinstance(item, ast.SignalDeclaration):
             signals[item.name.name] = substitute(item.expression, signals)
             steps.append(
-                Step("signal", item.name.span, f"`{item.name.name}` is written out wherever a property names it")
+                PlainRewriting(
+                    "signal", item.name.span, f"`{item.name.name}` is written out wherever a property names it"
+                )
             )
     queries = []
     for item in items:
@@ -257,7 +261,7 @@ def _queries(
             formula = _without_signals(item.formula, signals)
             comment = item.title or item.doc
             name = item.name.name
-            steps.append(Step("property", item.name.span, f"`{name}` is a query with a comment"))
+            steps.append(PlainRewriting("property", item.name.span, f"`{name}` is a query with a comment"))
             conditional = item.expectation if isinstance(item.expectation, ast.ConditionalExpectation) else None
             expectation = item.expectation
             if conditional is not None and outcomes is not None:
@@ -265,9 +269,11 @@ def _queries(
                 expectation = None if outcome is None else outcome.value
             queries.append(PlainQuery(name, formula, comment, expectation, conditional))
         if isinstance(item, ast.HideDeclaration):
-            steps.append(Step("hide", item.span, "UPPAAL tells every process, also those that the model hides"))
+            steps.append(
+                PlainRewriting("hide", item.span, "UPPAAL tells every process, also those that the model hides")
+            )
         if isinstance(item, ast.RecordingDeclaration):
-            steps.append(Step("recording", item.span, "UPPAAL holds no recordings against models"))
+            steps.append(PlainRewriting("recording", item.span, "UPPAAL holds no recordings against models"))
     return tuple(queries)
 
 
@@ -305,9 +311,9 @@ def _atom_without_signals(node: Any, signals: Mapping[str, ast.Expression]) -> A
     return node
 
 
-def _time_unit(items: Sequence[ast.Item], steps: list[Step]) -> str:
+def _time_unit(items: Sequence[ast.Item], steps: list[PlainRewriting]) -> str:
     for item in items:
         if isinstance(item, ast.TimeUnitDeclaration):
-            steps.append(Step("time unit", item.span, "the time unit is a comment"))
+            steps.append(PlainRewriting("time unit", item.span, "the time unit is a comment"))
             return f"{item.amount} {item.unit}"
     return ""

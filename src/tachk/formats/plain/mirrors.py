@@ -17,7 +17,7 @@ from typing import Any
 
 from tachk.base.operators import PrefixOperator
 from tachk.base.span import Span
-from tachk.formats.plain.plain_model import Step
+from tachk.formats.plain.plain_model import PlainRewriting
 from tachk.frontend.scope import FamilySymbol, LocationSymbol, ProcessSymbol, Scope, ValueSymbol
 from tachk.model.expressions import Constant, Reference, Variable, VariableKind
 from tachk.model.network import Network
@@ -73,7 +73,7 @@ class Mirrors:
     network: Network
     scope: Scope
     taken: set[str]
-    steps: list[Step] = field(default_factory=list)
+    steps: list[PlainRewriting] = field(default_factory=list)
     declarations: list[ast.VariableDeclaration] = field(default_factory=list)
     found: dict[tuple[str, str], Mirror] = field(default_factory=dict)
 
@@ -157,7 +157,9 @@ class Mirrors:
         self.found[owner, member] = mirror
         what = "location" if is_location else "variable"
         self.steps.append(
-            Step("observer", node.span, f"the {what} `{print_expression(node)}` is repeated in `{mirror.name}`")
+            PlainRewriting(
+                "observer", node.span, f"the {what} `{print_expression(node)}` is repeated in `{mirror.name}`"
+            )
         )
         return mirror
 

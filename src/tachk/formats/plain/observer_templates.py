@@ -15,7 +15,7 @@ from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.base.span import Span
 from tachk.base.words import Direction, QueryKind
 from tachk.formats.plain.mirrors import Mirrors, NoMirror, all_names
-from tachk.formats.plain.plain_model import Step
+from tachk.formats.plain.plain_model import PlainRewriting
 from tachk.frontend.loaded import LoadedModel, temporal_formula_of
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.syntax import ast
@@ -25,7 +25,7 @@ from tachk.syntax.rewrite import fresh_name, rewrite, substitute
 
 
 @dataclass(frozen=True, slots=True)
-class _Watched:
+class _WatchedProperty:
     """A property whose observer can be written, with the template of the observer."""
 
     property: ast.PropertyDeclaration
@@ -33,7 +33,7 @@ class _Watched:
     template: ast.Template
 
 
-def with_observers(model: LoadedModel) -> tuple[LoadedModel, tuple[Step, ...]]:
+def with_observers(model: LoadedModel) -> tuple[LoadedModel, tuple[PlainRewriting, ...]]:
     """The model with an observer for each temporal property, as far as UPPAAL's language can say what it looks at; and
     what was done. A property without an observer stays as it is."""
     temporal = [
@@ -45,14 +45,16 @@ def with_observers(model: LoadedModel) -> tuple[LoadedModel, tuple[Step, ...]]:
         return model, ()
     if model.refusals:
         reason = "stays a comment: something in the model is not checked"
-        return model, tuple(Step("property", item.name.span, f"`{item.name.name}` {reason}") for item, _ in temporal)
+        return model, tuple(
+            PlainRewriting("property", item.name.span, f"`{item.name.name}` {reason}") for item, _ in temporal
+        )
     signals: dict[str, ast.Expression] = {}
     for item in model.items:
         if isinstance(item, ast.SignalDeclaration):
             signals[item.name.name] = substitute(item.expression, signals)
     taken = all_names(model.items)
     mirrors = Mirrors(model.items, model.network, model.scope, taken)
-    steps: list[Step] = []
+    steps: list[PlainRewriting] = []
     watched = []
     for item, formula in temporal:
         found = _watched(model, item, formula, signals, mirrors, steps)
@@ -69,12 +71,12 @@ def _watched(
     node: ast.TemporalFormula,
     signals: Mapping[str, ast.Expression],
     mirrors: Mirrors,
-    steps: list[Step],
-) -> _Watched | None:
+    steps: list[PlainRewriting],
+) -> _WatchedProperty | None:
     name = item.name.name
     formula = temporal_formula_of(model, node)
     if formula is None or name not in {query.name for query in model.queries}:
-        steps.append(Step("property", item.name.span, f"`{name}` stays a comment: tachk does not check it"))
+        steps.append(PlainRewriting("property", item.name.span, f"`{name}` stays a comment: tachk does not check it"))
         return None
     copy = replace(mirrors, steps=[], declarations=[*mirrors.declarations], found=dict(mirrors.found))
     try:
@@ -85,25 +87,25 @@ def _watched(
             if isinstance(original, ast.Template):
                 copy.template(original)
     except NoMirror as reason:
-        steps.append(Step("property", reason.span, f"`{name}` stays a comment: {reason.reason}"))
+        steps.append(PlainRewriting("property", reason.span, f"`{name}` stays a comment: {reason.reason}"))
         return None
     except NoObserver as reason:
-        steps.append(Step("property", reason.span, f"`{name}` stays a comment: {reason.reason}"))
+        steps.append(PlainRewriting("property", reason.span, f"`{name}` stays a comment: {reason.reason}"))
         return None
     if built.endings:
         unseen = f"a run without end may violate it, which no location such as `{BAD}` shows"
-        steps.append(Step("property", item.name.span, f"`{name}` stays a comment: {unseen}"))
+        steps.append(PlainRewriting("property", item.name.span, f"`{name}` stays a comment: {unseen}"))
         return None
     mirrors.taken.add(own)
     mirrors.steps += copy.steps
     mirrors.declarations, mirrors.found = copy.declarations, copy.found
     steps.append(
-        Step(
+        PlainRewriting(
             "property", item.name.span, f"`{name}` is watched by `{own}`; its query asks that `{BAD}` is never reached"
         )
     )
     doc = "\n".join(part for part in (item.doc, print_formula(formula)) if part)
-    return _Watched(item, formula, replace(built.template, doc=doc))
+    return _WatchedProperty(item, formula, replace(built.template, doc=doc))
 
 
 def _declared(items: Iterable[ast.Item]) -> Iterator[str]:
@@ -127,7 +129,7 @@ def _reflected(node: Any, signals: Mapping[str, ast.Expression], mirrors: Mirror
 class _Weaver:
     """Puts observers and mirrors into the items of a model."""
 
-    def __init__(self, model: LoadedModel, mirrors: Mirrors, watched: list[_Watched]) -> None:
+    def __init__(self, model: LoadedModel, mirrors: Mirrors, watched: list[_WatchedProperty]) -> None:
         self.model = model
         self.mirrors = mirrors
         self.watched = watched
@@ -221,7 +223,7 @@ class _Weaver:
             names.append(ast.Identifier(line.span, self.chooser))
         return replace(line, groups=(*line.groups[:-1], (*line.groups[-1], *names)))
 
-    def _query(self, entry: _Watched) -> ast.PropertyDeclaration:
+    def _query(self, entry: _WatchedProperty) -> ast.PropertyDeclaration:
         item = entry.property
         span = item.formula.span
         bad = ast.MemberExpression(span, ast.NameExpression(span, entry.template.name.name), ast.Identifier(span, BAD))

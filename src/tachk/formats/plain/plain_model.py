@@ -9,7 +9,7 @@ from tachk.syntax import ast
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class PlainRewriting:
     """One thing that was written differently.
 
     Attributes:
@@ -63,7 +63,7 @@ class PlainModel:
     queries: tuple[PlainQuery, ...] = ()
     time_unit: str = ""
     comments: tuple[ast.Comment, ...] = ()
-    steps: tuple[Step, ...] = ()
+    steps: tuple[PlainRewriting, ...] = ()
     observed: bool = False
     wrong: tuple[str, ...] = ()
 

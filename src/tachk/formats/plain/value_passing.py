@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.span import Span
 from tachk.base.words import Direction
-from tachk.formats.plain.plain_model import Step
+from tachk.formats.plain.plain_model import PlainRewriting
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, RecordType, ScalarType, Type, element_type
 from tachk.syntax import ast
@@ -33,7 +33,7 @@ class ValuePassing:
 
     variables: Sequence[Variable]
     taken: set[str]
-    steps: list[Step] = field(default_factory=list)
+    steps: list[PlainRewriting] = field(default_factory=list)
     names: dict[str, str] = field(default_factory=dict)
     carried: dict[str, dict[str, ast.TypeExpression | None]] = field(default_factory=dict)
 
@@ -139,7 +139,9 @@ class ValuePassing:
             name = ast.Identifier(channel.span, self._name(channel.name.name))
             declared = ast.Declarator(channel.span, name, channel.dimensions)
             self.steps.append(
-                Step("value passing", channel.name.span, f"`{name.name}` carries the values of `{channel.name.name}`")
+                PlainRewriting(
+                    "value passing", channel.name.span, f"`{name.name}` carries the values of `{channel.name.name}`"
+                )
             )
             result.append(ast.VariableDeclaration(channel.span, replace(base, prefixes=("meta",)), (declared,)))
         return tuple(result)
@@ -176,7 +178,7 @@ class ValuePassing:
         update = ast.AssignmentExpression(label.span, None, target, value)
         plain = replace(label, value=None)
         self.steps.append(
-            Step(
+            PlainRewriting(
                 "value passing",
                 label.span,
                 f"`{print_synchronisation(label)}` is `{print_synchronisation(plain)}` and the first update "

@@ -21,13 +21,13 @@ DEPTH = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class TCheckerToken:
     kind: str
     text: str
     span: Span
 
 
-class Reader:
+class TCheckerExpressionReader:
     """Reads one expression or list of statements; every method raises InputError for anything else.
 
     Attributes:
@@ -42,14 +42,14 @@ class Reader:
         self.place = 0
         self.depth = 0
 
-    def _cut(self, start: int, end: int) -> Iterator[Word]:
+    def _cut(self, start: int, end: int) -> Iterator[TCheckerToken]:
         while start < end:
             found = _TOKEN.match(self.source.text, start, end)
             if found is None:
                 raise failure(f"unexpected character {self.source.text[start]!r}", Span(self.source, start, start + 1))
             if found.lastgroup is not None:
                 kind = "word" if found.group() in _WORDS else found.lastgroup
-                yield Word(kind, found.group(), Span(self.source, found.start(), found.end()))
+                yield TCheckerToken(kind, found.group(), Span(self.source, found.start(), found.end()))
             start = found.end()
 
     # ---- words ------------------------------------------------------------------------------------------------------
@@ -57,7 +57,7 @@ class Reader:
     def peek(self) -> str:
         return self.words[self.place].text if self.place < len(self.words) else ""
 
-    def take(self, text: str = "") -> Word:
+    def take(self, text: str = "") -> TCheckerToken:
         """The next word, which must be the given one."""
         if self.place >= len(self.words):
             wanted = f", `{text}` is missing" if text else ""
@@ -139,7 +139,7 @@ class Reader:
             return self._conditional(word)
         raise failure(f"unexpected `{word.text}`", word.span)
 
-    def _conditional(self, first: Word) -> ast.Expression:
+    def _conditional(self, first: TCheckerToken) -> ast.Expression:
         with self._deeper():
             condition = self.expression()
             self.take("then")
@@ -148,7 +148,7 @@ class Reader:
             otherwise = self.sum()
         return ast.ConditionalExpression(first.span.to(otherwise.span), condition, then, otherwise)
 
-    def _place(self, word: Word) -> ast.Expression:
+    def _place(self, word: TCheckerToken) -> ast.Expression:
         name = ast.NameExpression(word.span, self.names.get(word.text, word.text))
         if self.peek() != "[":
             return name

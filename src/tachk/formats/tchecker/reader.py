@@ -20,7 +20,7 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.span import Source, Span
 from tachk.base.time_limit import check_time
 from tachk.base.words import Direction
-from tachk.formats.tchecker.expression_reader import Reader, failure
+from tachk.formats.tchecker.expression_reader import TCheckerExpressionReader, failure
 from tachk.formats.tchecker.meetings import Meeting, Whereabouts, choices, guard_of
 from tachk.syntax import ast
 from tachk.syntax.parsing.tables import lexer
@@ -59,7 +59,7 @@ class Vector:
 
 
 @dataclass(slots=True)
-class Process:
+class TCheckerProcess:
     name: ast.Identifier
     places: dict[str, str] = field(default_factory=dict)
     locations: list[ast.LocationDeclaration] = field(default_factory=list)
@@ -68,7 +68,7 @@ class Process:
 
 def parse_tchecker(source: Source) -> tuple[ast.Document | None, tuple[Diagnostic, ...]]:
     """The model of a .tck file and what is to be said about it; None together with errors."""
-    reader = _Reader(source)
+    reader = _TCheckerReader(source)
     try:
         return reader.read(), tuple(reader.diagnostics)
     except InputError as error:
@@ -76,13 +76,13 @@ def parse_tchecker(source: Source) -> tuple[ast.Document | None, tuple[Diagnosti
 
 
 @dataclass(slots=True)
-class _Reader:
+class _TCheckerReader:
     source: Source
     diagnostics: list[Diagnostic] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
     names: dict[str, str] = field(default_factory=dict)
     events: set[str] = field(default_factory=set)
-    processes: dict[str, Process] = field(default_factory=dict)
+    processes: dict[str, TCheckerProcess] = field(default_factory=dict)
     declarations: list[ast.Declaration] = field(default_factory=list)
     functions: list[ast.Declaration] = field(default_factory=list)
     labels: dict[str, list[tuple[Span, str, str]]] = field(default_factory=dict)
@@ -151,7 +151,7 @@ class _Reader:
         name = _word(place)
         if name in self.processes:
             raise failure(f"process `{name}` is declared twice", place)
-        self.processes[name] = Process(ast.Identifier(place, self._fresh(name)))
+        self.processes[name] = TCheckerProcess(ast.Identifier(place, self._fresh(name)))
 
     def _event(self, entry: Entry) -> None:
         self.events.add(_word(entry.arguments[0]))
@@ -175,7 +175,7 @@ class _Reader:
 
     # ---- processes --------------------------------------------------------------------------------------------------
 
-    def _owner(self, place: Span) -> Process:
+    def _owner(self, place: Span) -> TCheckerProcess:
         process = self.processes.get(_word(place))
         if process is None:
             raise failure(f"there is no process `{_word(place)}`", place)
@@ -236,7 +236,7 @@ class _Reader:
     def _condition(self, place: Span | None) -> ast.Expression | None:
         if place is None or not place.text.strip():
             return None
-        reader = Reader(self.source, place.start, place.end, self.names)
+        reader = TCheckerExpressionReader(self.source, place.start, place.end, self.names)
         result = reader.expression()
         reader.finish()
         return result
@@ -244,7 +244,7 @@ class _Reader:
     def _updates(self, place: Span | None) -> tuple[ast.Expression, ...]:
         if place is None:
             return ()
-        reader = Reader(self.source, place.start, place.end, self.names)
+        reader = TCheckerExpressionReader(self.source, place.start, place.end, self.names)
         block = reader.block()
         reader.finish()
         simple = [s for s in block.statements if isinstance(s, ast.ExpressionStatement)]
@@ -331,7 +331,7 @@ class _Reader:
         declarator = ast.Declarator(vector.span, ast.Identifier(vector.span, name))
         return name, ast.VariableDeclaration(vector.span, type_, (declarator,))
 
-    def _begin_once(self, process: Process) -> None:
+    def _begin_once(self, process: TCheckerProcess) -> None:
         """Adds a location that leads to each initial one, if there are several."""
         initial = [location for location in process.locations if location.initial]
         if len(initial) < 2:
@@ -366,7 +366,7 @@ class _Reader:
                 self.meetings.append(Meeting(channel, chosen, guard_of(chosen, edges, self.places), updates))
 
     def _template(
-        self, name: str, process: Process, channels: dict[Vector, tuple[str, ast.VariableDeclaration]]
+        self, name: str, process: TCheckerProcess, channels: dict[Vector, tuple[str, ast.VariableDeclaration]]
     ) -> ast.Template:
         edges: list[ast.EdgeDeclaration] = []
         for number, (event, edge) in enumerate(process.edges):

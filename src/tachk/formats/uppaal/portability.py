@@ -15,7 +15,7 @@ from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, W
 from tachk.formats.uppaal.condition_types import condition_findings
 from tachk.formats.uppaal.portability_constants import open_constants
 from tachk.formats.uppaal.portability_queries import floating_findings, query_findings
-from tachk.formats.uppaal.versions import Version
+from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.clock_sums import clock_copies
@@ -42,7 +42,7 @@ _ADDED = (
 """What UPPAAL does not know in any place."""
 
 
-def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
+def portability(model: LoadedModel, version: UppaalVersion) -> tuple[Diagnostic, ...]:
     """Everything that the version would refuse (errors) or treat otherwise (warnings), in the order of the text."""
     found = [
         *_additions(model, version),
@@ -60,7 +60,7 @@ def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
     return tuple(sorted(unique.values(), key=lambda d: (d.span.source.name, d.span.start, d.code)))
 
 
-def _additions(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+def _additions(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
     document = ast.Document(model.document.span, (*model.document.items, *model.items))
     if model.layout is not None:
         return  # properties are how a query of XML is held
@@ -88,7 +88,7 @@ _BELOW = (ast.SystemLine, ast.ProgressDeclaration, ast.GanttDeclaration)
 """What ends a text, in this order."""
 
 
-def _order_of_sections(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
+def _order_of_sections(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
     """What stands behind something that comes later in UPPAAL's order; additions of tachk aside."""
     reached = -1
     for item in items:
@@ -107,21 +107,21 @@ def _order_of_sections(items: Sequence[ast.Item], version: Version) -> Iterator[
             )
 
 
-def _names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+def _names(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
     mend = "`tachk convert --fix` renames it everywhere"
-    reserved = WORDS_4_1 if version is Version.UPPAAL_4_1 else WORDS_5
+    reserved = WORDS_4_1 if version is UppaalVersion.UPPAAL_4_1 else WORDS_5
     properties = [item.formula for item in model.items if isinstance(item, ast.PropertyDeclaration)]
     asked = names_in(tuple(properties))
     declared = declared_names(tuple(item for item in model.items if not isinstance(item, ast.PropertyDeclaration)))
     for name, identifier in declared.items():
         if name in reserved:
             yield Diagnostic("E0811", f"`{name}` is a word of {version.full_name}", identifier.span, mend)
-        elif version is Version.UPPAAL_5_0 and name in DECLARED_5:
+        elif version is UppaalVersion.UPPAAL_5_0 and name in DECLARED_5:
             yield Diagnostic("E0811", f"`{name}` is declared by {version.full_name} itself", identifier.span, mend)
         elif name in QUERY_WORDS and name in asked:
             message = f"`{name}` is a word of {version.full_name} in queries"
             yield Diagnostic("E0811", message, identifier.span, mend)
-    if version is Version.UPPAAL_4_1:
+    if version is UppaalVersion.UPPAAL_4_1:
         for name, span in names_in(model.items).items():
             if name not in declared and (name in BUILTIN_TYPES or name in BUILTIN_CONSTANTS):
                 yield Diagnostic(
@@ -129,13 +129,13 @@ def _names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
                 )
 
 
-def _newer(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
+def _newer(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
     """What the version does not know yet."""
     for expression in nodes_of_kind(items, ast.BinaryExpression):
         if not version.knows(expression.operator):
             instead = _INSTEAD.get(expression.operator)
             yield _too_new(f"`{expression.operator}`", expression.span, version, instead)
-    if version is not Version.UPPAAL_4_1:
+    if version is not UppaalVersion.UPPAAL_4_1:
         return
     for node in nodes_of_kind(items, ast.AssertStatement, ast.ForeignImport):
         match node:
@@ -147,11 +147,11 @@ def _newer(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
                 pass
 
 
-def _too_new(what: str, span: Span, version: Version, mend: str | None) -> Diagnostic:
+def _too_new(what: str, span: Span, version: UppaalVersion, mend: str | None) -> Diagnostic:
     return Diagnostic("E0813", f"{version.full_name} does not know {what}", span, mend)
 
 
-def _types(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
+def _types(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
     for type_ in nodes_of_kind(items, ast.TypeExpression):
         if len(type_.prefixes) > 1 and type_.prefixes != ("urgent", "broadcast"):
             written = " ".join(type_.prefixes)
@@ -191,7 +191,7 @@ def _type_names(items: Iterable[object]) -> frozenset[str]:
     )
 
 
-def _written_names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+def _written_names(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
     """The names in a XML file that were put right when it was read."""
     pictures = model.layout.templates if model.layout is not None else {}
     for template in (item for item in model.items if isinstance(item, ast.Template)):
@@ -207,13 +207,13 @@ def _written_names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]
                 )
 
 
-def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+def _other_treatment(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
     for use in stopwatches(model.network):
         yield _otherwise(
             use.span, f"with stopped clocks {version.full_name} may answer that a property may be satisfied", None
         )
     for use in urgent_clock_guards(model.network):
-        verb = "refuses" if version is Version.UPPAAL_4_1 else "warns about"
+        verb = "refuses" if version is UppaalVersion.UPPAAL_4_1 else "warns about"
         yield _otherwise(
             use.span,
             f"{version.full_name} {verb} a clock guard on an urgent channel",
@@ -234,7 +234,7 @@ def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnosti
         )
 
 
-def _invariant(invariant: ast.Expression, version: Version, model: LoadedModel) -> Iterator[Diagnostic]:
+def _invariant(invariant: ast.Expression, version: UppaalVersion, model: LoadedModel) -> Iterator[Diagnostic]:
     clocks = {v.name.rpartition(".")[2] for v in model.network.all_variables() if _is_clock(v.type)}
     for node in nodes_of_kind(invariant, ast.BinaryExpression):
         if node.operator not in (BinaryOperator.LESS, BinaryOperator.GREATER, BinaryOperator.GREATER_EQUAL):
@@ -249,7 +249,7 @@ def _invariant(invariant: ast.Expression, version: Version, model: LoadedModel) 
                 f"the documentation of {version.full_name} wants upper bounds in invariants, this is a lower one",
                 "put it into the guards of the edges that lead here",
             )
-        elif node.operator != BinaryOperator.GREATER_EQUAL and version is Version.UPPAAL_5_0:
+        elif node.operator != BinaryOperator.GREATER_EQUAL and version is UppaalVersion.UPPAAL_5_0:
             yield _otherwise(node.span, f"{version.full_name} warns about a strict bound in an invariant", None)
 
 

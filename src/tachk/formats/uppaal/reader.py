@@ -62,10 +62,10 @@ def parse_uppaal_xml(source: Source) -> XmlModel:
             ]
         )
     found = _DTD.search(tree.public_id)
-    return _Reader(source, tree.root, found.group(1) if found else "").read()
+    return _NtaReader(source, tree.root, found.group(1) if found else "").read()
 
 
-class _Reader:
+class _NtaReader:
     """Reads the parts of one ``<nta>`` element."""
 
     def __init__(self, file: Source, root: Element, dtd: str) -> None:

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from tachk.base.operators import BinaryOperator
 
 
-class Version(StrEnum):
+class UppaalVersion(StrEnum):
     UPPAAL_4_1 = "uppaal-4.1"
     UPPAAL_5_0 = "uppaal-5.0"
 
@@ -19,7 +19,7 @@ class Version(StrEnum):
 
     @property
     def number(self) -> tuple[int, int]:
-        return (4, 1) if self is Version.UPPAAL_4_1 else (5, 0)
+        return (4, 1) if self is UppaalVersion.UPPAAL_4_1 else (5, 0)
 
     def knows(self, operator: BinaryOperator) -> bool:
         return operator.since is not None and operator.since <= self.number

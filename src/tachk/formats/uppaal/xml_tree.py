@@ -75,10 +75,10 @@ def parse_xml(source: Source) -> Tree:
     Raises:
         InputError: E0120, not well-formed; E0121, it defines or uses an entity; E0122, too deep or too many elements.
     """
-    return _Reader(source).read()
+    return _ExpatReader(source).read()
 
 
-class _Reader:
+class _ExpatReader:
     """One pass of expat over a text."""
 
     def __init__(self, source: Source) -> None:

@@ -21,7 +21,7 @@ from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import WIDE, describe, is_data, is_integral
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.priority_readings import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
@@ -113,7 +113,7 @@ def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: De
 
 def _declare_kept(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> bool:
     """Declares constants, unless something that is refused is all that is wrong with them."""
-    found, own = context.findings, Findings()
+    found, own = context.findings, DiagnosticCollector()
     context.findings = own
     try:
         _declare_each(node, scope, declared, context)

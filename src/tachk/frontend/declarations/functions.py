@@ -11,7 +11,7 @@ from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import comma, condition, expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe, is_data, is_integral
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, FunctionSymbol, Scope, Symbol, TypeSymbol, ValueSymbol
 from tachk.model.expressions import (
     BOOL,
@@ -39,7 +39,7 @@ from tachk.syntax import ast
 def declare_function(node: ast.FunctionDeclaration, scope: Scope, context: Context) -> None:
     """Elaborates a function and declares its name. A function whose only mistake is something that is refused is left
     out, so that only what calls it is refused."""
-    found, own = context.findings, Findings()
+    found, own = context.findings, DiagnosticCollector()
     outer = context.in_function
     context.findings, context.in_function = own, True
     try:
@@ -295,7 +295,7 @@ class _Body:
 def declare_types(node: ast.TypedefDeclaration, scope: Scope, context: Context) -> None:
     """Declares the names of a typedef."""
     for declarator in node.declarators:
-        own = Findings()
+        own = DiagnosticCollector()
         inner = replace(context, findings=own)
         reader = type_reader(scope, inner)
         base = reader.declared(node.type, declarator.name.name)

@@ -9,7 +9,7 @@ from tachk.base.span import Source
 from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, expression
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import Scope
 from tachk.model.event import BecomesTrue, Event, Fires
@@ -30,7 +30,7 @@ def read_event(loaded: LoadedModel, text: str, option: str, settled: bool = Fals
     Raises:
         InputError: with every diagnostic that was found.
     """
-    findings = Findings()
+    findings = DiagnosticCollector()
     context = replace(loaded.context, findings=findings, in_query=True)
     event = _event(Source(option, text), loaded.scope, context)
     if event is None or findings.has_errors:

@@ -11,13 +11,13 @@ from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.scope import Scope
 from tachk.model.query import Expectation
 from tachk.syntax import ast
 
 
-def with_expectations(items: Iterable[ast.Item], findings: Findings) -> list[ast.Item]:
+def with_expectations(items: Iterable[ast.Item], findings: DiagnosticCollector) -> list[ast.Item]:
     """The items without the expectations, which the properties now have; they go before those at the properties."""
     items = list(items)
     names = [item.name.name for item in items if isinstance(item, ast.PropertyDeclaration)]
@@ -46,7 +46,7 @@ def with_expectations(items: Iterable[ast.Item], findings: Findings) -> list[ast
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
+class ExpectationClause:
     """What is expected of one query.
 
     Attributes:
@@ -58,15 +58,15 @@ class Claim:
     conditional: bool = False
 
 
-def claim(expected: ast.Expected | None, scope: Scope, context: Context) -> Claim:
+def claim(expected: ast.Expected | None, scope: Scope, context: Context) -> ExpectationClause:
     """The outcome that is expected with the values of the constants; nothing after a report."""
     if expected is None:
-        return Claim()
+        return ExpectationClause()
     if isinstance(expected, str):
-        return Claim(Expectation(expected))
+        return ExpectationClause(Expectation(expected))
     otherwise = claim(expected.otherwise, scope, context)
     value = condition(expected.condition, scope, context)
     cells = None if value is None else context.constant_cells(value, "the condition of an expectation")
     if cells is None:
-        return Claim()
-    return Claim(Expectation(expected.outcome) if cells[0] else otherwise.expectation, True)
+        return ExpectationClause()
+    return ExpectationClause(Expectation(expected.outcome) if cells[0] else otherwise.expectation, True)

@@ -9,7 +9,7 @@ from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import constant_integer
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.scope import Scope
 from tachk.logic.bound_directions import Easier, bound_directions
 from tachk.logic.durations import resolve
@@ -26,7 +26,7 @@ def resolve_durations(formula: Formula, scope: Scope, context: Context) -> Formu
         directions.setdefault(part.span, set()).add(easier)
 
     def evaluate(expression: ast.Expression) -> int:
-        own = Findings()
+        own = DiagnosticCollector()
         easier = directions.get(expression.span, {None})
         value = bound_value(expression, easier, "the bound of an interval", scope, replace(context, findings=own))
         if value is None:

@@ -15,7 +15,7 @@ from tachk.frontend.expressions.typed_expressions import condition, integral
 from tachk.frontend.queries.formula_durations import resolve_durations
 from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
-from tachk.logic.observer.construction import BAD, Ending, NoObserver, build_observer
+from tachk.logic.observer.construction import BAD, NoObserver, TrapLocation, build_observer
 from tachk.logic.sentences import meaning
 from tachk.logic.triggers import demanded_conditions, demanded_implications, needed_now, needed_state
 from tachk.model.connectives import both, either
@@ -79,7 +79,7 @@ def _endless(
     query: Query,
     observer: int,
     places: Mapping[str, int],
-    endings: Sequence[Ending],
+    endings: Sequence[TrapLocation],
     asked: Callable[[ast.Expression], Expression],
 ) -> Query:
     """The query whether no run gets into an ending and stays, in all its states, where what the ending asks is true."""

@@ -14,12 +14,12 @@ from tachk.base.words import QueryKind
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, expression, integral
 from tachk.frontend.expressions.typing import describe, is_integral
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.queries.expectations import claim
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Binary, Constant, Deadlock, Expression, Unary
 from tachk.model.network import Signal
-from tachk.model.query import Deadline, Expectation, Query
+from tachk.model.query import Expectation, Query, QueryDeadline
 from tachk.model.traversal import asks_deadlock, compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.syntax import ast
@@ -101,7 +101,7 @@ def elaborate_query(
     )
 
 
-def _deadline(node: ast.Deadline, scope: Scope, context: Context) -> Deadline | None:
+def _deadline(node: ast.Deadline, scope: Scope, context: Context) -> QueryDeadline | None:
     bound = integral(node.bound, scope, context)
     if bound is None:
         return None
@@ -109,14 +109,14 @@ def _deadline(node: ast.Deadline, scope: Scope, context: Context) -> Deadline | 
         from tachk.frontend.queries.formula_durations import bound_value
 
         value = bound_value(node.bound, [True], "a deadline", scope, context)
-        return None if value is None else Deadline(value, node.strict)
+        return None if value is None else QueryDeadline(value, node.strict)
     if not isinstance(bound, Constant):
         context.error("E0501", node.bound.span, "a deadline must be a constant", "name a `const int`")
         return None
     if not 0 <= bound.value < 2**30:
         context.error("E0605", node.bound.span, f"a deadline of {bound.value} is outside [0, 2^30)")
         return None
-    return Deadline(bound.value, node.strict)
+    return QueryDeadline(bound.value, node.strict)
 
 
 def _predicate(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
@@ -158,7 +158,7 @@ def elaborate_signals(nodes: Iterable[ast.SignalDeclaration], scope: Scope, cont
     context = replace(context, in_query=True)
     signals = []
     for node in nodes:
-        own = Findings()
+        own = DiagnosticCollector()
         value = expression(node.expression, scope, replace(context, findings=own))
         # A property may wait for its process; a signal that cannot be observed would make the whole model wait.
         context.findings.extend(replace(d, code="E0206") if d.code == "E0733" else d for d in own.sorted())
@@ -214,7 +214,7 @@ def elaborate_properties(
             expected = claim(node.expectation, scope, context)
             unchecked.append(_unchecked(node.formula, name, node.title, expected.expectation))
             continue
-        own = Findings()
+        own = DiagnosticCollector()
         title = node.title or node.doc
         query = elaborate_query(node.formula, name, scope, replace(context, findings=own), title, node.expectation)
         if own.has_mistakes:
@@ -234,7 +234,7 @@ def elaborate_each(
     queries: list[Query] = []
     unchecked: list[UncheckedQuery] = []
     for node in nodes:
-        own = Findings()
+        own = DiagnosticCollector()
         found, others = elaborate_properties([node], scope, replace(context, findings=own))
         if own.has_errors:
             title = node.title or node.doc
@@ -246,7 +246,7 @@ def elaborate_each(
     return tuple(queries), tuple(unchecked)
 
 
-def wrong_query(name: str, text: str, title: str, span: Span, findings: Findings) -> UncheckedQuery:
+def wrong_query(name: str, text: str, title: str, span: Span, findings: DiagnosticCollector) -> UncheckedQuery:
     return UncheckedQuery(name, text, "", title, None, span, findings.sorted())
 
 
@@ -258,7 +258,7 @@ def elaborate_entries(
     queries, unchecked = [], []
     for number, entry in enumerate(entries, first):
         name = f"q{number}"
-        own = Findings()
+        own = DiagnosticCollector()
         if isinstance(entry, BrokenQuery):
             own.extend(entry.diagnostics)
             unchecked.append(wrong_query(name, entry.text, entry.comment, entry.span, own))

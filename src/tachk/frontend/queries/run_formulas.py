@@ -141,7 +141,7 @@ def _as_formula(part: RunFormula | Expression) -> RunFormula:
 def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expression:
     """The formula with its names resolved; a condition without connectives is an expression."""
     match formula:
-        case syntax.Truth(value=value):
+        case syntax.TruthConstant(value=value):
             return Constant(int(value), BOOL)
         case syntax.Atom(expression=expression):
             return as_number(_state(reading.condition(expression.span), expression.span))

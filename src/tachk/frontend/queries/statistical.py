@@ -20,7 +20,7 @@ from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
 from tachk.frontend.expressions.typing import is_integral
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.hybrid_clocks import computed_clocks, named_clocks
 from tachk.frontend.loaded import LoadedModel, with_hybrid_clocks
 from tachk.frontend.queries.queries import UncheckedQuery
@@ -29,13 +29,13 @@ from tachk.model.expressions import Conditional, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import (
     AskedPath,
-    Bound,
-    Comparison,
-    Expectation,
+    ExpectedValue,
     FormulaPath,
     Path,
     Probability,
+    ProbabilityComparison,
     Question,
+    RunBound,
     Scale,
     StatisticalQuery,
     Threshold,
@@ -64,7 +64,7 @@ def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQu
     seen = model
     while True:
         try:
-            question = _Reader(query.span, seen).question()
+            question = _StatisticalQueryReader(query.span, seen).question()
         except _ComputesError as computes:
             names |= computes.clocks
             seen = with_hybrid_clocks(model, names)
@@ -82,7 +82,7 @@ class _ComputesError(Exception):
         self.clocks = clocks
 
 
-class _Reader:
+class _StatisticalQueryReader:
     """Reads the text of a query from left to right."""
 
     def __init__(self, span: Span, model: LoadedModel) -> None:
@@ -90,7 +90,7 @@ class _Reader:
         self._text = span.text
         self._at = 0
         self._model = model
-        self._findings = Findings()
+        self._findings = DiagnosticCollector()
         self._context: Context = replace(model.context, findings=self._findings, in_query=True)
 
     def question(self) -> Question:
@@ -116,7 +116,7 @@ class _Reader:
                 continue
             if self._taken("Pr"):
                 other = self._path()
-                return Comparison(path, other) if at_least else Comparison(other, path)
+                return ProbabilityComparison(path, other) if at_least else ProbabilityComparison(other, path)
             return Threshold(path, at_least, self._threshold())
         return Probability(path)
 
@@ -146,16 +146,16 @@ class _Reader:
         held = None if before is None else self._condition(before)
         return Path(bound, runs, always, self._condition(rest), held, since)
 
-    def _formula_path(self, inner: Span, bound: Bound | None, runs: int | None) -> FormulaPath:
+    def _formula_path(self, inner: Span, bound: RunBound | None, runs: int | None) -> FormulaPath:
         """A formula with several operators. Its runs end where it is decided, or at the bound before."""
         if bound is not None and bound.scale is not Scale.TIME:
             raise self._unsupported("the bound of a formula with intervals is a time", inner)
         reading = Reading(self._condition, self._value, self._model.scope, self._context)
         found = read_run_formula(inner, None if bound is None else bound.limit, reading)
         reach = found.reach if bound is None else min(found.reach, bound.limit)
-        return FormulaPath(Bound(Scale.TIME, reach), runs, found.formula)
+        return FormulaPath(RunBound(Scale.TIME, reach), runs, found.formula)
 
-    def _interval(self, span: Span) -> tuple[tuple[int, Bound], Span] | None:
+    def _interval(self, span: Span) -> tuple[tuple[int, RunBound], Span] | None:
         """The interval at the beginning of a text, and what is behind it; None where it begins within a time unit."""
         text = span.text.lstrip()
         start = span.end - len(text)
@@ -170,16 +170,16 @@ class _Reader:
             raise self._wrong("an interval must not end before it begins", Span(span.source, start, start + end + 1))
         if since.denominator != 1:
             return None
-        return (int(since), Bound(Scale.TIME, limit)), Span(span.source, start + end + 1, span.end)
+        return (int(since), RunBound(Scale.TIME, limit)), Span(span.source, start + end + 1, span.end)
 
-    def _expectation(self) -> Expectation:
+    def _expectation(self) -> ExpectedValue:
         bound, runs = self._bound()
         inner = self._bracketed("(")
         match = re.match(r"\s*(max|min)\s*:", inner.text)
         if match is None:
             raise self._wrong("expected max: or min: and an expression", inner)
         value = self._value(Span(inner.source, inner.start + match.end(), inner.end))
-        return Expectation(bound, runs, match[1] == "max", value)
+        return ExpectedValue(bound, runs, match[1] == "max", value)
 
     def _trajectories(self) -> Trajectories:
         number = self._number_of_runs()
@@ -211,7 +211,7 @@ class _Reader:
 
     # ---- bounds ----
 
-    def _bound(self) -> tuple[Bound, int | None]:
+    def _bound(self) -> tuple[RunBound, int | None]:
         parts = _parts(self._bracketed("["), ";")
         if len(parts) > 2:
             raise self._wrong("expected one bound and perhaps a number of runs", parts[2])
@@ -222,16 +222,16 @@ class _Reader:
         measured, limit = sides
         match measured.text.strip():
             case "":
-                return Bound(Scale.TIME, self._time(limit)), runs
+                return RunBound(Scale.TIME, self._time(limit)), runs
             case "#":
-                return Bound(Scale.STEPS, Fraction(self._constant(limit))), runs
+                return RunBound(Scale.STEPS, Fraction(self._constant(limit))), runs
             case _:
                 clock = self._value(measured)
                 if reads_hybrid(clock):
-                    return Bound(Scale.CLOCK, Fraction(0), beyond=self._beyond(measured, limit)), runs
+                    return RunBound(Scale.CLOCK, Fraction(0), beyond=self._beyond(measured, limit)), runs
                 if not isinstance(clock.type, ClockType):
                     raise self._wrong("a run is bounded by its time, by # or by a clock", measured)
-                return Bound(Scale.CLOCK, self._time(limit), clock), runs
+                return RunBound(Scale.CLOCK, self._time(limit), clock), runs
 
     def _beyond(self, measured: Span, limit: Span) -> Expression:
         """That a hybrid clock is larger than its bound."""
@@ -375,7 +375,7 @@ def _partner(text: str, start: int) -> int | None:
     return None
 
 
-def _is_within(limit: Bound, bound: Bound | None) -> bool:
+def _is_within(limit: RunBound, bound: RunBound | None) -> bool:
     """Whether an interval ends before the bound of the query does."""
     return bound is None or (bound.scale is Scale.TIME and limit.limit <= bound.limit)
 

@@ -11,7 +11,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import describe, is_integral
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.scope import Scope
 from tachk.model.floating import DOUBLE, FloatingOperation
 from tachk.model.floating_calls import operated
@@ -23,7 +23,7 @@ def chance(node: ast.Expression | None, what: str, scope: Scope, context: Contex
     """A rate or weight as an integer or floating point expression; ``what`` reads like "a rate"."""
     if node is None:
         return None
-    findings = Findings()
+    findings = DiagnosticCollector()
     own = replace(context, findings=findings)
     value = expression(node, scope, own)
     if value is not None and value.type != DOUBLE and not is_integral(value.type):

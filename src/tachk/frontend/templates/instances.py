@@ -24,7 +24,7 @@ from tachk.frontend.declarations.parameters import as_variables, changed_paramet
 from tachk.frontend.expressions.places import assignable, converted, is_place
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe, is_bounded, is_data, same_shape
-from tachk.frontend.findings import Findings, count, wrong_arguments
+from tachk.frontend.findings import DiagnosticCollector, count, wrong_arguments
 from tachk.frontend.scope import (
     BrokenSymbol,
     FamilySymbol,
@@ -325,7 +325,7 @@ class Instances:
         Findings that depend on the arguments are left out, and what tachk does not check is only told: it is not part
         of the network.
         """
-        own = Findings()
+        own = DiagnosticCollector()
         context = replace(self.context, constants=set(self.context.constants), findings=own)
         checker = Instances(self.globals, ChannelTable(set()), context)
         for name, symbol in self.globals.symbols.items():

@@ -8,7 +8,7 @@ from tachk.base.operators import BinaryOperator
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.expressions.typing import is_integral
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import Binary, Constant, Expression
 from tachk.syntax import ast
@@ -24,7 +24,7 @@ def switched_off(guard: ast.Expression | None, value: Expression | None, scope: 
     """
     if guard is None or value is None or not _has_false_part(value):
         return False
-    silent = replace(context, findings=Findings())
+    silent = replace(context, findings=DiagnosticCollector())
     pending = [guard]
     while pending:
         part = pending.pop()

@@ -28,24 +28,24 @@ from tachk.syntax import ast
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class EdgeBranch:
     """An edge of the text with its source."""
 
     source: ast.Identifier
     edge: ast.EdgeDeclaration
 
 
-def branches(template: ast.Template) -> Iterator[Branch]:
+def branches(template: ast.Template) -> Iterator[EdgeBranch]:
     """All edges of a template, in order, whichever way it is written."""
     for location in template.locations:
         for edge in location.edges:
-            yield Branch(location.name, edge)
+            yield EdgeBranch(location.name, edge)
     for point in template.branchpoints:
         for edge in point.edges:
-            yield Branch(point.name, edge)
+            yield EdgeBranch(point.name, edge)
     for edge in template.edges:
         if edge.source is not None:
-            yield Branch(edge.source, edge)
+            yield EdgeBranch(edge.source, edge)
 
 
 @dataclass(slots=True)
@@ -84,7 +84,7 @@ class Body:
         """The edges; those through a branchpoint are joined, one for each way in and each way out."""
         points = {point.name.name for point in self.template.branchpoints}
         outgoing: dict[str, list[tuple[ast.EdgeDeclaration, int]]] = {p: [] for p in points}
-        incoming: list[tuple[Branch, Edge, Scope]] = []
+        incoming: list[tuple[EdgeBranch, Edge, Scope]] = []
         for branch in branches(self.template):
             if branch.source.name in points:
                 self._leave_branchpoint(branch, numbers, points, outgoing)
@@ -144,7 +144,7 @@ class Body:
 
     def _leave_branchpoint(
         self,
-        branch: Branch,
+        branch: EdgeBranch,
         numbers: dict[str, int],
         points: set[str],
         outgoing: dict[str, list[tuple[ast.EdgeDeclaration, int]]],

@@ -20,7 +20,7 @@ from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
 from tachk.logic.observer.past_windows import looking_ahead
 from tachk.logic.observer.states import SHOWN, State, answered_in, binds, is_endless, timed_tasks
-from tachk.logic.observer.tableau import Step, Tableau
+from tachk.logic.observer.tableau import Tableau, TableauStep
 from tachk.logic.observer.violation import violation
 from tachk.logic.observer.ways import most_branches
 from tachk.syntax import ast
@@ -28,7 +28,7 @@ from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in
 
-__all__ = ["BAD", "BuiltObserver", "Ending", "NoObserver", "build_observer"]
+__all__ = ["BAD", "BuiltObserver", "NoObserver", "TrapLocation", "build_observer"]
 
 BAD = "Bad"
 """The location that is reachable if and only if the formula can be violated."""
@@ -41,7 +41,7 @@ _CLOCKS = ("x", "y", "z", "u", "v", "w")
 
 
 @dataclass(frozen=True, slots=True)
-class Ending:
+class TrapLocation:
     """A location that a run violates the formula by never leaving, or that leads to such ones.
 
     Attributes:
@@ -63,7 +63,7 @@ class BuiltObserver:
     in a finite run. Where there are some, the observer must be able to act in every state (`Location.observes`)."""
 
     template: ast.Template
-    endings: tuple[Ending, ...] = ()
+    endings: tuple[TrapLocation, ...] = ()
 
 
 def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> BuiltObserver:
@@ -81,7 +81,7 @@ def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> Bu
     if most_branches(goal) > MAXIMAL_BRANCHES:
         raise NoObserver(formula.span, f"it can be violated in more than {MAXIMAL_BRANCHES} ways")
     used = {*names_in(formula), *taken, name}
-    writer = _Writer(formula.span, goal, name, used)
+    writer = _ObserverWriter(formula.span, goal, name, used)
     return BuiltObserver(writer.template(), writer.endings())
 
 
@@ -90,10 +90,10 @@ class _Automaton:
     """The part of a tableau from which `SHOWN` or an endless state can be reached."""
 
     states: list[State] = field(default_factory=list)
-    steps: dict[State, list[Step]] = field(default_factory=dict)
+    steps: dict[State, list[TableauStep]] = field(default_factory=dict)
 
 
-class _Writer:
+class _ObserverWriter:
     def __init__(self, span: Span, goal: Goal, name: str, used: set[str]) -> None:
         self.span = span
         self.name = name
@@ -158,7 +158,7 @@ class _Writer:
             self.span, self._identifier(self.name), (), self._declarations(), tuple(locations), classic=False
         )
 
-    def endings(self) -> tuple[Ending, ...]:
+    def endings(self) -> tuple[TrapLocation, ...]:
         if not self.has_endings:
             return ()
         binding = [state for state in self.automaton.states if binds(state)]
@@ -174,7 +174,7 @@ class _Writer:
                 yield self.tableau.meets(state, goal) if is_endless(state) else None
 
         return tuple(
-            Ending(
+            TrapLocation(
                 self.names[state],
                 self.entries.get(state),
                 all_of(self.tableau.lasting(state), self.span),
@@ -290,7 +290,7 @@ class _Writer:
             return ""
         return f"while {print_expression(all_of(requirement, self.span))}"
 
-    def _is_escape(self, step: Step, requirement: Conjunction) -> bool:
+    def _is_escape(self, step: TableauStep, requirement: Conjunction) -> bool:
         """Whether the way out that is taken where the requirement fails does the same."""
         return (
             step.target == self.idle
@@ -298,7 +298,7 @@ class _Writer:
             and step.condition == frozenset((negated(all_of(requirement, self.span)),))
         )
 
-    def _step(self, step: Step) -> ast.EdgeDeclaration:
+    def _step(self, step: TableauStep) -> ast.EdgeDeclaration:
         clocks = [self._compare(guard.clock, guard.value, guard.operator) for guard in step.clocks]
         updates = []
         if step.reset is not None and step.target != SHOWN and step.reset < len(self.clocks):
@@ -369,7 +369,7 @@ def _explored(tableau: Tableau, span: Span) -> _Automaton:
     """All states that can be reached and that lead to `SHOWN` or are endless, in breadth-first order."""
     too_large = NoObserver(span, f"its observer would need more than {MAXIMAL_LOCATIONS} locations")
     initial = [state for state, _ in tableau.initial]
-    steps: dict[State, list[Step]] = {}
+    steps: dict[State, list[TableauStep]] = {}
     waiting = deque([*initial, *([tableau.idle] if tableau.idle is not None else [])])
     seen = set(waiting)
 
@@ -387,7 +387,7 @@ def _explored(tableau: Tableau, span: Span) -> _Automaton:
         # Of tasks with clocks each leads to another location.
         if max(len(seen), timed_tasks(state)) > MAXIMAL_LOCATIONS:
             raise too_large
-        found: dict[Step, None] = {}
+        found: dict[TableauStep, None] = {}
         for step in tableau.steps(state):
             found[step] = None
             notice(step.target)

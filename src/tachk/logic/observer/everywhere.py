@@ -15,21 +15,21 @@ from itertools import product
 from tachk.base.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, any_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
-    Answered,
-    Before,
     Both,
     Differs,
     Either,
     Everywhere,
     Goal,
+    GoalAlternative,
+    HeldBefore,
     Holds,
     Preceded,
     Recurring,
+    ResponseGoal,
     Sometime,
     Throughout,
-    Way,
 )
-from tachk.logic.observer.states import FRESH, ClockGuard, Task, at_least, over
+from tachk.logic.observer.states import FRESH, ClockGuard, TableauTask, at_least, over
 from tachk.syntax import ast
 
 Valuation = tuple[bool, ...]
@@ -41,10 +41,10 @@ did. Behind the window, ``last`` and the last two with ``past`` in front."""
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class ObserverMoveTask:
     """``task``: what is left to be shown, if anything; ``now``: what is claimed of the instant."""
 
-    task: Task | None
+    task: TableauTask | None
     now: Conjunction = frozenset()
     clocks: tuple[ClockGuard, ...] = ()
     guard: Conjunction = frozenset()
@@ -54,18 +54,18 @@ class Move:
 class Beginning:
     """A task that begins at an instant, given what was right before it."""
 
-    task: Task
+    task: TableauTask
     now: Conjunction
-    pasts: frozenset[Before]
+    pasts: frozenset[HeldBefore]
 
 
-def ways_of(goal: Goal) -> tuple[Way, ...] | None:
+def ways_of(goal: Goal) -> tuple[GoalAlternative, ...] | None:
     """The goal as a condition on an instant and what was right before; None where it speaks of more."""
     match goal:
         case Holds(condition=condition):
-            return (Way(condition, frozenset()),)
-        case Preceded(past=Before() as before):
-            return (Way(truth(True, before.condition.span), frozenset((before,))),)
+            return (GoalAlternative(condition, frozenset()),)
+        case Preceded(past=HeldBefore() as before):
+            return (GoalAlternative(truth(True, before.condition.span), frozenset((before,))),)
         case Either(parts=parts):
             found = [ways_of(part) for part in parts]
             return None if None in found else tuple(way for ways in found for way in ways or ())
@@ -74,26 +74,26 @@ def ways_of(goal: Goal) -> tuple[Way, ...] | None:
             if None in each:
                 return None
             return tuple(joined(chosen) for chosen in product(*(ways or () for ways in each)))
-        case Preceded() | Differs() | Sometime() | Throughout() | Recurring() | Answered() | Everywhere():
+        case Preceded() | Differs() | Sometime() | Throughout() | Recurring() | ResponseGoal() | Everywhere():
             return None
 
 
-def joined(ways: Iterable[Way]) -> Way:
+def joined(ways: Iterable[GoalAlternative]) -> GoalAlternative:
     """What is so in all the ways."""
     chosen = list(ways)
     parts = conjunction(way.condition for way in chosen)
     span = chosen[0].condition.span
     before = frozenset(past for way in chosen for past in way.before)
-    return Way(truth(False, span) if is_false(parts) else all_of(parts, span), before)
+    return GoalAlternative(truth(False, span) if is_false(parts) else all_of(parts, span), before)
 
 
-def is_possible(way: Way) -> bool:
+def is_possible(way: GoalAlternative) -> bool:
     """False only for a way in which no instant can be."""
     values = [_literal(before) for before in way.before]
     return not is_false(conjunction((way.condition,))) and len({edge for edge, _ in values}) == len(set(values))
 
 
-def requirement(task: Task) -> Iterator[ast.Expression]:
+def requirement(task: TableauTask) -> Iterator[ast.Expression]:
     """What must hold while time passes."""
     goal = _goal(task)
     yield from _values(goal, task.before)
@@ -123,7 +123,7 @@ def beginnings(goal: Everywhere) -> list[Beginning]:
     return [one for one in possible if not any(_is_better(other, one) for other in possible)]
 
 
-def _begun(task: Task, claims: Iterable[ast.Expression], pasts: frozenset[Before]) -> Beginning:
+def _begun(task: TableauTask, claims: Iterable[ast.Expression], pasts: frozenset[HeldBefore]) -> Beginning:
     return Beginning(task, _claimed(task, conjunction(claims)), pasts)
 
 
@@ -131,17 +131,17 @@ def _is_better(one: Beginning, other: Beginning) -> bool:
     return one != other and one.task == other.task and one.now <= other.now and one.pasts <= other.pasts
 
 
-def moves(task: Task) -> Iterator[Move]:
+def moves(task: TableauTask) -> Iterator[ObserverMoveTask]:
     """The steps that lead on from a task."""
     goal = _goal(task)
     allowed, kept = _at(goal, goal.allowed, task.before), _at(goal, goal.kept, task.before)
     if task.phase in (FREE, DURING, CLOSED, OPEN) and goal.window.high is not None:
         after = {FREE: None, DURING: _next(task, "last")}.get(task.phase, _next(task, f"past {task.phase}"))
-        yield Move(after, clocks=(over(goal.window, task.clocks[0]),))
+        yield ObserverMoveTask(after, clocks=(over(goal.window, task.clocks[0]),))
     match task.phase:
         case "free":
             if goal.kept:
-                yield Move(_next(task, DURING), guard=conjunction((negated(allowed),)))
+                yield ObserverMoveTask(_next(task, DURING), guard=conjunction((negated(allowed),)))
             at_once = [kept] if goal.inner is not None and goal.inner.low_closed else []
             for valuation in _others(task):
                 yield from _change(task, FREE, valuation, (allowed,))
@@ -149,39 +149,39 @@ def moves(task: Task) -> Iterator[Move]:
                     yield from _change(task, CLOSED, valuation, at_once)
                     yield from _change(task, DURING, valuation, at_once)
         case "during":
-            yield Move(_next(task, OPEN), guard=conjunction((allowed,)))
+            yield ObserverMoveTask(_next(task, OPEN), guard=conjunction((allowed,)))
             for valuation in _others(task):
                 yield from _change(task, DURING, valuation, (kept,))
                 yield from _change(task, OPEN, valuation, (allowed, kept))
                 yield from _change(task, CLOSED, valuation, (kept,))
         case "closed" | "open":
             for guard in _ended(task):
-                yield Move(_next(task, FREE), clocks=(guard,))
-            yield Move(_next(task, DURING), guard=conjunction((negated(allowed),)))
+                yield ObserverMoveTask(_next(task, FREE), clocks=(guard,))
+            yield ObserverMoveTask(_next(task, DURING), guard=conjunction((negated(allowed),)))
             for valuation in _others(task):
                 yield from _change(task, task.phase, valuation, (allowed, kept), renewed=False)
                 yield from _change(task, CLOSED, valuation, (kept,))
                 yield from _change(task, DURING, valuation, (kept,))
         case _:
             for guard in _ended(task):
-                yield Move(None, clocks=(guard,))
+                yield ObserverMoveTask(None, clocks=(guard,))
             for valuation in _others(task):
                 yield from _change(task, task.phase, valuation, (kept,))
 
 
 def _change(
-    task: Task, phase: str, valuation: Valuation, claims: Iterable[ast.Expression], renewed: bool = True
-) -> Iterator[Move]:
+    task: TableauTask, phase: str, valuation: Valuation, claims: Iterable[ast.Expression], renewed: bool = True
+) -> Iterator[ObserverMoveTask]:
     goal = _goal(task)
     after = _next(task, phase, valuation, renewed)
     claimed = conjunction((*claims, *_values(goal, valuation)))
     if phase == DURING and not _may_go_on_asking(goal, valuation):
         return
     if not is_false(claimed) and not is_false(conjunction((*claimed, *requirement(after)))):
-        yield Move(after, _claimed(after, claimed))
+        yield ObserverMoveTask(after, _claimed(after, claimed))
 
 
-def _claimed(task: Task, claims: Conjunction) -> Conjunction:
+def _claimed(task: TableauTask, claims: Conjunction) -> Conjunction:
     """What has to be claimed of an instant; nothing where the task requires as much, and what it remembers of the
     instant cannot be used to allow more than is allowed."""
     goal = _goal(task)
@@ -198,11 +198,11 @@ def _claimed(task: Task, claims: Conjunction) -> Conjunction:
 # ---- tasks ----------------------------------------------------------------------------------------------------------
 
 
-def _task(goal: Everywhere, phase: str, valuation: Valuation) -> Task:
-    return Task(goal, phase, (FRESH, FRESH) if phase in (CLOSED, OPEN) else (FRESH,), valuation)
+def _task(goal: Everywhere, phase: str, valuation: Valuation) -> TableauTask:
+    return TableauTask(goal, phase, (FRESH, FRESH) if phase in (CLOSED, OPEN) else (FRESH,), valuation)
 
 
-def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[Task, ...]:
+def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[TableauTask, ...]:
     """The tasks that begin with something to last, which the instant itself, or only what comes after it, asks for."""
     if not goal.kept:
         return ()
@@ -217,17 +217,17 @@ def _may_go_on_asking(goal: Everywhere, valuation: Valuation) -> bool:
     return not is_false(conjunction((asking, *_values(goal, valuation))))
 
 
-def _next(task: Task, phase: str, valuation: Valuation | None = None, renewed: bool = True) -> Task:
+def _next(task: TableauTask, phase: str, valuation: Valuation | None = None, renewed: bool = True) -> TableauTask:
     before = task.before if valuation is None else valuation
     clocks: tuple[int, ...] = task.clocks[:1]
     if phase in (CLOSED, OPEN):
         clocks = (task.clocks[0], FRESH) if renewed else task.clocks
     elif phase.startswith("past"):
         clocks = task.clocks[-1:]
-    return Task(task.goal, phase, clocks, before)
+    return TableauTask(task.goal, phase, clocks, before)
 
 
-def _ended(task: Task) -> tuple[ClockGuard, ...]:
+def _ended(task: TableauTask) -> tuple[ClockGuard, ...]:
     """That nothing has to last any longer, if that ever comes."""
     goal = _goal(task)
     assert goal.inner is not None
@@ -241,7 +241,7 @@ def _ended(task: Task) -> tuple[ClockGuard, ...]:
     return (at_least(task.clocks[-1], goal.inner.high, not (closed and task.phase.endswith(CLOSED))),)
 
 
-def _goal(task: Task) -> Everywhere:
+def _goal(task: TableauTask) -> Everywhere:
     assert isinstance(task.goal, Everywhere)
     return task.goal
 
@@ -249,7 +249,7 @@ def _goal(task: Task) -> Everywhere:
 # ---- valuations -----------------------------------------------------------------------------------------------------
 
 
-def _literal(before: Before) -> tuple[ast.Expression, bool]:
+def _literal(before: HeldBefore) -> tuple[ast.Expression, bool]:
     opposite = negated(before.condition)
     if repr(opposite) < repr(before.condition):
         return opposite, False
@@ -265,7 +265,7 @@ def _valuations(goal: Everywhere) -> Iterator[Valuation]:
     return product((False, True), repeat=len(_edges(goal)))
 
 
-def _others(task: Task) -> Iterator[Valuation]:
+def _others(task: TableauTask) -> Iterator[Valuation]:
     return (valuation for valuation in _valuations(_goal(task)) if valuation != task.before)
 
 
@@ -273,7 +273,7 @@ def _values(goal: Everywhere, valuation: Valuation) -> list[ast.Expression]:
     return [edge if value else negated(edge) for edge, value in zip(_edges(goal), valuation, strict=True)]
 
 
-def _at(goal: Everywhere, ways: tuple[Way, ...], valuation: Valuation) -> ast.Expression:
+def _at(goal: Everywhere, ways: tuple[GoalAlternative, ...], valuation: Valuation) -> ast.Expression:
     """What the ways ask of an instant if the conditions had these values right before it."""
     known = dict(zip(_edges(goal), valuation, strict=True))
     possible = [
@@ -284,10 +284,10 @@ def _at(goal: Everywhere, ways: tuple[Way, ...], valuation: Valuation) -> ast.Ex
     return any_of(possible, _span(goal))
 
 
-def _asked_at_once(goal: Everywhere) -> tuple[Way, ...]:
+def _asked_at_once(goal: Everywhere) -> tuple[GoalAlternative, ...]:
     if goal.inner is None or goal.inner.low_closed:
         return goal.kept
-    return (Way(truth(True, _span(goal)), frozenset()),)
+    return (GoalAlternative(truth(True, _span(goal)), frozenset()),)
 
 
 def _span(goal: Everywhere) -> Span:

@@ -33,7 +33,7 @@ class NoObserver(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class GoalWindow:
     """From ``low`` to ``high`` time units ahead; without an end where ``high`` is None."""
 
     low: int
@@ -56,10 +56,10 @@ class Window:
         """Whether every later instant is inside, the present one included."""
         return self.low == 0 and self.low_closed and self.high is None
 
-    def then(self, other: Window) -> Window:
+    def then(self, other: GoalWindow) -> GoalWindow:
         """The window from which one reaches this one in steps of both."""
         high = None if self.high is None or other.high is None else self.high + other.high
-        return Window(
+        return GoalWindow(
             self.low + other.low,
             high,
             self.low_closed and other.low_closed,
@@ -71,7 +71,7 @@ class Window:
 
 
 @dataclass(frozen=True, slots=True)
-class Before:
+class HeldBefore:
     """The condition held for some time right before. ``initially``: whether it counts as having held before the run."""
 
     condition: ast.Expression
@@ -97,13 +97,13 @@ class Was:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """Right before, the expression had the value that was saved. ``initially`` as for `Before`."""
+    """Right before, the expression had the value that was saved. ``initially`` as for `HeldBefore`."""
 
     expression: ast.Expression
     initially: bool
 
 
-Past = Before | HeldFor | Was | Saved
+Past = HeldBefore | HeldFor | Was | Saved
 
 
 # ---- goals ----------------------------------------------------------------------------------------------------------
@@ -141,7 +141,7 @@ class Either:
 class Sometime:
     """At some instant of the window, and ``meanwhile`` from now to before it."""
 
-    window: Window
+    window: GoalWindow
     meanwhile: ast.Expression
     goal: Goal
 
@@ -154,7 +154,7 @@ class Throughout:
     some time need not last.
     """
 
-    window: Window
+    window: GoalWindow
     condition: ast.Expression
     strict: bool = False
 
@@ -163,7 +163,7 @@ class Throughout:
 class Recurring:
     """At every instant of the window: ``condition``, or ``answer`` within ``length`` (``closed``: at its end, too)."""
 
-    window: Window
+    window: GoalWindow
     condition: ast.Expression
     answer: ast.Expression
     length: int
@@ -171,7 +171,7 @@ class Recurring:
 
 
 @dataclass(frozen=True, slots=True)
-class Answered:
+class ResponseGoal:
     """At every instant from now on: ``condition``, or ``answer`` then or later."""
 
     condition: ast.Expression
@@ -179,11 +179,11 @@ class Answered:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class GoalAlternative:
     """One way in which an instant can be as it should: what holds at it, and right before it."""
 
     condition: ast.Expression
-    before: frozenset[Before]
+    before: frozenset[HeldBefore]
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,13 +194,13 @@ class Everywhere:
     The instants of a window with an open lower bound are those after the present one.
     """
 
-    window: Window
-    allowed: tuple[Way, ...]
-    kept: tuple[Way, ...] = ()
-    inner: Window | None = None
+    window: GoalWindow
+    allowed: tuple[GoalAlternative, ...]
+    kept: tuple[GoalAlternative, ...] = ()
+    inner: GoalWindow | None = None
 
 
-Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | Answered | Everywhere
+Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | ResponseGoal | Everywhere
 
 
 # ---- joining goals and looking into them ---------------------------------------------------------------------------
@@ -235,7 +235,7 @@ def parts_of(goal: Goal) -> Iterator[Goal]:
                 pending += parts
             case Sometime(goal=inner):
                 pending.append(inner)
-            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | Answered() | Everywhere():
+            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | ResponseGoal() | Everywhere():
                 pass
 
 

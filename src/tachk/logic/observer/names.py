@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from tachk.logic.observer.goals import Everywhere, HeldFor, Sometime, Throughout, Was
-from tachk.logic.observer.states import Seen, Settling, State, Task
+from tachk.logic.observer.states import Seen, Settling, State, TableauTask
 from tachk.syntax.rewrite import fresh_name
 
 
@@ -20,7 +20,7 @@ def location_names(states: Sequence[State], idle: State | None, taken: Collectio
 
 
 def _wanted_name(state: State) -> str:
-    tasks = [item for item in state if isinstance(item, Task)]
+    tasks = [item for item in state if isinstance(item, TableauTask)]
     claims = any(isinstance(item, Settling) for item in state)
     watched = sorted((item for item in state if isinstance(item, Seen)), key=repr)
     if not tasks:
@@ -32,19 +32,19 @@ def _wanted_name(state: State) -> str:
     return _task_name(min(tasks, key=repr))
 
 
-def _task_name(item: Task) -> str:
+def _task_name(item: TableauTask) -> str:
     match item:
-        case Task(goal=Sometime()):
+        case TableauTask(goal=Sometime()):
             return "Waiting"
-        case Task(phase="ahead"):
+        case TableauTask(phase="ahead"):
             return "Ahead"
-        case Task(phase="gap"):
+        case TableauTask(phase="gap"):
             return "Gap"
-        case Task(phase="met"):
+        case TableauTask(phase="met"):
             return "Met"
-        case Task(goal=Throughout()):
+        case TableauTask(goal=Throughout()):
             return "Waiting"
-        case Task(goal=Everywhere()):
+        case TableauTask(goal=Everywhere()):
             return "Holding"
         case _:
             return "Holding"

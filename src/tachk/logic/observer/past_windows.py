@@ -162,5 +162,5 @@ def _always(node: Formula) -> Formula:
 
 def _any_of(parts: tuple[Formula, ...], span: Span) -> Formula:
     if not parts:
-        return formula.Truth(span, False)
+        return formula.TruthConstant(span, False)
     return parts[0] if len(parts) == 1 else formula.Or(span, parts)

@@ -15,26 +15,26 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.logic.observer.conditions import Conjunction, truth
 from tachk.logic.observer.goals import (
-    Answered,
-    Before,
     Everywhere,
+    GoalWindow,
+    HeldBefore,
     HeldFor,
     Past,
     Recurring,
+    ResponseGoal,
     Sometime,
     Throughout,
     Was,
-    Window,
 )
 
 FRESH = -1
 """The clock that a step sets to 0, before it has a number."""
 
-Lasting = Sometime | Throughout | Recurring | Answered | Everywhere
+Lasting = Sometime | Throughout | Recurring | ResponseGoal | Everywhere
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class TableauTask:
     """Something to be shown from now on.
 
     Attributes:
@@ -71,7 +71,7 @@ class Seen:
     clocks: tuple[int, ...] = ()
 
 
-Item = Task | Settling | Seen
+Item = TableauTask | Settling | Seen
 State = frozenset[Item]
 
 SHOWN: State = frozenset()
@@ -105,47 +105,49 @@ def positive(clock: int) -> ClockGuard:
 
 def timed_tasks(state: State) -> int:
     """How many tasks have clocks."""
-    return sum(isinstance(item, Task) and bool(item.clocks) for item in state)
+    return sum(isinstance(item, TableauTask) and bool(item.clocks) for item in state)
 
 
-def may_pass(task: Task) -> bool:
+def may_pass(task: TableauTask) -> bool:
     """Whether the task may be exchanged for others at the instant at which it begins, whatever it requires."""
     return isinstance(task.goal, Sometime) or (isinstance(task.goal, Recurring) and task.phase == "on")
 
 
 def is_there_initially(past: Past) -> bool:
     """Whether the past is there when the run begins. Values are not saved by then: `branches_of` sees to that."""
-    return isinstance(past, HeldFor) or (isinstance(past, Before) and past.initially)
+    return isinstance(past, HeldFor) or (isinstance(past, HeldBefore) and past.initially)
 
 
-def lasts_for_ever(task: Task) -> bool:
+def lasts_for_ever(task: TableauTask) -> bool:
     """Whether the task is never done, and only a run without end fulfils it."""
     match task:
-        case Task(goal=Sometime()) | Task(phase="ahead"):
+        case TableauTask(goal=Sometime()) | TableauTask(phase="ahead"):
             return False
-        case Task(goal=Everywhere(inner=Window(high=None)), phase="last" | "past closed" | "past open"):
+        case TableauTask(goal=Everywhere(inner=GoalWindow(high=None)), phase="last" | "past closed" | "past open"):
             return True
-        case Task(goal=Answered()):
+        case TableauTask(goal=ResponseGoal()):
             return True
-        case Task(goal=Throughout() | Recurring() | Everywhere() as goal):
+        case TableauTask(goal=Throughout() | Recurring() | Everywhere() as goal):
             return goal.window.high is None
         case _:
             return False
 
 
-def answered_in(state: State) -> Iterator[Task]:
+def answered_in(state: State) -> Iterator[TableauTask]:
     """The tasks that are about answers again and again."""
-    return (item for item in state if isinstance(item, Task) and isinstance(item.goal, Answered))
+    return (item for item in state if isinstance(item, TableauTask) and isinstance(item.goal, ResponseGoal))
 
 
 def is_strict(item: Item) -> bool:
     """Whether what the item requires must hold in every state, too, in which no time passes."""
-    return isinstance(item, Task) and isinstance(item.goal, Throughout) and item.goal.strict and item.phase == "on"
+    return (
+        isinstance(item, TableauTask) and isinstance(item.goal, Throughout) and item.goal.strict and item.phase == "on"
+    )
 
 
 def is_endless(state: State) -> bool:
     """Whether a run that never leaves the state violates the formula."""
-    tasks = [item for item in state if isinstance(item, Task)]
+    tasks = [item for item in state if isinstance(item, TableauTask)]
     return bool(tasks) and all(map(lasts_for_ever, tasks))
 
 
@@ -155,7 +157,7 @@ def binds(state: State) -> bool:
 
 
 def waits_for_ever(state: State) -> bool:
-    tasks = [item for item in state if isinstance(item, Task)]
+    tasks = [item for item in state if isinstance(item, TableauTask)]
     return (
         len(tasks) == 1
         and not any(isinstance(item, Settling) for item in state)
@@ -210,7 +212,7 @@ def readiness(item: Seen) -> tuple[ClockGuard, ...] | None:
             return None
 
 
-def inside(window: Window, clocks: tuple[int, ...]) -> tuple[ClockGuard, ...]:
+def inside(window: GoalWindow, clocks: tuple[int, ...]) -> tuple[ClockGuard, ...]:
     if not clocks:
         return ()
     found = []
@@ -221,13 +223,13 @@ def inside(window: Window, clocks: tuple[int, ...]) -> tuple[ClockGuard, ...]:
     return tuple(found)
 
 
-def still(window: Window, clock: int) -> ClockGuard:
+def still(window: GoalWindow, clock: int) -> ClockGuard:
     """The window is not over: another instant of it is to come or is now."""
     assert window.high is not None
     return at_most(clock, window.high, window.high_closed)
 
 
-def over(window: Window, clock: int) -> ClockGuard:
+def over(window: GoalWindow, clock: int) -> ClockGuard:
     assert window.high is not None
     return at_least(clock, window.high, not window.high_closed)
 

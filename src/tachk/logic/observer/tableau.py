@@ -15,19 +15,19 @@ from tachk.base.span import Span
 from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
-    Answered,
-    Before,
     Everywhere,
     Goal,
+    GoalWindow,
+    HeldBefore,
     HeldFor,
     Holds,
     Past,
     Recurring,
+    ResponseGoal,
     Saved,
     Sometime,
     Throughout,
     Was,
-    Window,
 )
 from tachk.logic.observer.states import (
     FRESH,
@@ -38,7 +38,7 @@ from tachk.logic.observer.states import (
     Seen,
     Settling,
     State,
-    Task,
+    TableauTask,
     answered_in,
     at_most,
     implies_positive,
@@ -55,12 +55,12 @@ from tachk.logic.observer.states import (
     still,
     waits_for_ever,
 )
-from tachk.logic.observer.ways import Branch, SavedNames, branches_of, comparison, looking_back, pasts_wanted
+from tachk.logic.observer.ways import GoalBranch, SavedNames, branches_of, comparison, looking_back, pasts_wanted
 from tachk.syntax import ast
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class TableauStep:
     """Attributes:
     reset: the clock that is set to 0, if one is.
     forced: time does not pass while the condition of the step holds.
@@ -97,10 +97,10 @@ class Tableau:
         self.idle: State | None = None
         """Where the observer goes when what it was following comes to nothing; None: there it gives up."""
         if ever:
-            self.idle = frozenset(item for item in ever[0] if isinstance(item, Task))
+            self.idle = frozenset(item for item in ever[0] if isinstance(item, TableauTask))
         self.idle_has_one_goal = self.idle is not None and len(_first_goals(self, self.idle)) == 1
 
-    def _begun(self, branch: Branch) -> tuple[State, Conjunction]:
+    def _begun(self, branch: GoalBranch) -> tuple[State, Conjunction]:
         wanted = pasts_wanted(branch.tasks, self.saved)
         pasts = [Seen(past, "initial") for past in wanted if is_there_initially(past)]
         claims = self._settling(branch.now, FRESH)
@@ -135,21 +135,21 @@ class Tableau:
         match item:
             case Settling(conditions=conditions):
                 yield from conditions
-            case Task(goal=Sometime(meanwhile=meanwhile)):
+            case TableauTask(goal=Sometime(meanwhile=meanwhile)):
                 yield meanwhile
-            case Task(phase="ahead" | "gap"):
+            case TableauTask(phase="ahead" | "gap"):
                 pass
-            case Task(goal=Answered(answer=answer), phase="met"):
+            case TableauTask(goal=ResponseGoal(answer=answer), phase="met"):
                 yield answer
-            case Task(goal=Answered(condition=condition, answer=answer)):
+            case TableauTask(goal=ResponseGoal(condition=condition, answer=answer)):
                 yield _or(condition, answer)
-            case Task(goal=Throughout(condition=condition)):
+            case TableauTask(goal=Throughout(condition=condition)):
                 yield condition
-            case Task(goal=Recurring(condition=condition, answer=answer)):
+            case TableauTask(goal=Recurring(condition=condition, answer=answer)):
                 yield _or(condition, answer)
-            case Task(goal=Everywhere()):
+            case TableauTask(goal=Everywhere()):
                 yield from everywhere.requirement(item)
-            case Seen(past=Before(condition=condition) | HeldFor(condition=condition)):
+            case Seen(past=HeldBefore(condition=condition) | HeldFor(condition=condition)):
                 yield condition
             case Seen(past=Was(since=since, there=there), phase=phase):
                 yield there if phase == "on" else since
@@ -164,11 +164,13 @@ class Tableau:
         found: dict[tuple[int, int], State | None] = {}
         for item in state:
             match item:
-                case Task(goal=Sometime(window=Window(high=int(high))), clocks=(clock,)):
+                case TableauTask(goal=Sometime(window=GoalWindow(high=int(high))), clocks=(clock,)):
                     found[clock, high] = None
-                case Task(goal=Throughout() | Recurring() | Everywhere() as goal, phase="ahead", clocks=(clock, *_)):
+                case TableauTask(
+                    goal=Throughout() | Recurring() | Everywhere() as goal, phase="ahead", clocks=(clock, *_)
+                ):
                     found[clock, goal.window.low] = None
-                case Task(goal=Recurring(length=length), phase="gap", clocks=(*_, clock)):
+                case TableauTask(goal=Recurring(length=length), phase="gap", clocks=(*_, clock)):
                     found[clock, length] = None
                 case Seen(past=Was(length=int(length)), phase="since", clocks=(clock,)):
                     found.setdefault((clock, length), state - {item})
@@ -178,62 +180,62 @@ class Tableau:
 
     # ---- steps ------------------------------------------------------------------------------------------------------
 
-    def steps(self, state: State) -> Iterator[Step]:
+    def steps(self, state: State) -> Iterator[TableauStep]:
         """The steps that lead on from a state."""
         for item in ordered(state):
-            if isinstance(item, Task):
+            if isinstance(item, TableauTask):
                 yield from self._task_steps(state, item)
         yield from self._settled(state)
         yield from self._past_steps(state)
 
-    def _task_steps(self, state: State, task: Task) -> Iterator[Step]:
+    def _task_steps(self, state: State, task: TableauTask) -> Iterator[TableauStep]:
         match task:
-            case Task(goal=Sometime(window=window, goal=goal)):
+            case TableauTask(goal=Sometime(window=window, goal=goal)):
                 guards = inside(window, task.clocks)
                 for branch in branches_of(goal, self.saved):
                     for ready in self._ready(state, branch.pasts):
                         yield from self._step(state, task, branch.tasks, branch.now, (*guards, *ready))
-            case Task(goal=Throughout() | Recurring() | Everywhere() as goal, phase="ahead", clocks=(clock, *_)):
+            case TableauTask(goal=Throughout() | Recurring() | Everywhere() as goal, phase="ahead", clocks=(clock, *_)):
                 on = replace(task, phase="on", clocks=() if goal.window.high is None else (clock,))
                 begins = ClockGuard(clock, BinaryOperator.EQUAL, goal.window.low)
                 yield from self._step(state, task, (on,), frozenset(), (begins,))
-            case Task(goal=Recurring(window=window, answer=answer, length=length, closed=closed), phase="gap"):
+            case TableauTask(goal=Recurring(window=window, answer=answer, length=length, closed=closed), phase="gap"):
                 *ends, gap = task.clocks
                 in_time = at_most(gap, length, closed)
-                on = Task(task.goal, "on", tuple(ends))
+                on = TableauTask(task.goal, "on", tuple(ends))
                 now = conjunction((answer,))
                 yield from self._step(state, task, (on,), now, (in_time, *(still(window, clock) for clock in ends)))
                 for clock in ends:
                     yield from self._step(state, task, (), now, (in_time, over(window, clock)))
-            case Task(goal=Answered()):
+            case TableauTask(goal=ResponseGoal()):
                 yield from self._answered_steps(state, task)
-            case Task(goal=Everywhere()):
+            case TableauTask(goal=Everywhere()):
                 for move in everywhere.moves(task):
                     tasks = () if move.task is None else (move.task,)
                     yield from self._step(state, task, tasks, move.now, move.clocks, move.guard)
-            case Task(goal=Throughout() | Recurring() as goal, clocks=ends):
+            case TableauTask(goal=Throughout() | Recurring() as goal, clocks=ends):
                 for clock in ends:
                     yield from self._step(state, task, (), frozenset(), (over(goal.window, clock),))
                 if isinstance(goal, Recurring):
                     open_ = conjunction((negated(_or(goal.condition, goal.answer)),))
-                    gap_task = Task(goal, "gap", (*ends, FRESH))
+                    gap_task = TableauTask(goal, "gap", (*ends, FRESH))
                     begun = tuple(still(goal.window, clock) for clock in ends)
                     yield from self._step(state, task, (gap_task,), frozenset(), begun, guard=open_)
             case _:
                 raise TypeError(f"{task} leads nowhere that is known")
 
-    def _answered_steps(self, state: State, task: Task) -> Iterator[Step]:
+    def _answered_steps(self, state: State, task: TableauTask) -> Iterator[TableauStep]:
         goal = task.goal
-        assert isinstance(goal, Answered)
+        assert isinstance(goal, ResponseGoal)
         match task.phase:
             case "on":
                 open_ = conjunction((negated(_or(goal.condition, goal.answer)),))
-                yield from self._step(state, task, (Task(goal, "gap"),), frozenset(), (), guard=open_)
+                yield from self._step(state, task, (TableauTask(goal, "gap"),), frozenset(), (), guard=open_)
             case "gap":
-                yield from self._step(state, task, (Task(goal, "met", (FRESH,)),), frozenset(), ())
+                yield from self._step(state, task, (TableauTask(goal, "met", (FRESH,)),), frozenset(), ())
             case _:
                 lasted = positive(task.clocks[0])
-                yield from self._step(state, task, (Task(goal, "on"),), frozenset(), (lasted,))
+                yield from self._step(state, task, (TableauTask(goal, "on"),), frozenset(), (lasted,))
 
     def _ready(self, state: State, pasts: Iterable[Past]) -> Iterator[tuple[ClockGuard, ...]]:
         """What clocks must say for all pasts to be there; nothing if one is not being watched."""
@@ -246,14 +248,14 @@ class Tableau:
     def _step(
         self,
         state: State,
-        done: Task,
-        tasks: Collection[Task],
+        done: TableauTask,
+        tasks: Collection[TableauTask],
         now: Conjunction,
         clocks: tuple[ClockGuard, ...],
         guard: Conjunction = frozenset(),
-    ) -> Iterator[Step]:
+    ) -> Iterator[TableauStep]:
         """A step with a task exchanged for others. Claims of the same instant stay open, older ones are settled."""
-        others = [item for item in state if isinstance(item, Task) and item != done]
+        others = [item for item in state if isinstance(item, TableauTask) and item != done]
         after = frozenset((*others, *tasks))
         wanted = pasts_wanted(after, self.saved)
         pasts = [item for item in state if isinstance(item, Seen) and item.past in wanted]
@@ -279,15 +281,15 @@ class Tableau:
         clocks: tuple[ClockGuard, ...],
         condition: Conjunction,
         settled: Settling | None,
-    ) -> Iterator[Step]:
+    ) -> Iterator[TableauStep]:
         if is_false(condition):
             return
         if settled is not None and not any(implies_positive(clock, settled.clock) for clock in clocks):
             clocks = (*clocks, positive(settled.clock))
         target, reset = numbered(frozenset(items))
-        if not any(isinstance(item, Task | Settling) for item in target):
+        if not any(isinstance(item, TableauTask | Settling) for item in target):
             target = SHOWN
-        yield Step(state, target, clocks, condition, reset, forced=self._may_force(state, target, clocks))
+        yield TableauStep(state, target, clocks, condition, reset, forced=self._may_force(state, target, clocks))
 
     def _may_force(self, state: State, target: State, clocks: tuple[ClockGuard, ...]) -> bool:
         """Whether nothing is lost if this step is taken as soon as it can be: idle, the observer waits for conditions
@@ -298,23 +300,23 @@ class Tableau:
             and len(self.branches) == 1
             and self.idle_has_one_goal
             and all(
-                isinstance(item, Settling) or (isinstance(item, Task) and isinstance(item.goal, Throughout))
+                isinstance(item, Settling) or (isinstance(item, TableauTask) and isinstance(item.goal, Throughout))
                 for item in target
             )
-            and not any(isinstance(item, Task) and item.phase == "ahead" for item in target)
+            and not any(isinstance(item, TableauTask) and item.phase == "ahead" for item in target)
         )
 
     def _settling(self, conditions: Conjunction, clock: int) -> tuple[Settling, ...]:
         return (Settling(conditions, clock),) if conditions else ()
 
-    def _settled(self, state: State) -> Iterator[Step]:
+    def _settled(self, state: State) -> Iterator[TableauStep]:
         """What was claimed of an instant has lasted; a step that waits until it fails, unless nothing else is left."""
         claim = next((item for item in state if isinstance(item, Settling)), None)
         if claim is None or is_false(self.requirement(state)):
             return
         rest = state - {claim}
-        if not any(isinstance(item, Task) for item in rest):
-            yield Step(state, SHOWN, (positive(claim.clock),))
+        if not any(isinstance(item, TableauTask) for item in rest):
+            yield TableauStep(state, SHOWN, (positive(claim.clock),))
         elif not claim.conditions <= self.requirement(rest):
             ending = conjunction((negated(all_of(claim.conditions, self.span)),))
             if not self._is_goal(rest, ending):
@@ -322,13 +324,13 @@ class Tableau:
 
     def _is_goal(self, state: State, condition: Conjunction) -> bool:
         """Whether all that is left is to see the condition once from now on: then there is no better moment."""
-        match [item for item in state if isinstance(item, Task)]:
-            case [Task(goal=Sometime(window=window, goal=Holds() as goal))]:
+        match [item for item in state if isinstance(item, TableauTask)]:
+            case [TableauTask(goal=Sometime(window=window, goal=Holds() as goal))]:
                 return window.low == 0 and window.low_closed and conjunction((goal.condition,)) <= condition
             case _:
                 return False
 
-    def _past_steps(self, state: State) -> Iterator[Step]:
+    def _past_steps(self, state: State) -> Iterator[TableauStep]:
         """Pasts begin to be watched as soon as they can be, for an earlier beginning is never worse; and are given up
         when what has to last does not."""
         watched = {item.past: item for item in state if isinstance(item, Seen)}
@@ -352,13 +354,13 @@ class Tableau:
             if not is_false(fails):
                 yield from self._past_step(state, without, fails, ())
 
-    def _begin(self, state: State, past: Past, claim: Settling | None) -> Iterator[Step]:
+    def _begin(self, state: State, past: Past, claim: Settling | None) -> Iterator[TableauStep]:
         if isinstance(past, HeldFor) and past.length is None:
             return
         item = Seen(past, "on", (FRESH,))
         if not isinstance(past, Saved):
             condition = conjunction(self._requirement(item))
-            others = _remembered(state, past) if isinstance(past, Before) else state
+            others = _remembered(state, past) if isinstance(past, HeldBefore) else state
             yield from self._past_step(state, others | {item}, condition, (), forced=True)
             return
         clocks: tuple[ClockGuard, ...] = ()
@@ -376,17 +378,17 @@ class Tableau:
         condition: Conjunction,
         clocks: tuple[ClockGuard, ...],
         forced: bool = False,
-    ) -> Iterator[Step]:
+    ) -> Iterator[TableauStep]:
         if is_false(condition):
             return
         target, reset = numbered(items)
-        yield Step(state, target, clocks, condition, reset, forced)
+        yield TableauStep(state, target, clocks, condition, reset, forced)
 
 
 # ---- small questions ------------------------------------------------------------------------------------------------
 
 
-def _remembered(state: State, begun: Before) -> State:
+def _remembered(state: State, begun: HeldBefore) -> State:
     """What is left of a state when something begins to be watched that has to have been there right before an instant.
 
     One clock tells for all such pasts: what begins now is of no use now, so that those which are needed can be used
@@ -394,7 +396,7 @@ def _remembered(state: State, begun: Before) -> State:
     kept: set[Item] = set()
     for item in state:
         match item:
-            case Seen(past=Before(condition=condition), phase="on"):
+            case Seen(past=HeldBefore(condition=condition), phase="on"):
                 if not is_false(conjunction((condition, begun.condition))):
                     kept.add(replace(item, clocks=(FRESH,)))
             case _:
@@ -408,6 +410,6 @@ def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:
     return ast.BinaryExpression(one.span, BinaryOperator.OR, one, other)
 
 
-def _first_goals(tableau: Tableau, state: State) -> list[Branch]:
-    goals = [item.goal.goal for item in state if isinstance(item, Task) and isinstance(item.goal, Sometime)]
+def _first_goals(tableau: Tableau, state: State) -> list[GoalBranch]:
+    goals = [item.goal.goal for item in state if isinstance(item, TableauTask) and isinstance(item.goal, Sometime)]
     return [branch for goal in goals for branch in branches_of(goal, tableau.saved)]

@@ -14,24 +14,24 @@ from tachk.base.span import Span
 from tachk.logic.observer.conditions import all_of, any_of, negated, truth
 from tachk.logic.observer.everywhere import is_possible, ways_of
 from tachk.logic.observer.goals import (
-    Answered,
-    Before,
     Both,
     Differs,
     Either,
     Everywhere,
     Goal,
+    GoalAlternative,
+    GoalWindow,
+    HeldBefore,
     HeldFor,
     Holds,
     NoObserver,
     Preceded,
     Recurring,
+    ResponseGoal,
     Saved,
     Sometime,
     Throughout,
     Was,
-    Way,
-    Window,
     both,
     either,
 )
@@ -53,7 +53,7 @@ def condition_of(node: Formula) -> ast.Expression | None:
     """The formula as a condition on one state, if it is one."""
     span = node.span
     match node:
-        case formula.Truth(value=value):
+        case formula.TruthConstant(value=value):
             return truth(value, span)
         case formula.Atom(expression=expression):
             return expression
@@ -106,7 +106,7 @@ def _goal(node: Formula, positive: bool) -> Goal:
             window = window_of(interval)
             return _until(window, left, right) if positive else _not_until(node, window, left, right)
         case formula.WeakUntil(left=left, right=right):
-            ever = Window(0, None)
+            ever = GoalWindow(0, None)
             if positive:
                 return either((_until(ever, left, right), _always(node, ever, Holds(_condition(left)))))
             return _without(node, ever, right, both((_goal(left, False), _goal(right, False))))
@@ -144,10 +144,10 @@ def _together(operands: Iterable[Formula]) -> list[Formula]:
     return [*whole, *others]
 
 
-def window_of(interval: formula.Interval) -> Window:
+def window_of(interval: formula.Interval) -> GoalWindow:
     """The bounds as whole time units. Raises NoObserver for others."""
     high = None if interval.upper is None else _units(interval.upper)
-    return Window(_units(interval.lower), high, interval.lower_closed, interval.upper_closed)
+    return GoalWindow(_units(interval.lower), high, interval.lower_closed, interval.upper_closed)
 
 
 def _units(duration: formula.Duration) -> int:
@@ -199,7 +199,7 @@ def _ahead(
     return _sometime(window, truth(True, node.span), goal) if sometime else _always(node, window, goal)
 
 
-def _sometime(window: Window, meanwhile: ast.Expression, goal: Goal) -> Goal:
+def _sometime(window: GoalWindow, meanwhile: ast.Expression, goal: Goal) -> Goal:
     free = truth(True, meanwhile.span)
     match goal:
         case Sometime(window=inner, meanwhile=kept, goal=last) if meanwhile == free and kept == free:
@@ -208,7 +208,7 @@ def _sometime(window: Window, meanwhile: ast.Expression, goal: Goal) -> Goal:
             return Sometime(window, meanwhile, goal)
 
 
-def _until(window: Window, left: Formula, right: Formula) -> Goal:
+def _until(window: GoalWindow, left: Formula, right: Formula) -> Goal:
     if window.is_empty:
         return Holds(truth(False, right.span))
     if window.is_now:
@@ -216,7 +216,7 @@ def _until(window: Window, left: Formula, right: Formula) -> Goal:
     return _sometime(window, _condition(left), _goal(right, True))
 
 
-def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> Goal:
+def _not_until(node: Formula, window: GoalWindow, left: Formula, right: Formula) -> Goal:
     """That every instant of the window without ``left`` before it lacks ``right``: until ``left`` fails or the window
     is over, ``right`` is false."""
     if window.is_empty:
@@ -231,20 +231,20 @@ def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> 
                 "tachk has no observer for an until with an open lower bound on the side that must not be reached",
                 "close the bound",
             )
-        rest = Window(0, None if window.high is None else window.high - window.low, True, window.high_closed)
+        rest = GoalWindow(0, None if window.high is None else window.high - window.low, True, window.high_closed)
         free = truth(True, right.span)
         found: list[Goal] = [
-            _sometime(Window(0, window.low, True, False), free, failing),
+            _sometime(GoalWindow(0, window.low, True, False), free, failing),
             _always(node, window, absent),
         ]
         if not _is_impossible(both((failing, absent))):
             later = both((failing, absent)) if rest.is_now else _without(node, rest, right, both((failing, absent)))
-            found.append(_sometime(Window(window.low, window.low), free, later))
+            found.append(_sometime(GoalWindow(window.low, window.low), free, later))
         return either(tuple(found))
     return either((_always(node, window, absent), _without(node, window, right, both((failing, absent)))))
 
 
-def _without(node: Formula, window: Window, right: Formula, goal: Goal) -> Goal:
+def _without(node: Formula, window: GoalWindow, right: Formula, goal: Goal) -> Goal:
     """``goal`` at some instant of the window, and ``right`` at none before it."""
     reached = condition_of(right)
     if reached is not None:
@@ -270,7 +270,7 @@ def _is_impossible(goal: Goal) -> bool:
     return ways is not None and not any(map(is_possible, ways))
 
 
-def _always(node: Formula, window: Window, goal: Goal) -> Goal:
+def _always(node: Formula, window: GoalWindow, goal: Goal) -> Goal:
     """``goal`` at every instant of a window that is neither empty nor only the present; ``node`` asks for it."""
     span = node.span
     match goal:
@@ -300,22 +300,22 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
             )
 
 
-def _again(span: Span, window: Window, inner: Window, goal: Sometime) -> Goal:
+def _again(span: Span, window: GoalWindow, inner: GoalWindow, goal: Sometime) -> Goal:
     """From every instant of the window on, some time later: that is, at some time after the last instant."""
     if window.high is None:
         if isinstance(goal.goal, Holds):
-            return Answered(truth(False, span), goal.goal.condition)
+            return ResponseGoal(truth(False, span), goal.goal.condition)
         raise NoObserver(
             span,
             "to violate this, something temporal would have to be seen again and again",
             "say it of a condition, as in `F G q`, or let a location of the model stand for it",
         )
     if window.high_closed:
-        return replace(goal, window=Window(window.high + inner.low, None, inner.low_closed))
+        return replace(goal, window=GoalWindow(window.high + inner.low, None, inner.low_closed))
     raise NoObserver(span, "the window has no last instant, from which on it would have to be so", "close the bound")
 
 
-def _everywhere(node: Formula, window: Window, goal: Either | Preceded) -> Goal | None:
+def _everywhere(node: Formula, window: GoalWindow, goal: Either | Preceded) -> Goal | None:
     """``goal`` at every instant of the window where it speaks of the instant, of what was right before, and of at most
     one thing that lasts from then on."""
     parts = goal.parts if isinstance(goal, Either) else (goal,)
@@ -324,15 +324,15 @@ def _everywhere(node: Formula, window: Window, goal: Either | Preceded) -> Goal 
     allowed = ways_of(Either(tuple(now)))
     if len(later) > 1 or not allowed:
         return None
-    kept: tuple[Way, ...] = ()
-    inner: Window | None = None
+    kept: tuple[GoalAlternative, ...] = ()
+    inner: GoalWindow | None = None
     match later:
         case []:
             pass
         case [Both(parts=each)]:
             return both(tuple(_always(node, window, either((*now, part))) for part in each))
         case [Throughout(window=inner, condition=condition)]:
-            kept = (Way(condition, frozenset()),)
+            kept = (GoalAlternative(condition, frozenset()),)
         case [Everywhere(window=inner, allowed=kept, kept=())]:
             pass
         case _:
@@ -340,12 +340,12 @@ def _everywhere(node: Formula, window: Window, goal: Either | Preceded) -> Goal 
     if inner is not None and inner.low > 0:
         return None
     high = None if window.high is None else window.high - window.low
-    rest = Window(0, high, window.low_closed, window.high_closed)
+    rest = GoalWindow(0, high, window.low_closed, window.high_closed)
     found = goal if rest.is_now else Everywhere(rest, allowed, kept, inner)
-    return found if window.low == 0 else Sometime(Window(window.low, window.low), truth(True, node.span), found)
+    return found if window.low == 0 else Sometime(GoalWindow(window.low, window.low), truth(True, node.span), found)
 
 
-def _recurring(span: Span, window: Window, condition: ast.Expression, goal: Sometime) -> Goal:
+def _recurring(span: Span, window: GoalWindow, condition: ast.Expression, goal: Sometime) -> Goal:
     inner = goal.window
     if (
         isinstance(goal.goal, Holds)
@@ -355,7 +355,7 @@ def _recurring(span: Span, window: Window, condition: ast.Expression, goal: Some
         and window.low_closed
     ):
         if inner.high is None and window.is_ever:
-            return Answered(condition, goal.goal.condition)
+            return ResponseGoal(condition, goal.goal.condition)
         if inner.high is None:
             raise NoObserver(
                 span,
@@ -378,8 +378,8 @@ def _edge(condition: ast.Expression, rises: bool, positive: bool) -> Goal:
     """``condition`` becomes true or false at an instant, or does not. Before the run everything is false."""
     now = condition if rises else negated(condition)
     if positive:
-        return Both((Holds(now), Preceded(Before(negated(now), rises))))
-    return Either((Holds(negated(now)), Preceded(Before(now, not rises))))
+        return Both((Holds(now), Preceded(HeldBefore(negated(now), rises))))
+    return Either((Holds(negated(now)), Preceded(HeldBefore(now, not rises))))
 
 
 def _past_window(interval: formula.Interval, condition: ast.Expression, positive: bool, once: bool) -> Goal:
@@ -415,7 +415,7 @@ def _since(interval: formula.Interval, left: ast.Expression, right: ast.Expressi
     )
 
 
-def _behind(interval: formula.Interval) -> Window:
+def _behind(interval: formula.Interval) -> GoalWindow:
     window = window_of(interval)
     if not window.is_empty and not (window.low == 0 and window.low_closed):
         raise NoObserver(

@@ -11,27 +11,27 @@ from tachk.base.operators import BinaryOperator
 from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, conjunction, is_false, truth
 from tachk.logic.observer.goals import (
-    Answered,
     Both,
     Differs,
     Either,
     Everywhere,
     Goal,
+    GoalAlternative,
+    GoalWindow,
     Holds,
     Past,
     Preceded,
     Recurring,
+    ResponseGoal,
     Saved,
     Sometime,
     Throughout,
     Was,
-    Way,
-    Window,
     both,
     parts_of,
     saved_expressions,
 )
-from tachk.logic.observer.states import FRESH, Item, Task, lasts_for_ever
+from tachk.logic.observer.states import FRESH, Item, TableauTask, lasts_for_ever
 from tachk.syntax import ast
 
 SavedNames = Mapping[ast.Expression, str]
@@ -39,15 +39,15 @@ SavedNames = Mapping[ast.Expression, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class GoalBranch:
     """One way to reach a goal at an instant: what holds there, what was before, what is to follow."""
 
     now: Conjunction = frozenset()
     pasts: frozenset[Past] = frozenset()
-    tasks: frozenset[Task] = frozenset()
+    tasks: frozenset[TableauTask] = frozenset()
 
 
-def branches_of(goal: Goal, saved: SavedNames, at_start: bool = False) -> list[Branch]:
+def branches_of(goal: Goal, saved: SavedNames, at_start: bool = False) -> list[GoalBranch]:
     """The ways to reach a goal at an instant, or when the run begins."""
     branches = [branch for branch in _expanded(goal, saved, at_start) if not is_false(branch.now)]
     return [branch for branch in branches if not _is_excluded(branch)]
@@ -73,7 +73,7 @@ def _branches(goal: Goal) -> int:
 def pasts_wanted(items: Iterable[Item], saved: SavedNames) -> frozenset[Past]:
     """The pasts that some goal ahead asks for."""
     found: set[Past] = set()
-    pending = [item for item in items if isinstance(item, Task)]
+    pending = [item for item in items if isinstance(item, TableauTask)]
     while pending:
         task = pending.pop()
         if isinstance(task.goal, Sometime):
@@ -83,37 +83,37 @@ def pasts_wanted(items: Iterable[Item], saved: SavedNames) -> frozenset[Past]:
     return frozenset(found)
 
 
-def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[Branch]:
+def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[GoalBranch]:
     match goal:
         case Holds(condition=condition):
-            return [Branch(conjunction((condition,)))]
+            return [GoalBranch(conjunction((condition,)))]
         case Preceded(past=Saved(initially=initially)) if at_start:
-            return [Branch()] if initially else []
+            return [GoalBranch()] if initially else []
         case Preceded(past=past):
-            return [Branch(pasts=frozenset((past,)))]
+            return [GoalBranch(pasts=frozenset((past,)))]
         case Differs(equal=equal) if at_start:
-            return [Branch()] if equal else []
+            return [GoalBranch()] if equal else []
         case Differs(expression=expression, equal=equal):
-            return [Branch(frozenset((comparison(expression, equal, saved),)))]
+            return [GoalBranch(frozenset((comparison(expression, equal, saved),)))]
         case Either(parts=parts):
             return [branch for part in parts for branch in _expanded(part, saved, at_start)]
         case Both(parts=parts):
             return [_joined(chosen) for chosen in product(*(_expanded(part, saved, at_start) for part in parts))]
         case Sometime(window=window):
-            later = Branch(tasks=frozenset((Task(goal, "on", () if window.is_ever else (FRESH,)),)))
+            later = GoalBranch(tasks=frozenset((TableauTask(goal, "on", () if window.is_ever else (FRESH,)),)))
             if at_start and window.low == 0 and window.low_closed and saved_expressions(goal.goal):
                 return [later, *_expanded(goal.goal, saved, at_start)]
             return [later]
         case Throughout(window=window) | Recurring(window=window):
             clocks = () if window.high is None and window.low == 0 else (FRESH,)
-            return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", clocks),)))]
-        case Answered(condition=condition):
+            return [GoalBranch(tasks=frozenset((TableauTask(goal, "ahead" if window.low else "on", clocks),)))]
+        case ResponseGoal(condition=condition):
             # Whether an answer is awaited from the beginning on is guessed.
             phases = ("gap",) if is_false(conjunction((condition,))) else ("on", "gap")
-            return [Branch(tasks=frozenset((Task(goal, phase),))) for phase in phases]
+            return [GoalBranch(tasks=frozenset((TableauTask(goal, phase),))) for phase in phases]
         case Everywhere():
             return [
-                Branch(one.now, frozenset(one.pasts), frozenset((one.task,))) for one in everywhere.beginnings(goal)
+                GoalBranch(one.now, frozenset(one.pasts), frozenset((one.task,))) for one in everywhere.beginnings(goal)
             ]
 
 
@@ -143,31 +143,31 @@ def looking_back(goal: Goal) -> Goal:
             return goal
 
 
-def _joined(branches: Iterable[Branch]) -> Branch:
+def _joined(branches: Iterable[GoalBranch]) -> GoalBranch:
     parts = list(branches)
-    return Branch(
+    return GoalBranch(
         conjunction(part for branch in parts for part in branch.now),
         frozenset(past for branch in parts for past in branch.pasts),
         frozenset(task for branch in parts for task in branch.tasks),
     )
 
 
-def _is_excluded(branch: Branch) -> bool:
+def _is_excluded(branch: GoalBranch) -> bool:
     """Whether something is awaited that is impossible because of what has to last for ever."""
     lasting = [task for task in branch.tasks if lasts_for_ever(task)]
     awaited = [task.goal.goal for task in branch.tasks if isinstance(task.goal, Sometime)]
     return any(_excludes(task, goal) for task in lasting for goal in awaited)
 
 
-def _excludes(task: Task, goal: Goal) -> bool:
+def _excludes(task: TableauTask, goal: Goal) -> bool:
     """Whether the goal is never reached while the task lasts."""
     ways = everywhere.ways_of(goal)
     if ways is None:
         return False
     match task.goal:
         case Throughout(condition=condition):
-            kept: tuple[Way, ...] = (Way(condition, frozenset()),)
-        case Everywhere(window=Window(low_closed=True), allowed=kept, kept=()):
+            kept: tuple[GoalAlternative, ...] = (GoalAlternative(condition, frozenset()),)
+        case Everywhere(window=GoalWindow(low_closed=True), allowed=kept, kept=()):
             pass
         case _:
             return False

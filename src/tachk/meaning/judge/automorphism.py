@@ -26,9 +26,9 @@ from typing import Any
 
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.meaning.judge.behaviour import Behaviour, Question, name_of
-from tachk.meaning.judge.exchanges import Exchange, Group, MalformedGroupError, exchange
-from tachk.meaning.judge.junctions import Atom, Junction, Part, Sets, atoms, part_of
-from tachk.meaning.judge.leaves import FAULT, Case, Leaf, UndecidedError, Unknown, Values, content
+from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError, StatePermutation, exchange
+from tachk.meaning.judge.junctions import Junction, Part, PredicateAtom, Sets, atoms, part_of
+from tachk.meaning.judge.leaves import FAULT, Case, IndivisibleError, Leaf, Unknown, Values, content
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.run import Participant
 from tachk.model.traversal import (
@@ -55,7 +55,7 @@ class Automorphisms:
         """The slots of which nothing is said but for these values, which nothing changes."""
         return self.leaves.constants
 
-    def objection(self, group: Group) -> str | None:
+    def objection(self, group: ExchangeGroup) -> str | None:
         """Why not every exchange of a group is one; None if all are. Raises MalformedGroupError."""
         group.check()
         if self.model.network.has_hybrid_clocks or written_variables(self.predicates):
@@ -66,7 +66,7 @@ class Automorphisms:
                 reason = self._objection(exchange(group, places))
                 if reason is not None:
                     return reason
-        except UndecidedError as error:
+        except IndivisibleError as error:
             return str(error)
         return None
 
@@ -77,14 +77,14 @@ class Automorphisms:
             for number in range(len(self.model.network.processes[process].locations)):
                 leaves = self.behaviour.of((process, number), self.behaviour.limits(process, number))
                 if any(leaf.answer is FAULT for leaf in leaves):
-                    raise UndecidedError("an invariant or a rate may be a run-time error")
+                    raise IndivisibleError("an invariant or a rate may be a run-time error")
         self._asked = [self._taken_apart(predicate) for predicate in self.predicates]
         if not all(map(self._has_no_error, self._asked)):
-            raise UndecidedError("what is asked for may be a run-time error")
+            raise IndivisibleError("what is asked for may be a run-time error")
 
     def _taken_apart(self, predicate: Expression) -> Part:
         part = part_of(predicate)
-        return part if self._has_no_error(part) else Atom(predicate, True, ())
+        return part if self._has_no_error(part) else PredicateAtom(predicate, True, ())
 
     def _has_no_error(self, part: Part) -> bool:
         leaves = (leaf for atom in atoms(part) for leaf in self.behaviour.of(atom, atom.truth))
@@ -92,7 +92,7 @@ class Automorphisms:
 
     # ---- one exchange ------------------------------------------------------------------------------------------------
 
-    def _objection(self, given: Exchange) -> str | None:
+    def _objection(self, given: StatePermutation) -> str | None:
         self._check_places(given)
         whole = self.with_own_cells(given)
         return (
@@ -102,7 +102,7 @@ class Automorphisms:
             or self._of_predicates(whole)
         )
 
-    def _check_places(self, given: Exchange) -> None:
+    def _check_places(self, given: StatePermutation) -> None:
         layout, processes = self.model.layout, self.leaves.processes
         pinned = {processes + cell for cell in (*layout.clock_cells, *layout.channel_cells)}
         slots, last = {*given.slots, *given.values}, len(self.leaves.ranges)
@@ -115,7 +115,7 @@ class Automorphisms:
         if any(channel >= len(layout.channel_cells) for channel in given.channels):
             raise MalformedGroupError("it has numbers of channels that are none")
 
-    def with_own_cells(self, given: Exchange) -> Exchange:
+    def with_own_cells(self, given: StatePermutation) -> StatePermutation:
         """An exchange with the cells that hold the numbers of clocks and channels, which go with these."""
         layout, first = self.model.layout, self.leaves.processes
         slots, values = dict(given.slots), dict(given.values)
@@ -123,9 +123,9 @@ class Automorphisms:
             for one, image in moved.items():
                 slots[first + cells[one - number]] = first + cells[image - number]
                 values[first + cells[one - number]] = {one: image}
-        return Exchange(slots, given.clocks, given.channels, values)
+        return StatePermutation(slots, given.clocks, given.channels, values)
 
-    def _of_cells(self, whole: Exchange) -> str | None:
+    def _of_cells(self, whole: StatePermutation) -> str | None:
         layout, leaves, first = self.model.layout, self.leaves, self.leaves.processes
         for slot in {*whole.slots, *whole.values}:
             image, values = whole.slot(slot), whole.values.get(slot, {})
@@ -149,7 +149,7 @@ class Automorphisms:
                 return "channels have different types or priorities"
         return None
 
-    def _of_process(self, process: int, whole: Exchange) -> str | None:
+    def _of_process(self, process: int, whole: StatePermutation) -> str | None:
         image = whole.slot(process)
         one, other = self.model.network.processes[process], self.model.network.processes[image]
         if image == process and not self._mentions(process_expressions(one), whole):
@@ -169,7 +169,7 @@ class Automorphisms:
                     return f"{one.name} and {other.name} differ in an edge from {location.name}"
         return None
 
-    def _mentions(self, expressions: Iterable[Expression], whole: Exchange) -> bool:
+    def _mentions(self, expressions: Iterable[Expression], whole: StatePermutation) -> bool:
         """Whether something that is exchanged is mentioned."""
         for node in (node for expression in with_bodies(expressions) for node in walk(expression)):
             if isinstance(node, LocationTest) and node.process in whole.slots:
@@ -187,7 +187,7 @@ class Automorphisms:
         first += self.leaves.processes
         return range(first, first + cell_count(variable.type))
 
-    def _becomes(self, one: Participant, other: Participant, whole: Exchange) -> bool:
+    def _becomes(self, one: Participant, other: Participant, whole: StatePermutation) -> bool:
         edge, image = self.model.edge(one), self.model.edge(other)
         directions = [each.synchronisation and each.synchronisation.direction for each in (edge, image)]
         heard = frozenset(whole.channels.get(channel, channel) for channel in self.behaviour.hears(one))
@@ -207,13 +207,13 @@ class Automorphisms:
             )
         )
 
-    def _of_predicates(self, whole: Exchange) -> str | None:
+    def _of_predicates(self, whole: StatePermutation) -> str | None:
         if all(self._part_becomes(part, part, whole) for part in self._asked):
             return None
         return "what is asked for tells them apart"
 
-    def _part_becomes(self, one: Part, other: Part, whole: Exchange) -> bool:
-        if isinstance(one, Atom) and isinstance(other, Atom):
+    def _part_becomes(self, one: Part, other: Part, whole: StatePermutation) -> bool:
+        if isinstance(one, PredicateAtom) and isinstance(other, PredicateAtom):
             return self._corresponds(one, one.truth, other.truth, whole, _is_image_of_truth)
         if not isinstance(one, Junction) or not isinstance(other, Junction) or one.conjunctive != other.conjunctive:
             return False
@@ -243,8 +243,8 @@ class Automorphisms:
         key: Any,
         question: Question,
         of_image: Question,
-        whole: Exchange,
-        agree: Callable[[Leaf, Leaf, Exchange], bool],
+        whole: StatePermutation,
+        agree: Callable[[Leaf, Leaf, StatePermutation], bool],
     ) -> bool:
         """Whether in each case the answer to a question, exchanged, is what the other question has in the image."""
         return all(
@@ -254,12 +254,14 @@ class Automorphisms:
             for image in self.leaves.of(of_image, case)
         )
 
-    def _agree(self, leaf: Leaf, image: Leaf, whole: Exchange, agree: Callable[[Leaf, Leaf, Exchange], bool]) -> bool:
+    def _agree(
+        self, leaf: Leaf, image: Leaf, whole: StatePermutation, agree: Callable[[Leaf, Leaf, StatePermutation], bool]
+    ) -> bool:
         if leaf.answer is FAULT or image.answer is FAULT:
             return leaf.answer is image.answer
         return agree(leaf, image, whole)
 
-    def _is_image(self, leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
+    def _is_image(self, leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
         effect, its_image = leaf.answer, image.answer
         origins = {whole.slot(slot): slot for slot in (*whole.slots, *effect.cells, *its_image.cells)}
         for place in {*map(whole.slot, effect.cells), *its_image.cells}:
@@ -280,19 +282,19 @@ class Automorphisms:
     def _before(self, leaf: Leaf, slot: int) -> Any:
         return content(slot, leaf.case.get(slot, self.leaves.ranges[slot]))
 
-    def _moved(self, value: Any, slot: int | None, whole: Exchange, image: Leaf) -> Any:
+    def _moved(self, value: Any, slot: int | None, whole: StatePermutation, image: Leaf) -> Any:
         """The name of what a number that stands in a slot, or (None) that a clock is set to, becomes in the image."""
         there = {} if slot is None else whole.values.get(slot, {})
         if not isinstance(value, Unknown):
             return "number", there.get(value, value)
         here = whole.values.get(value.slot, {})
         if any(here.get(one, one) != there.get(one, one) for one in {*here, *there} if one in value.values):
-            raise UndecidedError("a name is copied to what holds other names, or none")
+            raise IndivisibleError("a name is copied to what holds other names, or none")
         return name_of(self._before(image, whole.slot(value.slot)))
 
     # ---- the order of receivers ----------------------------------------------------------------------------------
 
-    def _of_broadcasts(self, whole: Exchange) -> str | None:
+    def _of_broadcasts(self, whole: StatePermutation) -> str | None:
         receivers = [
             [
                 (one, heard)
@@ -312,10 +314,10 @@ class Automorphisms:
         return None
 
 
-_STAY = Exchange({}, {}, {}, {})
+_STAY = StatePermutation({}, {}, {}, {})
 
 
-def _images(case: Case, whole: Exchange) -> Iterator[Case]:
+def _images(case: Case, whole: StatePermutation) -> Iterator[Case]:
     """The cases that an exchange makes of one."""
     places = [whole.slot(slot) for slot in case]
     for parts in product(*(_images_of_values(values, whole.values.get(slot, {})) for slot, values in case.items())):
@@ -340,22 +342,22 @@ def _distance(one: Participant, other: Participant) -> tuple[bool, bool]:
 # ---- questions -------------------------------------------------------------------------------------------------------
 
 
-def _exchanged(condition: Sets, whole: Exchange) -> Sets:
+def _exchanged(condition: Sets, whole: StatePermutation) -> Sets:
     return frozenset(frozenset((whole.clock(i), whole.clock(j), raw) for i, j, raw in part) for part in condition)
 
 
-def _is_image_of_limits(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
+def _is_image_of_limits(leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
     (limits, rates), (its_limits, its_rates) = leaf.answer, image.answer
     its_own = {(whole.clock(clock), rate) for clock, rate in rates}
     return bool(_exchanged(limits, whole) == its_limits and its_own == its_rates)
 
 
-def _is_image_of_offer(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
+def _is_image_of_offer(leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
     (guard, channel), (its_guard, its_channel) = leaf.answer, image.answer
     return bool(_exchanged(guard, whole) == its_guard and whole.channels.get(channel, channel) == its_channel)
 
 
-def _is_image_of_truth(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
+def _is_image_of_truth(leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
     return all(
         _exchanged(some, whole) == its_some and _exchanged(all_, whole) == its_all
         for (some, all_), (its_some, its_all) in zip(leaf.answer, image.answer, strict=True)

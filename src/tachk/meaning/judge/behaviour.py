@@ -12,7 +12,7 @@ from tachk.base.words import Direction
 from tachk.meaning.constraints import conditional_constraints
 from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named, may_hear
 from tachk.meaning.judge.junctions import Sets, sets
-from tachk.meaning.judge.leaves import FAULT, Leaf, Leaves, UndecidedError, Unknown
+from tachk.meaning.judge.leaves import FAULT, IndivisibleError, Leaf, Leaves, Unknown
 from tachk.model.evaluate import Environment, clock_number, evaluate, execute
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Location
@@ -24,7 +24,7 @@ Offer = tuple[Sets, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
+class UpdateEffect:
     """What updates do, apart from what they leave as it is.
 
     Attributes:
@@ -60,18 +60,18 @@ class Behaviour:
         return partial(_offer, self.model, participant)
 
     def effect(self, participant: Participant) -> Question:
-        """For an edge the `Effect` of its updates."""
+        """For an edge the `UpdateEffect` of its updates."""
         return partial(self._effect, participant)
 
-    def _effect(self, participant: Participant, scratch: Environment) -> Effect:
+    def _effect(self, participant: Participant, scratch: Environment) -> UpdateEffect:
         before, first = list(scratch.values), self.leaves.processes
         bind_selects(self.model, participant, scratch)
         execute(self.model.edge(participant).updates, scratch)
         pairs = zip(before, scratch.values, strict=True)
         cells = {first + cell: new for cell, (old, new) in enumerate(pairs) if name_of(old) != name_of(new)}
         if not self.leaves.constants.keys().isdisjoint(cells):
-            raise UndecidedError("a constant is written")
-        return Effect(cells, dict(scratch.resets))
+            raise IndivisibleError("a constant is written")
+        return UpdateEffect(cells, dict(scratch.resets))
 
     def is_possible(self, participant: Participant) -> bool:
         """Whether an edge is part of anything: it is not if its guard is false everywhere, or if no other process is

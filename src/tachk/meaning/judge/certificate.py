@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tachk.base.records import dataclass
 from tachk.meaning.dbm import INFINITY, Zone, constrain_all, universe
-from tachk.meaning.judge.exchanges import Group
+from tachk.meaning.judge.exchanges import ExchangeGroup
 from tachk.model.run import DiscreteState, Transition
 
 Numbers = NDArray[np.int64]
@@ -48,7 +48,7 @@ class MalformedCertificateError(Exception):
     """The file is no certificate, or only a part of one; ``str()`` says what is wrong."""
 
 
-class Kind(StrEnum):
+class ProofKind(StrEnum):
     """What a certificate proves."""
 
     UNREACHABLE = "unreachable"
@@ -58,7 +58,7 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class CertificateHeader:
     """What a certificate is about.
 
     Attributes:
@@ -70,18 +70,18 @@ class Header:
         groups: what can be exchanged: a state stands for all that exchanges make of it.
     """
 
-    kind: Kind
+    kind: ProofKind
     name: str
     query: str
     model: str
     constants: Mapping[str, int]
     width: int
     clocks: tuple[str, ...]
-    groups: tuple[Group, ...] = ()
+    groups: tuple[ExchangeGroup, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class StateBlock:
     """Symbolic states, grouped by discrete state.
 
     Attributes:
@@ -111,9 +111,9 @@ class Columns:
         changes: of each group how many numbers of its discrete state differ from those of the group before it; the
             first one is compared with zeros.
         positions, differences: which numbers these are, and by how much.
-        zones, ranks: as in `Block`.
+        zones, ranks: as in `StateBlock`.
         shapes: of each zone its number among the zones that are told in this block and those before it.
-        constraints, places, bounds: as in `Block`, but of the zones that this block tells.
+        constraints, places, bounds: as in `StateBlock`, but of the zones that this block tells.
     """
 
     changes: Numbers
@@ -146,7 +146,7 @@ class Shapes:
         self._numbers: dict[tuple[bytes, bytes], int] = {}
         self.constraints = self.places = self.bounds = np.zeros(0, np.int64)
 
-    def columns(self, block: Block) -> Columns:
+    def columns(self, block: StateBlock) -> Columns:
         """A block as it is written after those before it."""
         changes = np.diff(block.discretes, axis=0, prepend=0)
         groups, positions = np.nonzero(changes)
@@ -170,13 +170,13 @@ class Shapes:
             block.bounds[chosen],
         )
 
-    def block(self, columns: Columns, width: int) -> Block:
+    def block(self, columns: Columns, width: int) -> StateBlock:
         """The inverse of `columns`."""
         self.constraints = np.concatenate((self.constraints, columns.constraints))
         self.places = np.concatenate((self.places, columns.places))
         self.bounds = np.concatenate((self.bounds, columns.bounds))
         chosen = ragged(starts(self.constraints), columns.shapes)
-        return Block(
+        return StateBlock(
             columns.discretes(width).astype(np.int64),
             columns.zones,
             columns.ranks,
@@ -207,10 +207,10 @@ class CertificateWriter:
         self._stream = stream
         stream.write(MAGIC)
 
-    def write(self, header: Header, blocks: Iterable[Block]) -> None:
+    def write(self, header: CertificateHeader, blocks: Iterable[StateBlock]) -> None:
         self.write_columns(header, map(Shapes().columns, blocks))
 
-    def write_columns(self, header: Header, blocks: Iterable[Columns]) -> None:
+    def write_columns(self, header: CertificateHeader, blocks: Iterable[Columns]) -> None:
         text = json.dumps(
             {
                 "kind": header.kind.value,
@@ -227,7 +227,7 @@ class CertificateWriter:
         self._stream.write(encoded(np.array([len(text)])) + text)
         groups = zones = 0
         for columns in blocks:
-            data = zlib.compress(packed(columns, header.kind is not Kind.UNREACHABLE), 9)
+            data = zlib.compress(packed(columns, header.kind is not ProofKind.UNREACHABLE), 9)
             self._stream.write(encoded(np.array([len(data)])) + data)
             groups += len(columns.zones)
             zones += len(columns.shapes)
@@ -323,7 +323,7 @@ class CertificateReader:
         if (groups, zones) != (self.groups, self.zones):
             raise MalformedCertificateError(f"it has {zones} zones, but its end tells of {self.zones}")
 
-    def blocks(self) -> Iterator[Block]:
+    def blocks(self) -> Iterator[StateBlock]:
         """Raises MalformedCertificateError as `columns` does."""
         shapes = Shapes()
         for columns in self.columns():
@@ -357,11 +357,11 @@ def decoded(data: bytes) -> Numbers:
     return np.add.reduceat(values, first) if len(first) else values
 
 
-def _unpacked(numbers: Numbers, header: Header) -> Columns:
+def _unpacked(numbers: Numbers, header: CertificateHeader) -> Columns:
     if len(numbers) < 5:
         raise MalformedCertificateError("a block is too short")
     groups, changed, zones, shapes, constraints = (int(n) for n in numbers[:5])
-    ranked = 0 if header.kind is Kind.UNREACHABLE else zones
+    ranked = 0 if header.kind is ProofKind.UNREACHABLE else zones
     sizes = (groups, changed, changed, groups, ranked, zones, shapes, constraints, constraints)
     if sum(sizes) != len(numbers) - 5:
         raise MalformedCertificateError("a block has another length than its beginning tells")
@@ -385,18 +385,18 @@ def _unfolded(numbers: Numbers) -> Numbers:
     return (numbers >> 1) ^ -(numbers & 1)
 
 
-def _header(text: bytes) -> Header:
+def _header(text: bytes) -> CertificateHeader:
     try:
         given: dict[str, Any] = json.loads(text)
-        return Header(
-            Kind(given["kind"]),
+        return CertificateHeader(
+            ProofKind(given["kind"]),
             str(given["name"]),
             str(given["query"]),
             str(given["model"]),
             {str(name): int(value) for name, value in given["constants"].items()},
             int(given["width"]),
             tuple(map(str, given["clocks"])),
-            tuple(map(Group.from_json, given["groups"])),
+            tuple(map(ExchangeGroup.from_json, given["groups"])),
         )
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise MalformedCertificateError(f"its header cannot be read: {error}") from None

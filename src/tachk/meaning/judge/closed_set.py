@@ -28,7 +28,7 @@ from tachk.meaning.judge import zone_arrays
 from tachk.meaning.judge.arrangements import uncovered
 from tachk.meaning.judge.certificate import CertificateReader, MalformedCertificateError, Numbers, Objection
 from tachk.meaning.judge.zone_arrays import Pieces, Truths, inside, joined, outside, released
-from tachk.meaning.many_states import ManyStates, Move
+from tachk.meaning.many_states import ManyStates, MoveOfManyStates
 from tachk.model.expressions import Expression
 from tachk.model.run import DiscreteState, Transition
 from tachk.model.traversal import asks_deadlock
@@ -157,7 +157,7 @@ class ClosedSet:
         dead = pieces.without(self.alive).without(self._past(self.goals))
         self._object(dead, "nothing can happen any more in some state, and the goal is not met")
 
-    def _check_move(self, move: Move) -> None:
+    def _check_move(self, move: MoveOfManyStates) -> None:
         """What it leads to is in the set; and it is no run-time error."""
         for constraints in move.guard:
             pieces = self.sources.at(move.rows).within(constraints)

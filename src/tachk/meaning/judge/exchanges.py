@@ -17,7 +17,7 @@ class MalformedGroupError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class ExchangeGroup:
     """Members any two of which are exchanged, or (cyclic) all of which are moved on together.
 
     A *slot* is a number of a discrete state: the locations of the processes come first, then the cells.
@@ -75,7 +75,7 @@ class Group:
         }
 
     @classmethod
-    def from_json(cls, given: Mapping[str, Any]) -> Group:
+    def from_json(cls, given: Mapping[str, Any]) -> ExchangeGroup:
         """The inverse of `to_json`. Raises TypeError, KeyError and ValueError for something else."""
         parts = [given[name] for name in ("slots", "clocks", "channels", "names", "tables")]
         slots, clocks, channels, names, tables = (tuple(tuple(map(_whole, own)) for own in part) for part in parts)
@@ -91,7 +91,7 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
-class Exchange:
+class StatePermutation:
     """A permutation of what a state consists of. What is not mentioned stays.
 
     Attributes:
@@ -116,7 +116,7 @@ class Exchange:
         return value if moved is None else moved.get(value, value)
 
 
-def exchange(group: Group, places: Sequence[int]) -> Exchange:
+def exchange(group: ExchangeGroup, places: Sequence[int]) -> StatePermutation:
     """What it means for a state that each member comes to a place."""
     slots, clocks, channels = (
         {own: parts[places[member]][role] for member in range(group.size) for role, own in enumerate(parts[member])}
@@ -126,7 +126,7 @@ def exchange(group: Group, places: Sequence[int]) -> Exchange:
     for slot, table in group.names:
         names = group.tables[table]
         values.setdefault(slot, {}).update((names[member], names[place]) for member, place in enumerate(places))
-    return Exchange(slots, clocks, channels, values)
+    return StatePermutation(slots, clocks, channels, values)
 
 
 def _whole(number: object) -> int:

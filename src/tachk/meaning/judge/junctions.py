@@ -22,7 +22,7 @@ Sets = frozenset[frozenset[tuple[int, int, int]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Atom:
+class PredicateAtom:
     """A part that is not taken apart: an expression, or its negation, where some variables have values."""
 
     expression: Expression
@@ -51,7 +51,7 @@ class Junction:
     parts: tuple[Part, ...]
 
 
-Part = Atom | Junction
+Part = PredicateAtom | Junction
 
 
 def part_of(expression: Expression, positive: bool = True, bound: tuple[tuple[Variable, int], ...] = ()) -> Part:
@@ -60,7 +60,7 @@ def part_of(expression: Expression, positive: bool = True, bound: tuple[tuple[Va
         expression, positive = expression.operand, not positive
     conjunctive = _joins(expression)
     if conjunctive is None:
-        return Atom(expression, positive, bound)
+        return PredicateAtom(expression, positive, bound)
     conjunctive = conjunctive is positive
     parts: list[Part] = []
     for inner, is_positive, its_bound in _operands(expression, positive, bound):
@@ -70,8 +70,8 @@ def part_of(expression: Expression, positive: bool = True, bound: tuple[tuple[Va
     return Junction(conjunctive, tuple(parts))
 
 
-def atoms(part: Part) -> Iterator[Atom]:
-    if isinstance(part, Atom):
+def atoms(part: Part) -> Iterator[PredicateAtom]:
+    if isinstance(part, PredicateAtom):
         yield part
     else:
         for inner in part.parts:

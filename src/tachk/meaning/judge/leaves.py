@@ -33,7 +33,7 @@ _FEW = 64
 """Up to so many values are held one by one."""
 
 
-class UndecidedError(Exception):
+class IndivisibleError(Exception):
     """There are too many cases, or something cannot be divided into cases; ``str()`` says what."""
 
     def __init__(self, reason: str = "there are too many cases") -> None:
@@ -55,14 +55,14 @@ class Unknown:
 
     def _divide(self, *_: object) -> Any:
         if len(self.values) > MOST_VALUES:
-            raise UndecidedError
+            raise IndivisibleError
         raise _Fork(self.slot, [(value,) for value in self.values])
 
     def _compare(self, holds: Callable[[Any, Any], bool], other: object) -> bool:
         if isinstance(other, Unknown):
             return holds(0, 0) if other.slot == self.slot else self._divide()
         if not isinstance(other, int):
-            raise UndecidedError
+            raise IndivisibleError
         parts = _divided(self.values, holds, other)
         if len(parts) > 1:
             raise _Fork(self.slot, parts)
@@ -160,7 +160,7 @@ class Leaves:
         return Environment(self.model.layout, contents[self.processes :], contents[: self.processes])
 
     def of(self, question: Callable[[Environment], T], case: Case) -> Iterator[Leaf]:
-        """The answers in the cases into which one is divided. Raises UndecidedError."""
+        """The answers in the cases into which one is divided. Raises IndivisibleError."""
         pending, count = [case], 1
         while pending:
             check_time()
@@ -172,10 +172,10 @@ class Leaves:
             except _Fork as fork:
                 count += len(fork.parts) - 1
                 if count > MOST_CASES:
-                    raise UndecidedError from None
+                    raise IndivisibleError from None
                 pending += [{**case, fork.slot: part} for part in fork.parts]
             except (TypeError, ValueError):
-                raise UndecidedError from None
+                raise IndivisibleError from None
 
 
 def content(slot: int, values: Values) -> Any:

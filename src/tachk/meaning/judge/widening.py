@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from tachk.base.time_limit import check_time
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
-from tachk.meaning.judge.certificate import Block, Columns, Numbers, Shapes, ragged, starts
+from tachk.meaning.judge.certificate import Columns, Numbers, Shapes, StateBlock, ragged, starts
 from tachk.meaning.judge.zone_arrays import canonical
 
 MOST_WORK = 400_000_000
@@ -33,7 +33,7 @@ together takes too long to ask where they have many constraints."""
 _TOGETHER = (("places",), ("places", "bounds"), ("role", "form"), ("places", "zone"))
 
 
-class _Checker:
+class _BoundedChecker:
     """A checker that may be asked until it has done `MOST_WORK`. Raises OutOfTimeError."""
 
     def __init__(self, accepts: Callable[[Columns], bool], zones: int, dimension: int) -> None:
@@ -50,8 +50,8 @@ class _Checker:
 
 
 def widened(
-    blocks: Iterable[Block], width: int, dimension: int, enough: int, accepts: Callable[[Columns], bool]
-) -> Block:
+    blocks: Iterable[StateBlock], width: int, dimension: int, enough: int, accepts: Callable[[Columns], bool]
+) -> StateBlock:
     """A proof with fewer different zones; the same one if they are few enough. Raises OutOfTimeError.
 
     Args:
@@ -62,7 +62,7 @@ def widened(
     """
     given = list(blocks)
     names = ("discretes", "zones", "ranks", "constraints", "places", "bounds")
-    block = Block(*(np.concatenate([getattr(each, name) for each in given]) for name in names))
+    block = StateBlock(*(np.concatenate([getattr(each, name) for each in given]) for name in names))
     is_wide = int(block.zones.max(initial=0)) * dimension > MOST_TOGETHER
     few = block if is_wide else _after((_with_few_places,), block, width, dimension, enough, accepts)
     groups = _after([partial(_without_groups, each) for each in 2 * _TOGETHER], few, width, dimension, enough, accepts)
@@ -73,15 +73,15 @@ def widened(
 
 
 def _after(
-    steps: Iterable[Callable[[Columns, int, int, _Checker], Columns]],
-    block: Block,
+    steps: Iterable[Callable[[Columns, int, int, _BoundedChecker], Columns]],
+    block: StateBlock,
     width: int,
     dimension: int,
     enough: int,
     accepts: Callable[[Columns], bool],
-) -> Block:
+) -> StateBlock:
     """What steps lead to that do not make more zones different, until these are few enough."""
-    checker = _Checker(accepts, len(block.constraints), dimension)
+    checker = _BoundedChecker(accepts, len(block.constraints), dimension)
     for step in steps:
         different = _different(block)
         if different > enough:
@@ -91,11 +91,11 @@ def _after(
     return block
 
 
-def _different(block: Block) -> int:
+def _different(block: StateBlock) -> int:
     return len(Shapes().columns(block).constraints)
 
 
-def _with_few_places(columns: Columns, dimension: int, enough: int, checker: _Checker) -> Columns:
+def _with_few_places(columns: Columns, dimension: int, enough: int, checker: _BoundedChecker) -> Columns:
     """With the constraints on few differences of clocks: a least set of these, in which those that tell fewest zones
     apart are preferred (U. Junker, QuickXplain, AAAI 2004)."""
     zones = canonical(columns.matrices(dimension))
@@ -121,7 +121,7 @@ def _with_few_places(columns: Columns, dimension: int, enough: int, checker: _Ch
 
 
 def _without_groups(
-    together: tuple[str, ...], columns: Columns, dimension: int, enough: int, checker: _Checker
+    together: tuple[str, ...], columns: Columns, dimension: int, enough: int, checker: _BoundedChecker
 ) -> Columns:
     """Without the constraints that are not needed, of those that agree in what is named."""
     kept = np.ones(len(columns.places), bool)
@@ -135,7 +135,7 @@ def _without_groups(
     return _with(columns, kept)
 
 
-def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _Checker) -> Columns:
+def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _BoundedChecker) -> Columns:
     """With the smallest zones that contain two of the given ones, which differ in few bounds, in place of these."""
     zones = canonical(columns.matrices(dimension))
     number = np.arange(len(zones))  # of each zone, what it has become
@@ -202,7 +202,7 @@ def _with(columns: Columns, kept: NDArray[np.bool_]) -> Columns:
     return replace(columns, constraints=constraints, places=columns.places[kept], bounds=columns.bounds[kept])
 
 
-def _distinct(columns: Columns, width: int) -> Block:
+def _distinct(columns: Columns, width: int) -> StateBlock:
     """With each zone of a discrete state once, for each rank."""
     block = Shapes().block(columns, width)
     shapes = Shapes().columns(block).shapes
@@ -210,7 +210,7 @@ def _distinct(columns: Columns, width: int) -> Block:
     _, chosen = np.unique(np.column_stack((state, block.ranks, shapes)), axis=0, return_index=True)
     chosen.sort()
     constraints = ragged(starts(block.constraints), chosen)
-    return Block(
+    return StateBlock(
         block.discretes,
         np.bincount(state[chosen], minlength=len(block.zones)),
         block.ranks[chosen],

@@ -15,7 +15,7 @@ from fractions import Fraction
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import is_whole
 from tachk.recordings.captures import capture_readers
-from tachk.recordings.conformance.events import Cell, Event, EventLog
+from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 
 WRITTEN, CLIENT, DETAIL = "written", "client", "detail"
 _WRITES = (WRITTEN, "written_best_effort")
@@ -31,13 +31,15 @@ def with_log(recording: EventLog, log: EventLog) -> EventLog:
     for number, event in enumerate(recording.events):
         if event.name in _WRITES and _is_sample(event.cells.get(DETAIL)):
             samples[event.cells.get(CLIENT)].extend([number] * _samples_in(event.cells.get(DETAIL)))
-    added: list[Event] = []
+    added: list[RecordedEvent] = []
     before: dict[Cell | None, int] = {}
     for event, time in zip(log.events, _times(recording, log), strict=True):
         client = _client(event)
         if event.name != WRITTEN:
             if time < _end(recording, client):
-                added.append(Event(time, event.name, event.cells, f"{log.source}, {event.place}", before.get(client)))
+                added.append(
+                    RecordedEvent(time, event.name, event.cells, f"{log.source}, {event.place}", before.get(client))
+                )
         elif samples[client]:
             number = samples[client].popleft()
             if not samples[client] or samples[client][0] != number:
@@ -59,7 +61,7 @@ def _is_sample(detail: Cell | None) -> bool:
     return not isinstance(detail, int) or detail >= 0
 
 
-def _client(event: Event) -> Cell | None:
+def _client(event: RecordedEvent) -> Cell | None:
     cell = event.cells.get(CLIENT)
     return int(cell) if isinstance(cell, str) and is_whole(cell.strip()) else cell
 
@@ -80,7 +82,7 @@ def _times(recording: EventLog, log: EventLog) -> Iterator[Fraction]:
     return (event.time * scale - recording.epoch for event in log.events)
 
 
-def _merged(recording: EventLog, added: Sequence[Event]) -> EventLog:
+def _merged(recording: EventLog, added: Sequence[RecordedEvent]) -> EventLog:
     """``after`` of what is added names events of the recording."""
     known = list(enumerate(recording.events))
     numbered = sorted([*known, *((-1, event) for event in added)], key=lambda pair: pair[1].time)

@@ -14,10 +14,10 @@ from math import ceil
 
 from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError
-from tachk.engine.compiler.lower import Measured, lower, lower_measures
+from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.exact.exact_run import Moments
-from tachk.engine.measuring import Measurement, measure
+from tachk.engine.measuring import ExtremeMeasurement, measure
 from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import GoalOutcome, Statistics, Status
 from tachk.engine.zone import explore
@@ -30,9 +30,9 @@ from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.exact_runs import moments_of_run
 from tachk.recordings.conformance.followers import Following, follow
-from tachk.recordings.conformance.parts import Part, can_be_apart, parts_of, restricted, set_apart
+from tachk.recordings.conformance.parts import IndependentComponent, can_be_apart, parts_of, restricted, set_apart
 from tachk.recordings.conformance.queues import Constants, Queues, make_queues
-from tachk.recordings.conformance.refusal import Offer, end_of, offers, state_text
+from tachk.recordings.conformance.refusal import PossibleEvent, end_of, offers, state_text
 
 _TRUE = Constant(1, BOOL)
 _STATES_OF_EVENT = 20
@@ -40,7 +40,7 @@ _STATES_OF_EVENT = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class Rejection:
     """Where the recording leaves the model, as far as any run goes along with it.
 
     Attributes:
@@ -56,12 +56,12 @@ class Refusal:
     happened: int
     event: int | None
     state: str
-    offers: tuple[Offer, ...]
+    offers: tuple[PossibleEvent, ...]
     offers_whole: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class ConformingRun:
     """A run of a part of the model that goes along with its events.
 
     Attributes:
@@ -84,7 +84,7 @@ class Reached:
         actions: the path by the numbers of the edges of the program.
     """
 
-    part: Part
+    part: IndependentComponent
     following: Following
     queues: Queues
     program: Program
@@ -114,8 +114,8 @@ class Conformance:
     recording: EventLog
     queues: Queues
     statistics: Statistics
-    runs: tuple[Run, ...] = ()
-    refusal: Refusal | None = None
+    runs: tuple[ConformingRun, ...] = ()
+    refusal: Rejection | None = None
     reached: tuple[Reached, ...] = ()
     reason: str = ""
     edit: Edit | None = None
@@ -151,9 +151,9 @@ def conform(
     late = tolerance if late is None else late
     queues = make_queues(network, mapping, recording, constants, tolerance, late)
     kept = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
-    whole = Part(kept, tuple(range(len(queues.queues))))
+    whole = IndependentComponent(kept, tuple(range(len(queues.queues))))
     parts = parts_of(network, mapping, queues) if divide else (whole,)
-    search = _Search(network, mapping, queues, options, limits, explain)
+    search = _ConformanceSearch(network, mapping, queues, options, limits, explain)
     apart = len(parts) > 1 and can_be_apart(network, kept, queues)
     answers = search.apart(parts, (0, ceil(tolerance))) if apart else None
     if answers is None:
@@ -185,7 +185,7 @@ class _Answer:
         furthest: the path that goes along with the recording as far as any; None where that was not asked for.
     """
 
-    part: Part
+    part: IndependentComponent
     accepted: bool | None
     following: Following
     queues: Queues
@@ -194,10 +194,10 @@ class _Answer:
     goal: Goal
     found: GoalOutcome
     reason: str
-    furthest: Measurement | None
+    furthest: ExtremeMeasurement | None
 
 
-class _Search:
+class _ConformanceSearch:
     """Searches of the parts of one network for runs that go along with one recording."""
 
     def __init__(
@@ -211,14 +211,16 @@ class _Search:
         self.explain = explain
         self.answers: list[_Answer] = []
 
-    def part(self, part: Part, queues: Queues, to_the_end: bool = False, states: int | None = None) -> _Answer:
+    def part(
+        self, part: IndependentComponent, queues: Queues, to_the_end: bool = False, states: int | None = None
+    ) -> _Answer:
         own = restricted(queues, part)
         following = follow(self.network, self.mapping, own, part.processes, to_the_end)
         check_selections(following.network)
         limits = self.left() if states is None else self.left().of_states(states)
         furthest = None
         if self.explain and not to_the_end:
-            measured = [Measured(_TRUE, following.progress, largest=True)]
+            measured = [MeasuredExpression(_TRUE, following.progress, largest=True)]
             program, goals, measures = lower_measures(following.network, measured, following.tables, [following.done])
             outcome, (furthest,) = measure(program, goals, measures, self.options, limits)
         else:
@@ -231,7 +233,7 @@ class _Search:
         self.answers.append(answer)
         return answer
 
-    def apart(self, parts: Sequence[Part], delays: Sequence[int]) -> list[_Answer] | None:
+    def apart(self, parts: Sequence[IndependentComponent], delays: Sequence[int]) -> list[_Answer] | None:
         """An answer for each part; None if these do not tell of the whole.
 
         A short search for runs with cut windows comes first: most recordings that are runs need no other one.
@@ -259,7 +261,7 @@ class _Search:
                 return found
         return None
 
-    def _cut(self, parts: Sequence[Part], delay: int, states: int | None = None) -> list[_Answer]:
+    def _cut(self, parts: Sequence[IndependentComponent], delay: int, states: int | None = None) -> list[_Answer]:
         """Answers of parts up to the first that is not accepted, with windows cut so that nothing arrives before it is
         sent. None of them if there is no room for that."""
         cut = set_apart(self.queues, parts, delay)
@@ -292,21 +294,21 @@ def _reached(answer: _Answer) -> Reached | None:
     return Reached(answer.part, answer.following, answer.queues, answer.program, path, actions)
 
 
-def _run(answer: _Answer, exact: bool) -> Run:
+def _run(answer: _Answer, exact: bool) -> ConformingRun:
     found, path = answer.found, answer.found.path or ()
     if not exact:
-        return Run(answer.following, path, None)
+        return ConformingRun(answer.following, path, None)
     moments = moments_of_run(answer.following, answer.program, answer.goal, found.actions or (), path)
-    return Run(answer.following, path, moments)
+    return ConformingRun(answer.following, path, moments)
 
 
-def _earliest(search: _Search, refusing: Sequence[_Answer]) -> Refusal | None:
+def _earliest(search: _ConformanceSearch, refusing: Sequence[_Answer]) -> Rejection | None:
     """Where the recording leaves the model first, of all parts that do not go along with it."""
     found = [refusal for answer in refusing if (refusal := _furthest(search, answer)) is not None]
     return min(found, key=lambda each: (each.event is None, each.event or 0), default=None)
 
 
-def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
+def _furthest(search: _ConformanceSearch, answer: _Answer) -> Rejection | None:
     """A run of a part that goes along with the recording as far as any that was found."""
     following, queues, program, found = answer.following, answer.queues, answer.program, answer.furthest
     if found is None:
@@ -325,7 +327,7 @@ def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
     end = end_of(following, program, found.path, found.actions)
     allowed = offers(search.network, search.mapping, following, queues, happened, end)
     count, state = sum(happened) + len(others), state_text(following, end)
-    return Refusal(found.path, count, event, state, allowed.offers, allowed.whole)
+    return Rejection(found.path, count, event, state, allowed.offers, allowed.whole)
 
 
 def _happened(following: Following, queues: Queues, path: Sequence[Transition]) -> list[int]:

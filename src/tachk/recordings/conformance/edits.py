@@ -13,8 +13,8 @@ from fractions import Fraction
 
 from tachk.base.exact_numbers import is_whole
 from tachk.base.records import dataclass
-from tachk.recordings.conformance.events import Event, EventLog
-from tachk.recordings.conformance.refusal import Offer
+from tachk.recordings.conformance.events import EventLog, RecordedEvent
+from tachk.recordings.conformance.refusal import PossibleEvent
 
 _NEAR = 6
 """So many events before and behind the one that does not fit are tried."""
@@ -41,7 +41,7 @@ class Edit:
 
 
 def edits(
-    recording: EventLog, event: int, offers: Sequence[Offer], origin: Fraction, scale: Fraction
+    recording: EventLog, event: int, offers: Sequence[PossibleEvent], origin: Fraction, scale: Fraction
 ) -> Iterator[Edit]:
     """The edits near an event, the smallest first: this event lost, doubled, moved to where the model would have it, or
     in other words, another one put in; its neighbours lost or doubled; this one moved.
@@ -62,7 +62,7 @@ def edits(
     yield from (Edit(event, "moved", by) for by in _SHIFTS)
 
 
-def _of_offer(recording: EventLog, event: int, offer: Offer, now: int) -> Iterator[Edit]:
+def _of_offer(recording: EventLog, event: int, offer: PossibleEvent, now: int) -> Iterator[Edit]:
     """That the event was what the model would have done, or that this happened, too."""
     here = recording.events[event]
     shift = max(offer.earliest - now, 0) + min((now if offer.latest is None else offer.latest) - now, 0)
@@ -77,7 +77,7 @@ def _of_offer(recording: EventLog, event: int, offer: Offer, now: int) -> Iterat
 
 def edited(recording: EventLog, edit: Edit, scale: Fraction) -> EventLog:
     """The recording after an edit, sorted by time."""
-    numbered: list[tuple[int, Event]] = list(enumerate(recording.events))
+    numbered: list[tuple[int, RecordedEvent]] = list(enumerate(recording.events))
     event = recording.events[edit.event]
     match edit.what:
         case "lost":
@@ -96,15 +96,15 @@ def edited(recording: EventLog, edit: Edit, scale: Fraction) -> EventLog:
     return replace(recording, events=_renumbered([event for _, event in numbered], place))
 
 
-def _added(recording: EventLog, edit: Edit, time: Fraction) -> Iterator[tuple[int, Event]]:
+def _added(recording: EventLog, edit: Edit, time: Fraction) -> Iterator[tuple[int, RecordedEvent]]:
     """The event that is put in, and its arrival."""
     number = len(recording.events)
-    yield number, Event(time, edit.name, dict(edit.cells), "put in")
+    yield number, RecordedEvent(time, edit.name, dict(edit.cells), "put in")
     like = _like(recording, edit.event, edit.name, edit.cells) if edit.arrives else None
     if like is not None:
         arrival = next(e for e in recording.events if e.after == like)
         later = time + arrival.time - recording.events[like].time
-        yield number + 1, Event(later, arrival.name, dict(edit.cells), "put in", number)
+        yield number + 1, RecordedEvent(later, arrival.name, dict(edit.cells), "put in", number)
 
 
 def _like(recording: EventLog, event: int, name: str, cells: tuple[tuple[str, int], ...]) -> int | None:
@@ -118,7 +118,7 @@ def _like(recording: EventLog, event: int, name: str, cells: tuple[tuple[str, in
     return max(like, key=lambda n: (same(n), -abs(n - event)), default=None)
 
 
-def _says(recording: EventLog, event: Event, cells: tuple[tuple[str, int], ...]) -> bool:
+def _says(recording: EventLog, event: RecordedEvent, cells: tuple[tuple[str, int], ...]) -> bool:
     return all(_value(recording, name, event.cells.get(name)) == cell for name, cell in cells)
 
 
@@ -130,9 +130,9 @@ def _value(recording: EventLog, column: str, cell: object) -> object:
     return words.index(cell) if cell in words else int(cell) if is_whole(cell.removeprefix("-")) else cell
 
 
-def _saying(event: Event, cells: tuple[tuple[str, int], ...]) -> Event:
+def _saying(event: RecordedEvent, cells: tuple[tuple[str, int], ...]) -> RecordedEvent:
     return replace(event, cells={**event.cells, **dict(cells)})
 
 
-def _renumbered(events: Sequence[Event], place: dict[int, int]) -> tuple[Event, ...]:
+def _renumbered(events: Sequence[RecordedEvent], place: dict[int, int]) -> tuple[RecordedEvent, ...]:
     return tuple(e if e.after is None else replace(e, after=place.get(e.after)) for e in events)

@@ -12,7 +12,7 @@ from typing import Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.time_units import NANOSECONDS, SPELLINGS
-from tachk.recordings.conformance.events import Cell, Event, EventLog
+from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 
 TIME, NAME, ID, AFTER = "time", "event", "id", "after"
 """The columns with a meaning of their own. All others are what events say."""
@@ -36,7 +36,7 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"{path} cannot be read: {error}") from None
     rows = _json_rows(path, text) if path.suffix in (".jsonl", ".ndjson") else _csv_rows(path, text)
-    events: list[Event] = []
+    events: list[RecordedEvent] = []
     known: dict[str, int] = {}
     for line, row in rows:
         place = f"line {line}"
@@ -54,7 +54,7 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
             raise UsageError(f"{path}, {place}: no event before this one has the id `{after}`")
         if own:
             known[own] = len(events)
-        events.append(Event(time, name, cells, place, known[after] if after else None))
+        events.append(RecordedEvent(time, name, cells, place, known[after] if after else None))
     end = events[-1].time if events else Fraction(0)
     return EventLog(str(path), tuple(events), _length(unit, path), Fraction(0), end)
 

@@ -13,7 +13,7 @@ Cell = int | str
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class RecordedEvent:
     """Attributes:
     time: since the start of the recording, in its unit.
     name: what kind of event it is.
@@ -66,7 +66,7 @@ class EventLog:
     """
 
     source: str
-    events: tuple[Event, ...]
+    events: tuple[RecordedEvent, ...]
     unit: Fraction | None
     start: Fraction | None
     end: Fraction

@@ -37,7 +37,7 @@ _Thing = _Element | tuple[str, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class IndependentComponent:
     """Attributes:
     processes: numbers of processes in the network.
     queues: numbers of queues.
@@ -47,7 +47,7 @@ class Part:
     queues: tuple[int, ...]
 
 
-def parts_of(network: Network, mapping: RecordingMap, queues: Queues) -> tuple[Part, ...]:
+def parts_of(network: Network, mapping: RecordingMap, queues: Queues) -> tuple[IndependentComponent, ...]:
     """The finest division of what is left of the network in parts that share nothing but the time."""
     kept = [number for number in range(len(network.processes)) if number not in mapping.replaced]
     shared = _shareable(network, [network.processes[number] for number in kept], queues)
@@ -61,7 +61,7 @@ def parts_of(network: Network, mapping: RecordingMap, queues: Queues) -> tuple[P
         found.setdefault(groups.first(("process", number)), ([], []))[0].append(number)
     for number in range(len(queues.queues)):
         found.setdefault(groups.first(("queue", number)), ([], []))[1].append(number)
-    return tuple(Part(tuple(processes), tuple(own)) for processes, own in found.values())
+    return tuple(IndependentComponent(tuple(processes), tuple(own)) for processes, own in found.values())
 
 
 def can_be_apart(network: Network, processes: Iterable[int], queues: Queues) -> bool:
@@ -80,7 +80,7 @@ def can_be_apart(network: Network, processes: Iterable[int], queues: Queues) -> 
     )
 
 
-def restricted(queues: Queues, part: Part) -> Queues:
+def restricted(queues: Queues, part: IndependentComponent) -> Queues:
     """The queues of a part. That an event of another part must have come before is forgotten."""
     place = {number: new for new, number in enumerate(part.queues)}
     own = (queues.queues[number] for number in part.queues)
@@ -96,7 +96,7 @@ def restricted(queues: Queues, part: Part) -> Queues:
     )
 
 
-def set_apart(queues: Queues, parts: Iterable[Part], delay: int = 0) -> Queues | None:
+def set_apart(queues: Queues, parts: Iterable[IndependentComponent], delay: int = 0) -> Queues | None:
     """The queues with narrower windows, in which no event comes earlier than an event of another part that it needs.
 
     Windows that overlap are cut so much later than the needed event was recorded. Two such events may then still

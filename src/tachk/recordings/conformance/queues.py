@@ -26,7 +26,7 @@ from tachk.model.expressions import Constant, Expression, Index, Reference, Vari
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, IntType, ScalarType
-from tachk.recordings.conformance.events import Closing, Event, EventLog
+from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 
 _SHOWN = 30
 """So many characters of a cell are shown."""
@@ -108,7 +108,7 @@ def make_queues(
     spread = max(tolerance, late)
     origin = first - spread / scale if recording.start is None else recording.start
     kept = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
-    reader = _Reader(mapping, recording, constants)
+    reader = _EventStreamReader(mapping, recording, constants)
     entries = reader.entries()
     outgoing = [_is_output(visible, kept) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
@@ -300,7 +300,7 @@ _Entry = tuple[VisibleEvents, dict[Variable, int], list[tuple[int, _Values]]]
 
 
 @dataclass(frozen=True, slots=True)
-class _Column:
+class _ColumnClause:
     """What the events of a clause may say in a column.
 
     Attributes:
@@ -313,7 +313,7 @@ class _Column:
     index: Variable | None
     values: range | None
 
-    def miss(self, event: Event, value: int | None) -> str | None:
+    def miss(self, event: RecordedEvent, value: int | None) -> str | None:
         """Why an event cannot be of the clause; None if it can."""
         if self.wanted is not None and value is not None and value != self.wanted:
             return f"no event `{event.name}` of the model has {self.name} = {event.cells[self.name]}"
@@ -333,7 +333,7 @@ class _Clause:
 
     number: int
     names: tuple[str, ...]
-    limited: tuple[tuple[int, _Column], ...]
+    limited: tuple[tuple[int, _ColumnClause], ...]
     per: tuple[int, ...]
 
 
@@ -342,9 +342,9 @@ def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
     for place, (name, expression) in enumerate(visible.columns):
         match expression:
             case Constant(wanted):
-                limited.append((place, _Column(name, wanted, None, None)))
+                limited.append((place, _ColumnClause(name, wanted, None, None)))
             case Reference(variable) if variable in visible.indices:
-                limited.append((place, _Column(name, None, variable, index_range(index_type(variable)))))
+                limited.append((place, _ColumnClause(name, None, variable, index_range(index_type(variable)))))
             case _:
                 pass
     place_of = {column.index: place for place, column in limited}
@@ -352,7 +352,7 @@ def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
     return _Clause(number, names, tuple(limited), tuple(place_of[variable] for variable in visible.per))
 
 
-class _Reader:
+class _EventStreamReader:
     """Sorts the events of a recording into queues."""
 
     def __init__(self, mapping: RecordingMap, recording: EventLog, constants: Constants) -> None:
@@ -381,7 +381,7 @@ class _Reader:
             entries[clause.number, tuple([said[n] for n in clause.per])][2].append((position, said))
         return list(entries.values())
 
-    def _clause(self, event: Event, clauses: Sequence[_Clause]) -> tuple[_Clause, _Values]:
+    def _clause(self, event: RecordedEvent, clauses: Sequence[_Clause]) -> tuple[_Clause, _Values]:
         """The clause that the event belongs to, and what its columns say."""
         misses: list[str] = []
         for clause in clauses:
@@ -395,7 +395,7 @@ class _Reader:
                 return clause, values
         raise UsageError(f"{self.recording.source}, {event.place}: {misses[0]}")
 
-    def _value(self, event: Event, name: str) -> int | None:
+    def _value(self, event: RecordedEvent, name: str) -> int | None:
         cell = event.cells.get(name, "")
         if isinstance(cell, int):
             return self._bounded(event, name, int(cell))
@@ -404,7 +404,7 @@ class _Reader:
             self.read[known] = self._bounded(event, name, self._number(event, name, cell.strip()))
         return self.read[known]
 
-    def _bounded(self, event: Event, name: str, value: int | None) -> int | None:
+    def _bounded(self, event: RecordedEvent, name: str, value: int | None) -> int | None:
         if value is None or CONSTANT_LOW <= value <= CONSTANT_HIGH:
             return value
         raise UsageError(
@@ -412,7 +412,7 @@ class _Reader:
             f"numbers of a model lie between {CONSTANT_LOW} and {CONSTANT_HIGH}",
         )
 
-    def _number(self, event: Event, name: str, text: str) -> int | None:
+    def _number(self, event: RecordedEvent, name: str, text: str) -> int | None:
         if not text:
             return None
         if text in ("true", "false"):

@@ -34,7 +34,7 @@ _CASES = 1_000
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class PossibleEvent:
     """An event that the model could do.
 
     Attributes:
@@ -55,7 +55,7 @@ class AllowedEvents:
     whole: there are no others.
     """
 
-    offers: tuple[Offer, ...]
+    offers: tuple[PossibleEvent, ...]
     whole: bool
 
 
@@ -156,7 +156,7 @@ def offers(
                 before = found.get(key, window)
                 found[key] = (min(window[0], before[0]), max(window[1], before[1]))
     allowed = tuple(
-        Offer(queues.queues[queue].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
+        PossibleEvent(queues.queues[queue].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
         for (queue, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
     )
     return AllowedEvents(allowed, whole and not pending)

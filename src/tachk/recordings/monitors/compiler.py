@@ -19,11 +19,11 @@ from tachk.recordings.monitors.texts import Texts
 from tachk.recordings.traces.arrivals import arrivals_of
 from tachk.recordings.traces.monitor_program import (
     UNBOUNDED,
+    AtomRelation,
     MonitorAtom,
     MonitorNode,
     MonitorProgram,
     NodeKind,
-    Relation,
     ValueInstruction,
     ValueOperator,
 )
@@ -37,7 +37,7 @@ from tachk.syntax.walk import nodes_of_kind
 LAST_TICK = 2**58
 """The durations of a formula add up to less than this number of ticks."""
 
-RELATIONS = {each: Relation[each.name] for each in COMPARISONS}
+RELATIONS = {each: AtomRelation[each.name] for each in COMPARISONS}
 ARITHMETIC = {each: ValueOperator[each.name] for each in BinaryOperator if each.name in ValueOperator.__members__}
 EXTREMES = {"min": ValueOperator.MINIMUM, "max": ValueOperator.MAXIMUM}
 COLUMN_NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
@@ -146,7 +146,7 @@ class _Compiler:
         """The number of the node of a formula. After a finding the number of some node."""
         text = print_formula(formula)
         match formula:
-            case syntax.Truth(value=value):
+            case syntax.TruthConstant(value=value):
                 return self._truth(value)
             case syntax.Atom(expression=expression):
                 return self._reported(lambda: self.condition(expression))
@@ -210,7 +210,7 @@ class _Compiler:
                 if not isinstance(expression, (*COLUMN_NAMES, ast.IntegerLiteral)):
                     help_ = f"compare it, as in `{text} > 0`"
                     raise self._report("E0902", f"`{text}` is a number, not a condition", expression.span, help_)
-                return self._atom(MonitorAtom(Relation.TRUTH, code, (), text))
+                return self._atom(MonitorAtom(AtomRelation.TRUTH, code, (), text))
 
     def _joined(self, whole: ast.BinaryExpression, text: str) -> int:
         """The node of conditions joined by connectives, link by link of a chain; the links of a long one are shown
@@ -255,7 +255,7 @@ class _Compiler:
             raise self._report("E0902", f"`{print_expression(whole)}`: texts have no order", whole.span, "use == or !=")
         code = (*self._text_number(left), *self._text_number(right), ValueInstruction(ValueOperator.SUBTRACT))
         text = print_expression(replace(whole, operator=BinaryOperator.NOT_EQUAL))
-        return self._atom(MonitorAtom(Relation.TRUTH, code, (), text))
+        return self._atom(MonitorAtom(AtomRelation.TRUTH, code, (), text))
 
     def _text_number(self, side: ast.Expression) -> tuple[ValueInstruction, ...]:
         """The number of a text; of one that does not occur on the trace -1."""
@@ -281,7 +281,7 @@ class _Compiler:
                 self._node(NodeKind.FALL, text, self._negation(changing)),
             )
         value = self._text_number(expression) if self._is_text(expression) else self._value(expression)
-        atom = MonitorAtom(Relation.TRUTH, value, (), print_expression(expression))
+        atom = MonitorAtom(AtomRelation.TRUTH, value, (), print_expression(expression))
         return self._node(NodeKind.CHANGE, text, atom=self._atom_number(atom))
 
     def _arrival(
@@ -301,10 +301,10 @@ class _Compiler:
         count = (ValueInstruction(ValueOperator.COLUMN, float(number)),)
         zero = (ValueInstruction(ValueOperator.CONSTANT, 0.0),)
         changes = self._node(
-            NodeKind.CHANGE, name, atom=self._atom_number(MonitorAtom(Relation.TRUTH, count, (), name))
+            NodeKind.CHANGE, name, atom=self._atom_number(MonitorAtom(AtomRelation.TRUTH, count, (), name))
         )
         begins = self._node(NodeKind.RISE, "rise(true)", self._truth(True))
-        at_once = self._atom(MonitorAtom(Relation.LESS, count, zero, f"{name} at the beginning"))
+        at_once = self._atom(MonitorAtom(AtomRelation.LESS, count, zero, f"{name} at the beginning"))
         return self._node(NodeKind.OR, name, changes, self._node(NodeKind.AND, name, begins, at_once))
 
     def _compares_truth(self, left: ast.Expression, right: ast.Expression) -> bool:

@@ -9,7 +9,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.recordings.monitors.compiler import COLUMN_NAMES, column_name, is_condition
-from tachk.recordings.traces.monitor_program import MonitorProgram, NodeKind, Relation, ValueOperator
+from tachk.recordings.traces.monitor_program import AtomRelation, MonitorProgram, NodeKind, ValueOperator
 from tachk.recordings.traces.trace import Trace
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Formula
@@ -21,7 +21,7 @@ from tachk.syntax.walk import nodes_of_kind
 def condition_columns(program: MonitorProgram) -> tuple[str, ...]:
     """The columns that a program uses as conditions."""
     atoms = [program.atoms[node.atom] for node in program.nodes if node.kind is NodeKind.ATOM]
-    found = [atom.left[0] for atom in atoms if atom.relation is Relation.TRUTH and len(atom.left) == 1]
+    found = [atom.left[0] for atom in atoms if atom.relation is AtomRelation.TRUTH and len(atom.left) == 1]
     return tuple(program.columns[int(each.operand)] for each in found if each.operator is ValueOperator.COLUMN)
 
 

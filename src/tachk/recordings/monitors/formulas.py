@@ -17,7 +17,7 @@ from tachk.base.exact_numbers import exact_number
 from tachk.base.operators import PrefixOperator
 from tachk.base.span import Source, Span
 from tachk.base.time_units import length_of
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.logic.constant_values import value_of, whole_quotient
 from tachk.logic.durations import resolve, scaled
 from tachk.logic.sentences import meaning
@@ -392,7 +392,7 @@ def _stated(path: Path, definitions: Mapping[str, str]) -> tuple[Sequence[ast.It
 
     source = read_source(path)
     if not is_xml(source):
-        findings = Findings()
+        findings = DiagnosticCollector()
         document, items = Importer(findings).read(source)
         if document is not None and not any(isinstance(item, ast.SystemLine) for item in items):
             if findings.has_errors:

@@ -33,7 +33,7 @@ def line_findings(formula: syntax.Formula, moving: Collection[str]) -> tuple[Dia
         formula: one that can be compiled for the trace.
         moving: the columns whose values move between rows.
     """
-    checker = _Checker(moving)
+    checker = _LineChecker(moving)
     found: list[Diagnostic] = []
     for node in nodes_of_kind(formula, syntax.Atom, syntax.Change, syntax.Rise, syntax.Fall):
         match node:
@@ -50,7 +50,7 @@ def line_findings(formula: syntax.Formula, moving: Collection[str]) -> tuple[Dia
     return tuple(dict.fromkeys(found))
 
 
-class _Checker:
+class _LineChecker:
     def __init__(self, moving: Collection[str]) -> None:
         self._moving = moving
 

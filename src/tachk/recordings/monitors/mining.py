@@ -34,16 +34,16 @@ from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.given_constants import constants_by_name
 from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.mined import Mined, MinedTrace
-from tachk.recordings.monitors.monotone import Effect, Occurrence, joint_effect, occurrences
+from tachk.recordings.monitors.monotone import Monotonicity, Occurrence, joint_effect, occurrences
 from tachk.recordings.monitors.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
 from tachk.recordings.monitors.texts import text_columns
-from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.logs.joined import with_texts
 from tachk.recordings.traces.logs.several_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
-from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_files import open_trace
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
@@ -89,7 +89,7 @@ def mine(
     columns = {column for recording in recordings for column in recording.columns}
     named = located(formulas[0].within(columns), columns)
     loaded = [_loaded(recording, named, name) for recording in recordings]
-    search = _Search(named, name, low, high, tuple(loaded), ending_of(end))
+    search = _ParameterSearch(named, name, low, high, tuple(loaded), ending_of(end))
     return search.run(None if step is None else _number("the step", step))
 
 
@@ -100,7 +100,7 @@ def _number(name: str, given: float | str | Fraction) -> Fraction:
         raise UsageError(f"{name} = {str(given)[:40]}: expected a number", "such as 2.5") from None
 
 
-def _loaded(recording: Recording, named: NamedFormula, name: str) -> Trace:
+def _loaded(recording: TraceSource, named: NamedFormula, name: str) -> Trace:
     """What a formula reads of a trace."""
     if name in recording.columns:
         raise UsageError(f"{recording.name} has a column {name!r}", "give the parameter another name")
@@ -112,19 +112,19 @@ def _loaded(recording: Recording, named: NamedFormula, name: str) -> Trace:
 
 
 @dataclass(frozen=True, slots=True)
-class _Search:
+class _ParameterSearch:
     named: NamedFormula
     name: str
     low: Fraction
     high: Fraction
     traces: tuple[Trace, ...] = field(repr=False)
-    ending: Ending
+    ending: TraceEnding
 
     def run(self, step: Fraction | None) -> Mined:
         found = occurrences(self.named.formula, self.name)
         effect = joint_effect(found)
         candidates, exact = self._candidates(found, step)
-        if effect is Effect.UNKNOWN:
+        if effect is Monotonicity.UNKNOWN:
             return self._enumerated(Lattice(self.low, self.high, step or Fraction(1)))
         return self._bisected(candidates, effect, exact)
 
@@ -162,13 +162,13 @@ class _Search:
 
     # ---- what comes of it ----
 
-    def _bisected(self, candidates: Candidates, effect: Effect, exact: bool) -> Mined:
+    def _bisected(self, candidates: Candidates, effect: Monotonicity, exact: bool) -> Mined:
         """Of each trace the tightest place, of all together the least tight of them."""
         total = places(candidates) if exact else len(candidates)
 
         def value(place: int) -> Fraction:
             """Places go from the tightest value to the easiest."""
-            at = place if effect is Effect.EASIER else total - 1 - place
+            at = place if effect is Monotonicity.EASIER else total - 1 - place
             return value_at(candidates, at if exact else 2 * at)
 
         tightest: list[int] = []
@@ -204,7 +204,7 @@ class _Search:
             self.name,
             self.low,
             self.high,
-            "least" if effect is Effect.EASIER else "greatest",
+            "least" if effect is Monotonicity.EASIER else "greatest",
             *told(place),
             exact,
             None if place == 0 else self.traces[worst].name,

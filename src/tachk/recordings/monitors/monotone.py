@@ -18,7 +18,7 @@ from tachk.syntax import formula as syntax
 from tachk.syntax.walk import nodes_of_kind
 
 
-class Effect(Enum):
+class Monotonicity(Enum):
     """Of a larger value."""
 
     EASIER = 1
@@ -26,8 +26,8 @@ class Effect(Enum):
     UNKNOWN = 0
 
     @property
-    def reversed(self) -> Effect:
-        return Effect(-self.value)
+    def reversed(self) -> Monotonicity:
+        return Monotonicity(-self.value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,26 +39,26 @@ class Occurrence:
         slope: by how much a bound of time grows with the parameter; None for other places.
     """
 
-    effect: Effect
+    effect: Monotonicity
     threshold: ast.BinaryExpression | None = None
     slope: Fraction | None = None
 
 
 def occurrences(formula: syntax.Formula, name: str) -> tuple[Occurrence, ...]:
     """All places of a parameter in a formula."""
-    return tuple(_within(formula, name, Effect.EASIER))
+    return tuple(_within(formula, name, Monotonicity.EASIER))
 
 
-def joint_effect(found: tuple[Occurrence, ...]) -> Effect:
+def joint_effect(found: tuple[Occurrence, ...]) -> Monotonicity:
     """That of all together."""
     effects = {occurrence.effect for occurrence in found}
-    return effects.pop() if len(effects) == 1 else Effect.UNKNOWN
+    return effects.pop() if len(effects) == 1 else Monotonicity.UNKNOWN
 
 
-def _within(formula: syntax.Formula, name: str, rising: Effect) -> Iterator[Occurrence]:
+def _within(formula: syntax.Formula, name: str, rising: Monotonicity) -> Iterator[Occurrence]:
     """Args: rising: what a formula that becomes easier here does to the whole."""
     match formula:
-        case syntax.Truth():
+        case syntax.TruthConstant():
             return
         case syntax.Atom(expression=expression):
             yield from _in_condition(expression, name, rising)
@@ -94,24 +94,24 @@ def _within(formula: syntax.Formula, name: str, rising: Effect) -> Iterator[Occu
             yield from _within(right, name, rising)
 
 
-def _in_window(interval: syntax.Interval, name: str, growing: Effect) -> Iterator[Occurrence]:
+def _in_window(interval: syntax.Interval, name: str, growing: Monotonicity) -> Iterator[Occurrence]:
     """Args: growing: what a larger window does."""
     yield from _in_bound(interval.lower, name, growing.reversed)
     if interval.upper is not None:
         yield from _in_bound(interval.upper, name, growing)
 
 
-def _in_bound(duration: syntax.Duration, name: str, rising: Effect) -> Iterator[Occurrence]:
+def _in_bound(duration: syntax.Duration, name: str, rising: Monotonicity) -> Iterator[Occurrence]:
     if isinstance(duration.value, Fraction) or not _names(duration.value, name):
         return
     slope = _slope(duration.value, name)
     if slope is None:
-        yield Occurrence(Effect.UNKNOWN)
+        yield Occurrence(Monotonicity.UNKNOWN)
     else:
         yield Occurrence(_times(rising, slope), slope=slope)
 
 
-def _in_condition(expression: ast.Expression, name: str, rising: Effect) -> Iterator[Occurrence]:
+def _in_condition(expression: ast.Expression, name: str, rising: Monotonicity) -> Iterator[Occurrence]:
     if not _names(expression, name):
         return
     match expression:
@@ -126,7 +126,7 @@ def _in_condition(expression: ast.Expression, name: str, rising: Effect) -> Iter
         case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in _EASIER_ON_THE_RIGHT:
             first, second = _slope(left, name), _slope(right, name)
             if first is None or second is None:
-                yield Occurrence(Effect.UNKNOWN, expression)
+                yield Occurrence(Monotonicity.UNKNOWN, expression)
             else:
                 grows = second - first
                 yield Occurrence(_times(rising, grows if _EASIER_ON_THE_RIGHT[operator] else -grows), expression)
@@ -143,9 +143,9 @@ _EASIER_ON_THE_RIGHT = {
 """Whether a larger right side makes a comparison easier."""
 
 
-def _times(effect: Effect, slope: Fraction) -> Effect:
+def _times(effect: Monotonicity, slope: Fraction) -> Monotonicity:
     if slope == 0:
-        return Effect.UNKNOWN
+        return Monotonicity.UNKNOWN
     return effect if slope > 0 else effect.reversed
 
 
@@ -195,7 +195,7 @@ def _number(expression: ast.Expression) -> Fraction | None:
 
 def _unknown(node: object, name: str) -> Iterator[Occurrence]:
     if _names(node, name):
-        yield Occurrence(Effect.UNKNOWN)
+        yield Occurrence(Monotonicity.UNKNOWN)
 
 
 def _names(node: object, name: str) -> bool:

@@ -23,18 +23,18 @@ from tachk.recordings.monitors.formulas import (
 )
 from tachk.recordings.monitors.line_compiler import line_findings
 from tachk.recordings.monitors.locations import located, with_named_values
-from tachk.recordings.monitors.reading import Reading, reading_of
+from tachk.recordings.monitors.reading import TraceSemantics, reading_of
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, TimeRobustness
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
 from tachk.recordings.monitors.texts import Texts, text_columns, unmet_texts
 from tachk.recordings.traces.certainty import is_certainly_false
-from tachk.recordings.traces.conventions import Ending, Interpolation
+from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.core_monitor import RobustnessResult
 from tachk.recordings.traces.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
 from tachk.recordings.traces.logs.joined import with_texts
 from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import Truth
-from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
 from tachk.recordings.traces.verdict_explanation import never_triggered
 from tachk.syntax.formula import Formula
@@ -51,7 +51,7 @@ class Judging:
         time_robustness: by how much time signals could be shifted.
     """
 
-    ending: Ending = Ending.UNDETERMINED
+    ending: TraceEnding = TraceEnding.UNDETERMINED
     interpolation: Interpolation = Interpolation.CONSTANT
     robustness: bool = True
     time_robustness: bool = False
@@ -59,7 +59,7 @@ class Judging:
 
 def judge(
     formulas: Sequence[NamedFormula],
-    recording: Recording,
+    recording: TraceSource,
     judging: Judging = Judging(),
     source: str = "",
 ) -> MonitorRecord:
@@ -84,7 +84,7 @@ def judge(
     return _judged(formulas, recording, judging, source)
 
 
-def _judged(formulas: Sequence[NamedFormula], recording: Recording, judging: Judging, source: str) -> MonitorRecord:
+def _judged(formulas: Sequence[NamedFormula], recording: TraceSource, judging: Judging, source: str) -> MonitorRecord:
     trace, programs = prepare(formulas, recording, judging.interpolation)
     reading = reading_of(trace, programs)
     verdicts = tuple(
@@ -94,7 +94,7 @@ def _judged(formulas: Sequence[NamedFormula], recording: Recording, judging: Jud
 
 
 def prepare(
-    formulas: Sequence[NamedFormula], recording: Recording, interpolation: Interpolation = Interpolation.CONSTANT
+    formulas: Sequence[NamedFormula], recording: TraceSource, interpolation: Interpolation = Interpolation.CONSTANT
 ) -> tuple[Trace, tuple[MonitorProgram, ...]]:
     """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
     formulas = [named.within(recording.columns) for named in formulas]
@@ -184,10 +184,10 @@ def selected(formulas: Sequence[NamedFormula], names: Collection[str]) -> tuple[
     return tuple(named for named in formulas if not names or named.name in names)
 
 
-def ending_of(name: str) -> Ending:
+def ending_of(name: str) -> TraceEnding:
     """The ending of this name. Raises UsageError."""
     try:
-        return Ending(name)
+        return TraceEnding(name)
     except ValueError:
         raise UsageError(f"end={name!r}: expected undetermined, weak or strong") from None
 
@@ -236,7 +236,7 @@ def verdict_on(
     program: MonitorProgram,
     trace: Trace,
     judging: Judging,
-    reading: Reading,
+    reading: TraceSemantics,
 ) -> MonitorVerdict:
     """The verdict of one program on a whole trace. Its explanation is made when it is asked for."""
     robustness = None
@@ -267,11 +267,11 @@ def verdict_on(
     )
 
 
-def counted(measured: Truth, ending: Ending) -> Truth:
+def counted(measured: Truth, ending: TraceEnding) -> Truth:
     """What counts where the end of the trace has been given a meaning."""
-    if measured is not Truth.UNDETERMINED or ending is Ending.UNDETERMINED:
+    if measured is not Truth.UNDETERMINED or ending is TraceEnding.UNDETERMINED:
         return measured
-    return Truth.TRUE if ending is Ending.WEAK else Truth.FALSE
+    return Truth.TRUE if ending is TraceEnding.WEAK else Truth.FALSE
 
 
 def _time_robustness(program: MonitorProgram, trace: Trace) -> TimeRobustness:

@@ -41,7 +41,7 @@ Time = int | float | Fraction | Decimal
 
 
 @dataclass(slots=True)
-class _Watched:
+class _WatchedFormula:
     """Attributes:
     stretch: the first cell of the violation and the one behind it, as they were known when the formula was decided.
     """
@@ -117,7 +117,7 @@ class Monitor:
             raise UsageError(f"decimals={decimals}: expected 0 to 18")
         self._scale = math.lcm(10**self.decimals, *(ticks_needed(formula) for formula in resolved))
         programs = [compile_formula(tree, self.columns, self._scale, texts=self._texts.known) for tree in resolved]
-        self._watched = [_Watched(*each, each[0].text) for each in zip(formulas, programs, strict=True)]
+        self._watched = [_WatchedFormula(*each, each[0].text) for each in zip(formulas, programs, strict=True)]
         try:
             self._group = open_group(
                 programs,
@@ -430,7 +430,7 @@ class Monitor:
     def _clock(self, tick: int | Fraction) -> Fraction:
         return Fraction(self._group.origin() + tick) / self._scale
 
-    def _story(self, watched: _Watched) -> MonitorRecord | None:
+    def _story(self, watched: _WatchedFormula) -> MonitorRecord | None:
         """The violation on the rows that are kept, if it is found there as the first one."""
         ticks, kept, whole = self._group.kept()
         columns = {

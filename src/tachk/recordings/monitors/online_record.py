@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from tachk.recordings.monitors.record import MonitorRecord
-from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.node_signal import Truth
 
 
@@ -66,7 +66,7 @@ class OnlineRecord:
     begin: Fraction
     end: Fraction
     unit: str
-    ending: Ending
+    ending: TraceEnding
     verdicts: tuple[OnlineVerdict, ...]
     violations: tuple[OnlineViolation, ...] | None = None
     dated: bool = False

@@ -21,7 +21,7 @@ from tachk.recordings.traces.linear_monitor import (
     truth_on_lines,
     truth_signals_on_lines,
 )
-from tachk.recordings.traces.monitor_program import UNBOUNDED, MonitorProgram, Relation
+from tachk.recordings.traces.monitor_program import UNBOUNDED, AtomRelation, MonitorProgram
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.online_monitor import OnlineMonitor
 from tachk.recordings.traces.trace import Trace
@@ -41,7 +41,7 @@ class JudgedTruth:
     lasting: Truth
 
 
-class Reading(Protocol):
+class TraceSemantics(Protocol):
     """What there is between the rows of a trace. Programs and traces count the same ticks."""
 
     def shown(self, trace: Trace) -> Trace:
@@ -157,7 +157,7 @@ class Lines:
         )
 
 
-def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> Reading:
+def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> TraceSemantics:
     """How a trace says that it is read. Raises UsageError if it is too long for lines."""
     if trace.interpolation is Interpolation.LINEAR:
         return Lines(parts_of_tick(programs, trace))
@@ -166,7 +166,7 @@ def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> Reading:
 
 def follows_from_truth(program: MonitorProgram) -> bool:
     """Whether the robustness is infinite, because the formula compares no numbers."""
-    return all(atom.relation is Relation.TRUTH for atom in program.atoms)
+    return all(atom.relation is AtomRelation.TRUTH for atom in program.atoms)
 
 
 def infinite_robustness(truth: Truth) -> RobustnessResult:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from tachk.model.quantity import decimal
-from tachk.recordings.traces.conventions import Ending, Interpolation
+from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.logs.dates import date_text
 from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import Truth
@@ -86,7 +86,7 @@ class MonitorRecord:
     trace: Trace = field(repr=False)
     formulas: str
     verdicts: tuple[MonitorVerdict, ...]
-    ending: Ending = Ending.UNDETERMINED
+    ending: TraceEnding = TraceEnding.UNDETERMINED
 
 
 def clock_text(trace: Trace, tick: int | Fraction) -> str:

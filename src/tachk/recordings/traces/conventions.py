@@ -13,7 +13,7 @@ class Interpolation(StrEnum):
     LINEAR = "linear"
 
 
-class Ending(StrEnum):
+class TraceEnding(StrEnum):
     """What the end of the trace means for a formula that it leaves undetermined.
 
     WEAK: what is still pending counts as satisfied; STRONG: as violated.

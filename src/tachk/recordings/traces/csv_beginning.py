@@ -11,7 +11,7 @@ from typing import Protocol
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.base.span import Source, Span
 from tachk.recordings.traces.logs.dates import is_date
-from tachk.recordings.traces.trace_header import Header, agreed_unit, read_header
+from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, read_header
 
 _SEPARATORS = ",;\t"
 _LONGEST_HEADER = 1 << 24
@@ -48,7 +48,7 @@ class CsvBeginning:
     dates: the times are dates.
     """
 
-    header: Header
+    header: TraceHeader
     separator: str
     line: int
     read: bytes
@@ -105,7 +105,7 @@ def _point(sample: bytes, separator: str) -> str:
     return ","
 
 
-def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[Header, str, int]:
+def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[TraceHeader, str, int]:
     """The header, the separator, and the number of the line behind."""
     number = 0
     told = None

@@ -36,7 +36,7 @@ class ValueInstruction:
     operand: float = 0.0
 
 
-class Relation(IntEnum):
+class AtomRelation(IntEnum):
     """How an atom compares its left with its right value. TRUTH: the left value is not zero; there is no right one."""
 
     TRUTH = 0
@@ -79,7 +79,7 @@ class MonitorAtom:
     text: as printed.
     """
 
-    relation: Relation
+    relation: AtomRelation
     left: tuple[ValueInstruction, ...]
     right: tuple[ValueInstruction, ...]
     text: str

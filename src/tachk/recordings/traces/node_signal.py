@@ -35,7 +35,7 @@ class Truth(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Runs:
+class CellRuns:
     """Stretches of cells that do not touch, ascending: the first and the last cell of each."""
 
     first: NDArray[np.int64]
@@ -44,7 +44,7 @@ class Runs:
     def __len__(self) -> int:
         return len(self.first)
 
-    def meets(self, other: Runs) -> NDArray[np.bool_]:
+    def meets(self, other: CellRuns) -> NDArray[np.bool_]:
         """Of each stretch, whether one of the others has a cell with it in common."""
         place = np.searchsorted(other.last, self.first)
         found = place < len(other)
@@ -113,14 +113,14 @@ class NodeSignal:
         values = self.values[kept].tolist()
         return [(start, end, Truth(value)) for start, end, value in zip(starts, ends, values, strict=True)]
 
-    def runs(self, value: Truth, begin: int, end: int) -> Runs:
+    def runs(self, value: Truth, begin: int, end: int) -> CellRuns:
         """The longest stretches of one value within the cells ``begin .. end`` (inclusive) of the trace."""
         same = self.values == value
         first = self.starts[same & ~np.concatenate(([False], same[:-1]))]
         ends = np.append(self.starts[1:] - 1, self.cells - 1)
         last = ends[same & ~np.concatenate((same[1:], [False]))]
         kept = (first <= end) & (last >= begin)
-        return Runs(np.maximum(first[kept], begin), np.minimum(last[kept], end))
+        return CellRuns(np.maximum(first[kept], begin), np.minimum(last[kept], end))
 
     def _piece(self, cell: int) -> int:
         return int(np.searchsorted(self.starts, cell, side="right")) - 1

@@ -18,7 +18,7 @@ _TRUTHS = (Truth.FALSE, Truth.TRUE, Truth.UNDETERMINED)
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class ViolatedCells:
     """A run of cells, counted from the beginning of the trace, at which what must always hold does not.
 
     Attributes:
@@ -73,13 +73,13 @@ class OnlineMonitor:
         return self._core.decided_at()
 
     @property
-    def violation(self) -> Stretch | None:
+    def violation(self) -> ViolatedCells | None:
         """Of a violated formula ``G f``: the earliest known stretch without f."""
         found = self._core.violation()
         if found is None:
             return None
         first, end, settled = found
-        return Stretch(first, end - 1, settled)
+        return ViolatedCells(first, end - 1, settled)
 
     @property
     def robustness(self) -> tuple[float, float]:

@@ -250,7 +250,7 @@ def _rounded(times: Ticks, step: Fraction, shift: Fraction) -> Ticks:
     return (times * factor + offset) // common
 
 
-class Recording(Protocol):
+class TraceSource(Protocol):
     """A trace that has been opened: its columns are known, its rows are not read yet."""
 
     @property

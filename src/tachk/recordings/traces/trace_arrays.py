@@ -19,7 +19,7 @@ from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.decimal_times import USUAL_DECIMALS
 from tachk.recordings.traces.logs.labels import Labels, texts_in
 from tachk.recordings.traces.trace import FloatTimes, Ticks, Trace, Values, rounding_note
-from tachk.recordings.traces.trace_header import Header, agreed_unit, known_unit, read_header
+from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, known_unit, read_header
 
 _FIRST_BLOCK = 1 << 8
 _BLOCK = 1 << 15
@@ -61,7 +61,7 @@ class TableRecording:
     """
 
     name: str
-    header: Header
+    header: TraceHeader
     cells: Sequence[Any] = field(repr=False)
     supposing: bool = False
     dated: bool = False

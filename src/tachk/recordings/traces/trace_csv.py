@@ -23,7 +23,7 @@ from tachk.recordings.traces.csv_faults import FINEST, is_half_value, told_fault
 from tachk.recordings.traces.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.trace import Ticks, Trace, Values, cut_off_warning, rounding_note
-from tachk.recordings.traces.trace_header import Header
+from tachk.recordings.traces.trace_header import TraceHeader
 
 PIECE = 1 << 20
 """Bytes that are read at a time."""
@@ -86,7 +86,7 @@ class CsvRecording:
 
     name: str
     opened: Callable[[], ByteStream] = field(repr=False)
-    header: Header
+    header: TraceHeader
     separator: str
     line: int
     size: int | None = None

@@ -14,22 +14,22 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.compressed import COMPRESSED_SUFFIXES, is_compressed, plain_suffix
 
 if TYPE_CHECKING:
-    from tachk.recordings.traces.trace import Recording, Trace
+    from tachk.recordings.traces.trace import Trace, TraceSource
 
 
-def _csv(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _csv(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.trace_csv import open_csv
 
     return open_csv(path, time, unit)
 
 
-def _parquet(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _parquet(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.trace_parquet import open_parquet
 
     return open_parquet(path, time, unit)
 
 
-def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.trace_vcd import open_vcd
 
     if time is not None:
@@ -37,7 +37,7 @@ def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -
     return open_vcd(path, unit)
 
 
-def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.captures import capture_reader
 
     reader = capture_reader(path)
@@ -46,31 +46,31 @@ def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int
     return reader.open_trace(path, time, unit, ports)
 
 
-def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.logs.trace_jsonl import open_jsonl
 
     return open_jsonl(path, time, unit)
 
 
-def _mcap(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _mcap(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.logs.trace_mcap import open_mcap
 
     return open_mcap(path, time, unit)
 
 
-def _bag(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _bag(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.logs.trace_rosbag import open_bag
 
     return open_bag(path, time, unit)
 
 
-def _hdf5(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _hdf5(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.logs.trace_hdf5 import open_hdf5
 
     return open_hdf5(path, time, unit)
 
 
-def _mdf(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _mdf(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.logs.trace_mdf import open_mdf
 
     if time is not None:
@@ -87,7 +87,7 @@ class TraceFormat(NamedTuple):
 
     name: str
     suffixes: tuple[str, ...]
-    open: Callable[[Path, str | None, str | None, Sequence[int]], Recording]
+    open: Callable[[Path, str | None, str | None, Sequence[int]], TraceSource]
     compressed: bool = False
 
 
@@ -154,7 +154,7 @@ def open_trace(
     unit: str | None = None,
     ports: Sequence[int] = (),
     run: int | None = None,
-) -> Recording:
+) -> TraceSource:
     """Opens a file by its ending, a data frame, a mapping from names to arrays, a `Trace`, or several of these as one.
 
     Args:
@@ -175,7 +175,7 @@ def open_trace(
     return one_run(recording, run)
 
 
-def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     from tachk.recordings.traces.trace import Trace
     from tachk.recordings.traces.trace_arrays import open_table
 
@@ -204,7 +204,7 @@ def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")
 
 
-def _bag_without_metadata(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+def _bag_without_metadata(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
     """The file of a bag whose recorder was stopped before it wrote `metadata.yaml`. Raises UsageError."""
     parts = sorted(each for suffix in (".mcap", ".db3") for each in path.glob(f"*{suffix}"))
     if not parts:

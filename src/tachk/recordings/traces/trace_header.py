@@ -17,7 +17,7 @@ _OPENING = re.compile(r"[\[(]")
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class TraceHeader:
     """Attributes:
     names: of all columns without their units, in order; empty for a column that has none.
     time: the number of the time column.
@@ -42,7 +42,7 @@ class Header:
         return {name: i for i, name in enumerate(self.names) if name in wanted and i != self.time}
 
 
-def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace: str) -> Header:
+def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace: str) -> TraceHeader:
     """Makes sense of the names of the columns.
 
     Args:
@@ -61,7 +61,7 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
             raise UsageError(f"{trace} has two columns {name!r}", "rename one of them")
         seen.add(name)
     place = _time_column(names, tuple(cells), time, trace)
-    return Header(names, place, agreed_unit(known_unit(parts[place][1]), unit, trace))
+    return TraceHeader(names, place, agreed_unit(known_unit(parts[place][1]), unit, trace))
 
 
 def agreed_unit(own: str, given: str | None, trace: str) -> str:

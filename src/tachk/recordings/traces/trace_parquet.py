@@ -11,7 +11,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_arrays import TableRecording, are_dates
-from tachk.recordings.traces.trace_header import Header, agreed_unit, known_unit, read_header
+from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, known_unit, read_header
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +24,7 @@ class ParquetRecording:
     """
 
     name: str
-    header: Header
+    header: TraceHeader
     raw: tuple[str, ...]
     time_unit: str
     rows: slice | None = None
@@ -57,7 +57,9 @@ class ParquetRecording:
             raise _unreadable(self.name, error) from None
         if self.rows is not None:
             cells = [each[self.rows] for each in cells]
-        return TableRecording(self.called or self.name, Header(names, 0, self.unit), cells, dated=are_dates(cells[0]))
+        return TableRecording(
+            self.called or self.name, TraceHeader(names, 0, self.unit), cells, dated=are_dates(cells[0])
+        )
 
 
 def open_parquet(path: str | Path, time: str | None = None, unit: str | None = None) -> ParquetRecording:

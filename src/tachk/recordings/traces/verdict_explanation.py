@@ -17,7 +17,7 @@ _AHEAD = (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
 
 
 @dataclass(frozen=True, slots=True)
-class Reason:
+class TruthReason:
     """That a subformula has a value in a cell, and what makes it so.
 
     Attributes:
@@ -35,7 +35,7 @@ class Reason:
     cell: int
     value: Truth
     window: tuple[int, int | None] | None = None
-    parts: tuple[Reason, ...] = ()
+    parts: tuple[TruthReason, ...] = ()
     operands: tuple[str, ...] = ()
 
 
@@ -58,12 +58,12 @@ class Finding:
     formula: str
     cell: int
     last: int
-    trigger: Reason | None
+    trigger: TruthReason | None
     triggered: tuple[int, int] | None
-    response: Reason
+    response: TruthReason
     deadline: int | None
     decided: int | None
-    blamed: tuple[Reason, ...]
+    blamed: tuple[TruthReason, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,14 +145,14 @@ class Explainer:
         text = self.program.nodes[node].text
         return Finding(text, cell, last, cause, triggered, reason, _deadline(reason), None, tuple(_leaves(reason)))
 
-    def reason(self, node: int, cell: int, value: Truth) -> Reason:
+    def reason(self, node: int, cell: int, value: Truth) -> TruthReason:
         """Why a node has its value in a cell. The value must be the one that it has."""
         program_node = self.program.nodes[node]
         parts, window = self._parts(program_node, cell, value)
         operands = tuple(self.program.nodes[operand].text for operand in program_node.operands)
-        return Reason(node, program_node.text, program_node.kind, cell, value, window, tuple(parts), operands)
+        return TruthReason(node, program_node.text, program_node.kind, cell, value, window, tuple(parts), operands)
 
-    def columns(self, reason: Reason) -> tuple[str, ...]:
+    def columns(self, reason: TruthReason) -> tuple[str, ...]:
         """The columns that the atoms within a subformula read."""
         seen: dict[str, None] = {}
         pending = [reason.node]
@@ -198,7 +198,9 @@ class Explainer:
 
     # ---- one step down ----
 
-    def _parts(self, node: MonitorNode, cell: int, value: Truth) -> tuple[list[Reason], tuple[int, int | None] | None]:
+    def _parts(
+        self, node: MonitorNode, cell: int, value: Truth
+    ) -> tuple[list[TruthReason], tuple[int, int | None] | None]:
         operands = node.operands
         match node.kind:
             case NodeKind.NOT:
@@ -222,7 +224,7 @@ class Explainer:
 
     def _window_parts(
         self, node: MonitorNode, cell: int, value: Truth
-    ) -> tuple[list[Reason], tuple[int, int | None] | None]:
+    ) -> tuple[list[TruthReason], tuple[int, int | None] | None]:
         """The operand where it is decisive: nowhere for an F that is false, at one instant for a G that is."""
         window = window_of(node, cell)
         universal = node.kind in (NodeKind.ALWAYS, NodeKind.HISTORICALLY)
@@ -237,7 +239,7 @@ class Explainer:
 
     def _until_parts(
         self, node: MonitorNode, cell: int, value: Truth
-    ) -> tuple[list[Reason], tuple[int, int | None] | None]:
+    ) -> tuple[list[TruthReason], tuple[int, int | None] | None]:
         """A false until: the left operand where it fails too early; nothing where the right one never came."""
         window = window_of(node, cell)
         left, right = node.operands
@@ -252,7 +254,7 @@ class Explainer:
             case _:
                 return [], window
 
-    def _certain(self, response: Reason, trigger: Reason | None) -> int | None:
+    def _certain(self, response: TruthReason, trigger: TruthReason | None) -> int | None:
         """The cell from which on the violation is certain."""
         reasons = [response] if trigger is None else [response, trigger]
         decided = max(self._decided(reason) for reason in reasons)
@@ -261,7 +263,7 @@ class Explainer:
             return min(decided, last)
         return None if self.decide is None else min(2 * self.decide((decided + 1) // 2), last)
 
-    def _decided(self, reason: Reason) -> int:
+    def _decided(self, reason: TruthReason) -> int:
         """From which cell on nothing can change the value, unless it hangs on windows within windows."""
         if reason.parts:
             return max(reason.cell, *(self._decided(part) for part in reason.parts))
@@ -269,7 +271,7 @@ class Explainer:
             return self.cells - 1 if reason.window[1] is None else reason.window[1]
         return reason.cell
 
-    def _looks_further(self, reason: Reason) -> bool:
+    def _looks_further(self, reason: TruthReason) -> bool:
         """Whether operands that the reasons say nothing about look ahead of the window of their operator."""
         if reason.parts and reason.kind is not NodeKind.UNTIL:
             return any(self._looks_further(part) for part in reason.parts)
@@ -338,14 +340,14 @@ def memory(program: MonitorProgram) -> int:
     return behind[-1]
 
 
-def _leaves(reason: Reason) -> Iterator[Reason]:
+def _leaves(reason: TruthReason) -> Iterator[TruthReason]:
     if not reason.parts:
         yield reason
     for part in reason.parts:
         yield from _leaves(part)
 
 
-def _deadline(reason: Reason) -> int | None:
+def _deadline(reason: TruthReason) -> int | None:
     """The end of the outermost window that looks ahead."""
     if reason.kind in _AHEAD and reason.window is not None:
         return reason.window[1]

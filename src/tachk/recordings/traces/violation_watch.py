@@ -9,7 +9,7 @@ from typing import Any
 from tachk.recordings.traces.monitor_group import open_group
 from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.recordings.traces.trace import Ticks
-from tachk.recordings.traces.violations import Obligation, obligations
+from tachk.recordings.traces.violations import DemandedNode, obligations
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +30,10 @@ class ViolationChange:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _WatchedConjunct:
     formula: int
     text: str
-    asked: Obligation
+    asked: DemandedNode
 
 
 class ViolationWatch:
@@ -54,7 +54,7 @@ class ViolationWatch:
     ) -> None:
         """Args: see `open_group`."""
         found = [
-            (_Part(number, program.nodes[asked.node].text, asked), _always(program, asked.node))
+            (_WatchedConjunct(number, program.nodes[asked.node].text, asked), _always(program, asked.node))
             for number, program in enumerate(programs)
             for asked in obligations(program)
         ]

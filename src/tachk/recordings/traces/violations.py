@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind
-from tachk.recordings.traces.node_signal import Runs, Truth
+from tachk.recordings.traces.node_signal import CellRuns, Truth
 from tachk.recordings.traces.verdict_explanation import Explainer, Finding, trigger_of, window_of
 
 
 @dataclass(frozen=True, slots=True)
-class Obligation:
+class DemandedNode:
     """A node that is neither a conjunction nor a G, with the first and the last cell at which it has to be true.
 
     Attributes:
@@ -49,12 +49,12 @@ class TriggerCounts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Part:
+class _DemandedCells:
     """Something that has to be true in some cells."""
 
     node: int
-    violated: Runs
-    triggers: Runs | None
+    violated: CellRuns
+    triggers: CellRuns | None
     counts: TriggerCounts | None
 
 
@@ -68,7 +68,7 @@ class Violations(Sequence[Finding]):
 
     triggers: TriggerCounts | None
     _explainer: Explainer = field(repr=False)
-    _parts: tuple[_Part, ...] = field(repr=False)
+    _parts: tuple[_DemandedCells, ...] = field(repr=False)
     _order: NDArray[np.int64] = field(repr=False)
 
     def __len__(self) -> int:
@@ -115,9 +115,9 @@ def violations_of(explainer: Explainer) -> Violations:
     return Violations(total, explainer, parts, np.argsort(firsts, kind="stable"))
 
 
-def obligations(program: MonitorProgram) -> Iterator[Obligation]:
+def obligations(program: MonitorProgram) -> Iterator[DemandedNode]:
     """What has to be true for the whole to be, where the whole is made of conjunctions and G."""
-    pending = [Obligation(len(program.nodes) - 1, 0, 0)]
+    pending = [DemandedNode(len(program.nodes) - 1, 0, 0)]
     while pending:
         asked = pending.pop()
         current = program.nodes[asked.node]
@@ -126,7 +126,7 @@ def obligations(program: MonitorProgram) -> Iterator[Obligation]:
         elif current.kind is NodeKind.ALWAYS and not _empty(current):
             # The windows of neighbouring cells overlap or touch, so together they have no gap.
             last = None if asked.last is None else window_of(current, asked.last)[1]
-            pending.append(Obligation(current.operands[0], window_of(current, asked.first)[0], last))
+            pending.append(DemandedNode(current.operands[0], window_of(current, asked.first)[0], last))
         else:
             yield asked
 
@@ -136,17 +136,17 @@ def _empty(node: MonitorNode) -> bool:
     return node.lower == node.upper and not (node.lower_closed and node.upper_closed)
 
 
-def _part(explainer: Explainer, asked: Obligation) -> _Part:
+def _part(explainer: Explainer, asked: DemandedNode) -> _DemandedCells:
     node, first = asked.node, asked.first
     last = explainer.cells - 1 if asked.last is None else min(asked.last, explainer.cells - 1)
     signal = explainer.signal(node)
     violated = signal.runs(Truth.FALSE, first, last)
     trigger = trigger_of(explainer.program, node)
     if trigger is None:
-        return _Part(node, violated, None, None)
+        return _DemandedCells(node, violated, None, None)
     asking = explainer.signal(trigger)
     triggers = asking.runs(Truth.TRUE, first, last)
     in_vain = triggers.meets(violated)
     pending = triggers.meets(signal.runs(Truth.UNDETERMINED, first, last)) & ~in_vain
     counts = TriggerCounts(len(triggers), int(in_vain.sum()), int(pending.sum()))
-    return _Part(node, violated, asking.runs(Truth.TRUE, 0, asking.cells - 1), counts)
+    return _DemandedCells(node, violated, asking.runs(Truth.TRUE, 0, asking.cells - 1), counts)

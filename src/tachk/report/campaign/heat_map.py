@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.model.grid import Axis, Grid
+from tachk.model.grid import Grid, ParameterAxis
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure
 from tachk.verify.campaign.job import COLUMNS, ESTIMATED, Row
@@ -85,11 +85,11 @@ def draw_maps(model: str, grid: Grid, rows: Sequence[Row], show: str) -> Figure:
     return figure
 
 
-def _maps(grid: Grid, rows: Sequence[Row]) -> tuple[Axis, Axis, list[_Map]]:
+def _maps(grid: Grid, rows: Sequence[Row]) -> tuple[ParameterAxis, ParameterAxis, list[_Map]]:
     """What goes across, what goes up, and the maps."""
     varied = sorted(grid.varied or grid.axes[:1], key=lambda axis: -len(axis.values))
-    across = varied[0] if varied else Axis("", ("",))
-    up = varied[1] if len(varied) > 1 else Axis("", ("",))
+    across = varied[0] if varied else ParameterAxis("", ("",))
+    up = varied[1] if len(varied) > 1 else ParameterAxis("", ("",))
     further = varied[2:]
     maps = []
     settings = product(*([(axis.name, value) for value in axis.values] for axis in further))
@@ -100,7 +100,7 @@ def _maps(grid: Grid, rows: Sequence[Row]) -> tuple[Axis, Axis, list[_Map]]:
     return across, up, maps
 
 
-def _number(axis: Axis, row: Row) -> int:
+def _number(axis: ParameterAxis, row: Row) -> int:
     """Of the row's value along an axis; 0 along one that stands for none."""
     return [*axis.values].index(row[axis.name]) if axis.name else 0  # type: ignore[arg-type]
 
@@ -164,7 +164,7 @@ def short(value: float) -> str:
     return f"{value:.3g}"
 
 
-def _draw(plane: Plane, map_: _Map, across: Axis, up: Axis, colours: _Colours) -> None:
+def _draw(plane: Plane, map_: _Map, across: ParameterAxis, up: ParameterAxis, colours: _Colours) -> None:
     plane.set_title(map_.title, fontsize=9, loc="left")
     labelled = max(len(across.values), len(up.values)) <= _MOST_LABELLED
     for place, row in map_.rows.items():

@@ -8,7 +8,7 @@ from typing import Any
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.coverage import Covered
 from tachk.recordings.conformance.edits import Edit
-from tachk.recordings.conformance.events import Event
+from tachk.recordings.conformance.events import RecordedEvent
 
 
 def conformance_to_json(found: Sequence[Conformance], model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def _refusal(found: Conformance) -> dict[str, Any] | None:
     }
 
 
-def _event(event: Event) -> dict[str, Any]:
+def _event(event: RecordedEvent) -> dict[str, Any]:
     return {"place": event.place, "time": float(event.time), "event": event.name, "cells": dict(event.cells)}
 
 

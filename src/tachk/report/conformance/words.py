@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.edits import Edit
-from tachk.recordings.conformance.events import Event
-from tachk.recordings.conformance.refusal import Offer
+from tachk.recordings.conformance.events import RecordedEvent
+from tachk.recordings.conformance.refusal import PossibleEvent
 
 
 def moment(found: Conformance, units: int | Fraction) -> str:
@@ -23,13 +23,13 @@ def recorded_time(found: Conformance, time: Fraction) -> str:
     return f"{float(time):.6f}".rstrip("0").rstrip(".")
 
 
-def event_text(event: Event) -> str:
+def event_text(event: RecordedEvent) -> str:
     """``light(on=1, level=7)``"""
     cells = ", ".join(f"{name}={value}" for name, value in event.cells.items() if value != "")
     return f"{event.name}({cells})"
 
 
-def offer_text(found: Conformance, offer: Offer) -> str:
+def offer_text(found: Conformance, offer: PossibleEvent) -> str:
     """``sent(link=0, kind=HEARTBEAT)``: with the words that the recording has for values."""
     return _said(found, offer.name, offer.cells)
 

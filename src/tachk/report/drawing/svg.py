@@ -96,7 +96,7 @@ def draw_template(
     Args:
         taken: how often each edge was taken: edges that were are green and thick, others orange and dotted.
     """
-    picture = _Canvas()
+    picture = _SvgCanvas()
     for key, edge in keyed_edges(template):
         often = None if taken is None else taken.get(key, 0)
         _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key, often)
@@ -126,7 +126,7 @@ def together(name: str, pictures: Sequence[Picture]) -> Picture:
     return Picture(name, name, 0, 0, width, top, "\n".join(content))
 
 
-class _Canvas:
+class _SvgCanvas:
     """The elements of a picture and the box around them."""
 
     def __init__(self) -> None:
@@ -158,7 +158,7 @@ class _Canvas:
         return Picture(name, title, left, top, width, height, "\n".join(self.elements))
 
 
-def _draw_location(picture: _Canvas, location: ast.LocationDeclaration, layout: NodeLayout) -> None:
+def _draw_location(picture: _SvgCanvas, location: ast.LocationDeclaration, layout: NodeLayout) -> None:
     if layout.position is None:
         return
     x, y = layout.position
@@ -182,7 +182,7 @@ def _with_comment(labels: Mapping[str, str], doc: str) -> dict[str, str]:
     return {**labels, "comments": doc} if doc else dict(labels)
 
 
-def _draw_labels(picture: _Canvas, texts: Mapping[str, str], layout: Mapping[str, LabelLayout]) -> None:
+def _draw_labels(picture: _SvgCanvas, texts: Mapping[str, str], layout: Mapping[str, LabelLayout]) -> None:
     for kind, text in texts.items():
         label = layout.get(kind, LabelLayout())
         if label.position is not None:
@@ -190,7 +190,7 @@ def _draw_labels(picture: _Canvas, texts: Mapping[str, str], layout: Mapping[str
 
 
 def _draw_edge(
-    picture: _Canvas,
+    picture: _SvgCanvas,
     template: ast.Template,
     layout: TemplateLayout,
     edge: ast.EdgeDeclaration,

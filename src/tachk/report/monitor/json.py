@@ -9,7 +9,7 @@ from tachk.model.quantity import decimal
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_time, value_text
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
-from tachk.recordings.traces.verdict_explanation import Finding, Reason
+from tachk.recordings.traces.verdict_explanation import Finding, TruthReason
 from tachk.report.json_report import Json
 from tachk.report.monitor.words import explain_verdict
 
@@ -110,7 +110,7 @@ def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
     }
 
 
-def _blamed(trace: Trace, verdict: MonitorVerdict, reason: Reason) -> dict[str, Json]:
+def _blamed(trace: Trace, verdict: MonitorVerdict, reason: TruthReason) -> dict[str, Json]:
     columns = verdict.explainer.columns(reason)
     return {
         "formula": reason.text,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tachk.base.time_limit import check_time
 from tachk.recordings.monitors.record import MonitorVerdict
-from tachk.recordings.traces.monitor_program import MonitorProgram, NodeKind, Relation, ValueOperator
+from tachk.recordings.traces.monitor_program import AtomRelation, MonitorProgram, NodeKind, ValueOperator
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.trace import Trace
 
@@ -31,7 +31,7 @@ class FormulaRows:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class PlotRange:
     """The part of a trace that is drawn, in ticks."""
 
     begin: float
@@ -39,7 +39,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, slots=True)
-class Band:
+class SignalBand:
     """From ``begin`` to ``end``, in ticks; ``widened`` if it is narrower in truth."""
 
     begin: float
@@ -73,13 +73,13 @@ def _is_plain(program: MonitorProgram, node: int) -> bool:
         return True
     if current.kind is NodeKind.ATOM:
         atom = program.atoms[current.atom]
-        return atom.relation is Relation.TRUTH and len(atom.left) == 1
+        return atom.relation is AtomRelation.TRUTH and len(atom.left) == 1
     return False
 
 
-def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: float) -> list[Band]:
+def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: float) -> list[SignalBand]:
     """Where a subformula has a value; what is narrower than a pixel is made that wide, so that no instant is lost."""
-    bands: list[Band] = []
+    bands: list[SignalBand] = []
     for first, last, value in signal.stretches():
         check_time()
         if value is not truth:
@@ -94,9 +94,9 @@ def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: 
             left = max(min(left, end - pixel), begin)
             right = left + pixel
         if bands and left - bands[-1].end < pixel / 2:
-            bands[-1] = Band(bands[-1].begin, max(right, bands[-1].end), bands[-1].widened and widened)
+            bands[-1] = SignalBand(bands[-1].begin, max(right, bands[-1].end), bands[-1].widened and widened)
         else:
-            bands.append(Band(left, right, widened))
+            bands.append(SignalBand(left, right, widened))
     return bands
 
 
@@ -141,7 +141,7 @@ def thresholds(verdicts: Sequence[MonitorVerdict], column: str) -> list[float]:
     for verdict in verdicts:
         program = verdict.program
         for atom in program.atoms:
-            if atom.relation is Relation.TRUTH or len(atom.left) != 1 or len(atom.right) != 1:
+            if atom.relation is AtomRelation.TRUTH or len(atom.left) != 1 or len(atom.right) != 1:
                 continue
             (left,), (right,) = atom.left, atom.right
             if left.operator is ValueOperator.CONSTANT:

@@ -7,14 +7,14 @@ from matplotlib.axes import Axes
 
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
 from tachk.report.monitor.formula_signals import signal_of
-from tachk.report.monitor.plot_rows import Stretch
+from tachk.report.monitor.plot_rows import PlotRange
 
 _INK = "#22577a"
 _LABEL = 8
 _LARGEST = 1e300
 
 
-def draw_robustness(axis: Axes, record: MonitorRecord, verdict: MonitorVerdict, span: Stretch) -> None:
+def draw_robustness(axis: Axes, record: MonitorRecord, verdict: MonitorVerdict, span: PlotRange) -> None:
     """A line where the trace decides it, a band between its bounds where not. What is infinite has no line."""
     signal = signal_of(record, verdict)
     axis.set_gid(f"robustness-{verdict.name}")

@@ -27,7 +27,16 @@ from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cloc
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.report.figure_files import svg_of, write_figure
-from tachk.report.monitor.plot_rows import Band, FormulaRows, Stretch, bands_of, formula_rows, line, steps, thresholds
+from tachk.report.monitor.plot_rows import (
+    FormulaRows,
+    PlotRange,
+    SignalBand,
+    bands_of,
+    formula_rows,
+    line,
+    steps,
+    thresholds,
+)
 from tachk.report.monitor.robustness_plot import draw_robustness
 from tachk.report.monitor.text import answer_text, robustness_text
 
@@ -54,7 +63,9 @@ _SHORTEST_LABEL, _LONGEST_LABEL = 8, 200
 _STYLE = {"hatch.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False}
 
 
-def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = None, robustness: bool = False) -> None:
+def plot_record(
+    record: MonitorRecord, path: str | Path, span: PlotRange | None = None, robustness: bool = False
+) -> None:
     """Writes the picture of a record whose verdicts have their explainers.
 
     Args:
@@ -72,7 +83,7 @@ class Plot:
     """A picture that has not been written; a notebook shows it."""
 
     record: MonitorRecord = field(repr=False)
-    span: Stretch
+    span: PlotRange
     robustness: bool = False
 
     @property
@@ -84,10 +95,10 @@ class Plot:
         return self.svg
 
 
-def draw_record(record: MonitorRecord, span: Stretch | None = None, robustness: bool = False) -> Figure:
+def draw_record(record: MonitorRecord, span: PlotRange | None = None, robustness: bool = False) -> Figure:
     """The picture as a matplotlib figure."""
     trace = record.trace
-    span = span or Stretch(0, max(trace.end, 1))
+    span = span or PlotRange(0, max(trace.end, 1))
     groups = [(verdict, formula_rows(verdict)) for verdict in record.verdicts]
     flags = [name for name, values in trace.columns.items() if values.dtype.kind == "u"]
     numbers = [name for name in trace.columns if name not in flags]
@@ -141,7 +152,7 @@ def _axes(figure: Figure, heights: Sequence[float], gaps: Sequence[float], heigh
     return axes
 
 
-def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Stretch, verdicts: Sequence[MonitorVerdict]) -> None:
+def _draw_numbers(axis: Axes, trace: Trace, name: str, span: PlotRange, verdicts: Sequence[MonitorVerdict]) -> None:
     moves = trace.moves(name)
     times, values = (line if moves else steps)(trace, name, span.begin, span.end)
     levels = thresholds(verdicts, name)
@@ -168,7 +179,7 @@ def _within_picture(values: NDArray[np.float64], finite: Sequence[float]) -> NDA
     return np.clip(values, low - beyond, high + beyond)
 
 
-def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Stretch) -> None:
+def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: PlotRange) -> None:
     """One line for each truth value: high and filled where it is true."""
     for row, name in enumerate(names):
         times, values = steps(trace, name, span.begin, span.end)
@@ -180,7 +191,7 @@ def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Stretch) -
     _rows(axis, [_label(name) for name in names])
 
 
-def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: FormulaRows, span: Stretch) -> None:
+def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: FormulaRows, span: PlotRange) -> None:
     axis.set_gid(f"formula-{verdict.name}")
     pixel = (span.end - span.begin) / (_WIDTH * (_RIGHT - _LEFT) * 150)
     for row, node in enumerate(rows.nodes):
@@ -204,7 +215,7 @@ def _title_ink(verdict: MonitorVerdict) -> str:
     return "#222222" if verdict.truth is Truth.UNDETERMINED else _INK[verdict.truth]
 
 
-def _draw_bands(axis: Axes, bands: Sequence[Band], base: int, truth: Truth, gid: str, level: int) -> None:
+def _draw_bands(axis: Axes, bands: Sequence[SignalBand], base: int, truth: Truth, gid: str, level: int) -> None:
     if not bands:
         return
     low, high = base + 0.14, base + 0.86
@@ -228,7 +239,7 @@ def _rows(axis: Axes, labels: Sequence[str]) -> None:
     axis.spines["left"].set_visible(False)
 
 
-def _draw_time(axes: Sequence[Axes], trace: Trace, span: Stretch) -> None:
+def _draw_time(axes: Sequence[Axes], trace: Trace, span: PlotRange) -> None:
     """Ticks at round numbers of the recording's clock, with labels below the last axis."""
     origin, scale = float(trace.origin), trace.ticks_per_unit
     begin, end = origin + span.begin / scale, origin + span.end / scale
@@ -239,7 +250,7 @@ def _draw_time(axes: Sequence[Axes], trace: Trace, span: Stretch) -> None:
     axes[-1].set_xlabel(f"time [{trace.unit}]" if trace.unit else "time", fontsize=_LABEL)
 
 
-def _mark(axis: Axes, verdict: MonitorVerdict, span: Stretch, labelled: bool, trace: Trace) -> None:
+def _mark(axis: Axes, verdict: MonitorVerdict, span: PlotRange, labelled: bool, trace: Trace) -> None:
     """Lines at the instant of the violation (or of what is pending) and at the deadline."""
     finding = verdict.finding
     if finding is None:
@@ -273,7 +284,7 @@ def _mark(axis: Axes, verdict: MonitorVerdict, span: Stretch, labelled: bool, tr
             )
 
 
-def _mark_violations(axis: Axes, verdict: MonitorVerdict, span: Stretch) -> None:
+def _mark_violations(axis: Axes, verdict: MonitorVerdict, span: PlotRange) -> None:
     """A small triangle above each violation."""
     if verdict.measured is not Truth.FALSE:
         return

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from tachk.model.quantity import grouped
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_text, clock_text
-from tachk.recordings.traces.conventions import Ending, Interpolation
+from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.violations import Violations
 from tachk.report.monitor.words import count_violations, explain_verdict, seen_values
@@ -146,8 +146,8 @@ def _summary(record: MonitorRecord) -> Text:
         if number:
             parts.append(f"{number} {truth.word}")
     rule = {
-        Ending.UNDETERMINED: "",
-        Ending.WEAK: "; what is pending at the end counts as satisfied",
-        Ending.STRONG: "; what is pending at the end counts as violated",
+        TraceEnding.UNDETERMINED: "",
+        TraceEnding.WEAK: "; what is pending at the end counts as satisfied",
+        TraceEnding.STRONG: "; what is pending at the end counts as violated",
     }[record.ending]
     return Text(", ".join(parts) + rule)

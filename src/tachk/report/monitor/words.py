@@ -9,7 +9,7 @@ from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell
 from tachk.recordings.traces.monitor_program import NodeKind
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
-from tachk.recordings.traces.verdict_explanation import Finding, Reason
+from tachk.recordings.traces.verdict_explanation import Finding, TruthReason
 from tachk.recordings.traces.violations import Violations
 
 _COLUMNS_SHOWN = 8
@@ -68,7 +68,7 @@ def _trigger(trace: Trace, finding: Finding) -> Iterator[str]:
         yield f"trigger: `{trigger.text}` is true since {at}, also at {cell_text(trace, finding.cell)}"
 
 
-def _reason(trace: Trace, reason: Reason) -> Iterator[str]:
+def _reason(trace: Trace, reason: TruthReason) -> Iterator[str]:
     """What makes a subformula false or undetermined, from the outside inwards."""
     at = cell_text(trace, reason.cell)
     if reason.window is not None:
@@ -88,7 +88,7 @@ def _reason(trace: Trace, reason: Reason) -> Iterator[str]:
             yield f"`{reason.text}` is {reason.value.word} at {at}"
 
 
-def _window_reason(trace: Trace, reason: Reason) -> Iterator[str]:
+def _window_reason(trace: Trace, reason: TruthReason) -> Iterator[str]:
     assert reason.window is not None
     first, last = reason.window
     inner = f"`{reason.operands[-1]}`"

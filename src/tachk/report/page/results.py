@@ -11,7 +11,7 @@ from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.formats.written_reports import check_report, read_json
-from tachk.model.grid import Axis, Grid
+from tachk.model.grid import Grid, ParameterAxis
 from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
@@ -51,7 +51,7 @@ def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
 
 
 def _sweep(document: Mapping[str, Any]) -> Chapter:
-    grid = Grid(tuple(Axis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
+    grid = Grid(tuple(ParameterAxis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
     rows: list[dict[str, Any]] = document["rows"]
     for number, row in enumerate(rows):
         for axis in grid.axes:

@@ -24,8 +24,8 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure
 from tachk.report.region.words import effort, inequalities, summary
-from tachk.verify.synthesis.parameters import Parameter
-from tachk.verify.synthesis.region import Evidence, Region, RegionCell
+from tachk.verify.synthesis.parameters import VariedConstant
+from tachk.verify.synthesis.region import CellEvidence, Region, RegionCell
 from tachk.verify.verdict import Answer
 
 _MOST_MAPS = 12
@@ -95,7 +95,9 @@ def _draw_map(axes: Axes, region: Region, fixed: Sequence[int], corners: set[tup
         squares = [_square(region, cell) for cell in cells if cell.answer is answer]
         axes.add_collection(PatchCollection(squares, **mark_of(answer), linewidth=0.25))
     places = {cell.values: _place(region, cell) for cell in cells}
-    decided = [c.values for c in cells if c.evidence in (Evidence.SEARCH, Evidence.RUN, Evidence.CERTIFICATE)]
+    decided = [
+        c.values for c in cells if c.evidence in (CellEvidence.SEARCH, CellEvidence.RUN, CellEvidence.CERTIFICATE)
+    ]
     dot = max(1.0, min(4.5, 170 / max(region.shape[:2])))
     axes.plot(*_points(places[v] for v in decided), ".", color=_BORDER, markersize=dot, linestyle="")
     marked = [values for values in decided if values in corners]
@@ -143,7 +145,7 @@ def _border(axes: Axes, region: Region, cells: Sequence[RegionCell]) -> None:
             axes.plot([x - 0.5, x + 0.5], [y - 0.5, y - 0.5], color=_BORDER, linewidth=1.6)
 
 
-def _scale(axes: Axes, across: Parameter, up: Parameter | None) -> None:
+def _scale(axes: Axes, across: VariedConstant, up: VariedConstant | None) -> None:
     axes.set_xlim(-0.5, len(across.values) - 0.5)
     axes.set_xlabel(across.name)
     numbers = evenly_labelled(len(across.values))

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from tachk.base.span import NOWHERE, Span
 from tachk.model.quantity import duration, grouped
-from tachk.verify.synthesis.bounds_of_parameters import Bound, NoBound
-from tachk.verify.synthesis.region import Evidence, Region, RegionCell, shown_by_a_run
+from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound
+from tachk.verify.synthesis.region import CellEvidence, Region, RegionCell, shown_by_a_run
 from tachk.verify.verdict import Answer
 
 
@@ -35,11 +35,11 @@ def knowledge(region: Region) -> Iterator[tuple[str, str]]:
     """What is proved about each parameter: its name, and a sentence."""
     for parameter, bound in zip(region.parameters, region.bounds, strict=True):
         match bound:
-            case Bound.UPPER:
+            case ParameterBound.UPPER:
                 words = "an upper bound only: more of it only adds behaviour"
-            case Bound.LOWER:
+            case ParameterBound.LOWER:
                 words = "a lower bound only: less of it only adds behaviour"
-            case Bound.ABSENT:
+            case ParameterBound.ABSENT:
                 words = "not in anything that is searched: one value stands for all"
             case NoBound(reason, span):
                 words = f"value by value: {reason}{_at(span)}"
@@ -61,12 +61,12 @@ def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
         steps = len(verdict.trace.path)
         end = duration(verdict.trace.states[-1].time, time_unit)
         loop = "" if verdict.trace.loop_start is None else ", with a loop"
-        again = ", that of another cell at other times" if cell.evidence is Evidence.RUN else ""
+        again = ", that of another cell at other times" if cell.evidence is CellEvidence.RUN else ""
         return f"a run of {steps} step{'s' * (steps != 1)}, to time {end}{loop}{again}"
     if cell.answer is shown_by_a_run(region.query):
         return f"found by a search that stored {grouped(verdict.statistics.states_stored)} states"
     proof = "" if cell.certificate is None else f"certificate of {grouped(cell.certificate.zones)} zones"
-    if cell.evidence is Evidence.CERTIFICATE:
+    if cell.evidence is CellEvidence.CERTIFICATE:
         return f"a {proof}, that of another cell, checked again"
     explored = f"all {grouped(verdict.statistics.states_stored)} states explored"
     return f"{explored}, and a {proof}" if proof else explored
@@ -74,12 +74,16 @@ def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
 
 def effort(region: Region) -> str:
     """How the answers came about."""
-    counts = {kind: sum(cell.evidence is kind for cell in region.cells) for kind in Evidence}
+    counts = {kind: sum(cell.evidence is kind for cell in region.cells) for kind in CellEvidence}
     parts = [
-        f"{grouped(counts[Evidence.SEARCH])} cell{'s' * (counts[Evidence.SEARCH] != 1)} searched",
-        f"{grouped(counts[Evidence.RUN])} by the run of another cell",
-        *([f"{grouped(counts[Evidence.CERTIFICATE])} by its certificate"] if counts[Evidence.CERTIFICATE] else []),
-        f"{grouped(counts[Evidence.IMPLIED])} implied",
+        f"{grouped(counts[CellEvidence.SEARCH])} cell{'s' * (counts[CellEvidence.SEARCH] != 1)} searched",
+        f"{grouped(counts[CellEvidence.RUN])} by the run of another cell",
+        *(
+            [f"{grouped(counts[CellEvidence.CERTIFICATE])} by its certificate"]
+            if counts[CellEvidence.CERTIFICATE]
+            else []
+        ),
+        f"{grouped(counts[CellEvidence.IMPLIED])} implied",
     ]
     return ", ".join(parts)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Sequence
 
 from tachk.base.records import dataclass
-from tachk.meaning.run_view import Event, ViewStep
+from tachk.meaning.run_view import TransitionView, ViewStep
 
 _SAVED = 4
 """A repetition is told as one if that saves at least as many steps (or rounds, in rounds of rounds)."""
@@ -61,7 +61,7 @@ class Round:
 
 def fold_rounds(steps: Sequence[ViewStep]) -> tuple[Single | Round, ...]:
     """The steps of a run in order, rounds put together."""
-    row = _Row(steps)
+    row = _RunItems(steps)
     while True:
         before = len(row.items)
         period = 1
@@ -72,7 +72,7 @@ def fold_rounds(steps: Sequence[ViewStep]) -> tuple[Single | Round, ...]:
             return tuple(row.items)
 
 
-class _Row:
+class _RunItems:
     """The items of a run while rounds are put together.
 
     Attributes:
@@ -118,6 +118,6 @@ def _key(step: ViewStep) -> Hashable:
     return step.delay, None if step.event is None else _event_key(step.event)
 
 
-def _event_key(event: Event) -> Hashable:
+def _event_key(event: TransitionView) -> Hashable:
     moves = ((move.process, move.source, move.target, move.selects, move.doc) for move in event.moves)
     return event.channel, tuple(moves)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.meaning.run_view import Event, Move, TraceView
+from tachk.meaning.run_view import ProcessMove, TraceView, TransitionView
 from tachk.model.quantity import duration
 
 _TIMES_TOLD = 3
@@ -23,7 +23,7 @@ def news_line(trace: TraceView, time_unit: str) -> str:
     return "; ".join(f"{words} {_told(times)}" for words, times in found.items())
 
 
-def _words(event: Event, move: Move) -> str:
+def _words(event: TransitionView, move: ProcessMove) -> str:
     """A hidden process is named by what it does it to."""
     actor = event.channel if move.hidden and event.channel else move.process
     return f"{actor} {' '.join(move.doc.split())}"

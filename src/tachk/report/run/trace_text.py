@@ -10,7 +10,7 @@ from rich.text import Text
 
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.meaning.run_view import Event, Move, Snapshot, TraceView
+from tachk.meaning.run_view import ProcessMove, Snapshot, TraceView, TransitionView
 from tachk.model.quantity import duration, grouped
 from tachk.model.run import Ending
 from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
@@ -25,7 +25,7 @@ _COLUMNS = 120
 def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:
     """Prints a run."""
     told = trace if telling.every_step else trace.without_hidden()
-    teller = _Teller(told, time_unit, telling.clocks, min(_COLUMNS, console.width))
+    teller = _RunWriter(told, time_unit, telling.clocks, min(_COLUMNS, console.width))
     start = len(told.steps) if told.loop_start is None else told.loop_start
     stem, loop = (_items(told, a, b, telling.every_step) for a, b in ((0, start), (start, len(told.steps))))
     ends = Ends(len(stem) + len(loop) + 1, 0) if telling.every_step else telling.ends
@@ -45,7 +45,7 @@ def _later(item: Single | Round, steps: int) -> Single | Round:
     return Round(tuple(_later(inner, steps) for inner in item.block), item.times, item.length)
 
 
-def event_lines(event: Event, room: int = 0) -> Iterator[Text]:
+def event_lines(event: TransitionView, room: int = 0) -> Iterator[Text]:
     """Who does what, with the documentation of the edge or else of the location it leads to.
 
     Args:
@@ -72,7 +72,7 @@ _ENDINGS = {
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _FoldedItems:
     """What is told of some items: those at both ends, and how many steps are left out between them."""
 
     beginning: Sequence[Single | Round]
@@ -80,14 +80,16 @@ class _Part:
     end: Sequence[Single | Round]
 
     @staticmethod
-    def of(items: Sequence[Single | Round], ends: Ends) -> _Part:
+    def of(items: Sequence[Single | Round], ends: Ends) -> _FoldedItems:
         if len(items) <= ends.beginning + ends.end + 1:
-            return _Part(items, 0, ())  # saying that one is left out would save nothing
+            return _FoldedItems(items, 0, ())  # saying that one is left out would save nothing
         between = items[ends.beginning : len(items) - ends.end]
-        return _Part(items[: ends.beginning], sum(item.length for item in between), items[len(items) - ends.end :])
+        return _FoldedItems(
+            items[: ends.beginning], sum(item.length for item in between), items[len(items) - ends.end :]
+        )
 
 
-class _Teller:
+class _RunWriter:
     """Writes the lines of one run."""
 
     def __init__(self, trace: TraceView, time_unit: str, clocks: bool, columns: int) -> None:
@@ -101,9 +103,9 @@ class _Teller:
         self._width = 0
 
     def text(self, stem: Sequence[Single | Round], loop: Sequence[Single | Round], ends: Ends) -> Text:
-        parts = [_Part.of(stem, ends)]
+        parts = [_FoldedItems.of(stem, ends)]
         if loop:
-            parts.append(_Part.of(loop, Ends(max(ends.beginning, _LOOP_BEGINNING), ends.end)))
+            parts.append(_FoldedItems.of(loop, Ends(max(ends.beginning, _LOOP_BEGINNING), ends.end)))
         numbers = [number for part in parts for number in _numbers([*part.beginning, *part.end])]
         self._width = max(len(self._times[0]), *(len(self._times[n + 1]) for n in numbers), 0)
         if ends.beginning or not parts[0].left_out:
@@ -204,7 +206,7 @@ def _start_lines(state: Snapshot, clocks: bool) -> Iterator[Text]:
         yield _clock_line(state.clocks)
 
 
-def _move_line(channel: str, move: Move) -> Text:
+def _move_line(channel: str, move: ProcessMove) -> Text:
     line = Text()
     if move.direction is not None:
         mark = "!" if move.direction is Direction.SEND else "?"

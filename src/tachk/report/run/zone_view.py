@@ -10,7 +10,7 @@ from typing import Any
 from tachk.engine.zone_graph import ZoneGraph
 from tachk.meaning import dbm
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Zone
-from tachk.meaning.run_view import Event, Names
+from tachk.meaning.run_view import RunNames, TransitionView
 from tachk.model.network import Network
 
 
@@ -62,7 +62,7 @@ def as_networkx(network: Network, graph: ZoneGraph) -> Any:
     """
     import networkx
 
-    names = Names(network)
+    names = RunNames(network)
     clocks = [names.layout.names[cell] for cell in names.layout.clock_cells]
     states = []
     for number, (discrete, zone) in enumerate(graph.nodes):
@@ -81,7 +81,7 @@ def as_networkx(network: Network, graph: ZoneGraph) -> Any:
     return found
 
 
-def event_text(event: Event) -> str:
+def event_text(event: TransitionView) -> str:
     return ", ".join(
         f"{f'{event.channel}{move.direction.value} ' if move.direction else ''}{move.process}: "
         f"{move.source} → {move.target}" + "".join(f" [{name} = {value}]" for name, value in move.selects)

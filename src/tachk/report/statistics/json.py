@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Any, assert_never
 
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
-from tachk.simulation.statistics.sampling import Sample
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, Split
+from tachk.simulation.statistics.sampling import SampledRuns
 from tachk.simulation.statistics.trajectories import Trajectory
 
 
@@ -59,7 +59,7 @@ def answer_document(found: Estimate) -> dict[str, Any]:
             }
         case Split():
             return {**head, **_splitting(found)}
-        case Drawn():
+        case DrawnRuns():
             picked = None if found.picked is None else _sample(found.picked)
             interval = None if found.interval is None else list(found.interval)
             runs = [_run(run) for run in found.runs]
@@ -97,7 +97,7 @@ def _run(run: Trajectory) -> dict[str, Any]:
     }
 
 
-def _sample(sample: Sample) -> dict[str, Any]:
+def _sample(sample: SampledRuns) -> dict[str, Any]:
     return {
         "runs": sample.runs,
         "hits": sample.hits,

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.report.figure_files import write_figure
 from tachk.report.statistics.text import interval_text
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Split
-from tachk.simulation.statistics.sampling import Sample
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Split
+from tachk.simulation.statistics.sampling import SampledRuns
 
 _WIDTH, _ROW = 9.0, 2.5
 _TOP, _BETWEEN, _BOTTOM = 0.45, 0.95, 0.6
@@ -74,14 +74,14 @@ def draw_estimates(found: Sequence[Estimate], time_unit: str) -> Figure:
                 axis.set_title(
                     f"{each.rare.mean:.3g}, {interval_text(each.low, each.high)}", color=_LINES[1], loc="right"
                 )
-            case Drawn():
+            case DrawnRuns():
                 _trajectories(figure.add_axes(whole), each, time)
             case never:
                 assert_never(never)
     return figure
 
 
-def _moments(axes: tuple[Axes, Axes], sample: Sample, found: Estimated, time: str) -> None:
+def _moments(axes: tuple[Axes, Axes], sample: SampledRuns, found: Estimated, time: str) -> None:
     _histogram(axes[0], sample.all_times, time, "runs that violate it" if found.always else "runs that reach it")
     _reached(axes[1], sample, _INK, time)
     low, high = (1 - found.high, 1 - found.low) if found.always else (found.low, found.high)
@@ -109,7 +109,7 @@ def _histogram(axes: Axes, values: NDArray[np.float64], label: str, what: str) -
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def _reached(axes: Axes, sample: Sample, colour: str, time: str) -> None:
+def _reached(axes: Axes, sample: SampledRuns, colour: str, time: str) -> None:
     times = np.sort(sample.all_times)
     shares = np.arange(len(times) + 1) / sample.runs
     end = float(times[-1]) * 1.05 if len(times) and times[-1] > 0 else 1.0
@@ -131,7 +131,7 @@ def _values(axes: Axes, found: Mean) -> None:
     axes.set_title(f"mean {found.mean:.5g}, {interval_text(low, high)}", fontsize=8, color=_LINES[1], loc="right")
 
 
-def _trajectories(axes: Axes, found: Drawn, time: str) -> None:
+def _trajectories(axes: Axes, found: DrawnRuns, time: str) -> None:
     names: dict[str, int] = {}
     for run in found.runs[:_MOST_LINES]:
         for line in run.lines:

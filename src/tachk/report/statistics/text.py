@@ -7,9 +7,9 @@ from math import ceil, floor, isfinite, log10
 from typing import assert_never
 
 from tachk.simulation.statistics.deciding import Decision
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
-from tachk.simulation.statistics.sampling import Sample, told_endings
-from tachk.simulation.statistics.trajectories import Line
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, Split
+from tachk.simulation.statistics.sampling import SampledRuns, told_endings
+from tachk.simulation.statistics.trajectories import Polyline
 
 _POINTS = 6
 
@@ -29,7 +29,7 @@ def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
         case Split():
             yield f"{_head(found)}: {found.rare.mean:.3g}; {interval_text(found.low, found.high)}, {confidence}"
             yield from _split_lines(found)
-        case Drawn():
+        case DrawnRuns():
             yield f"{_head(found)}: {_count(len(found.runs), 'run')}"
             if found.picked is not None and found.interval is not None:
                 hits = f"the condition becomes true on {found.picked.hits} of {_count(found.picked.runs, 'run')}"
@@ -64,14 +64,14 @@ def _head(found: Estimate) -> str:
     return f"{found.query.name}: {' '.join(found.query.text.split())}"
 
 
-def _sample_lines(sample: Sample, frequency: float, method: str) -> Iterator[str]:
+def _sample_lines(sample: SampledRuns, frequency: float, method: str) -> Iterator[str]:
     number = " (a number fixed beforehand)" if method == "fixed" else ""
     unknown = f", {sample.unknown} of them unknown" if sample.unknown else ""
     yield f"  frequency {frequency:.6g} in {_count(sample.runs, 'run')}{number}{unknown}"
     yield from _endings(sample)
 
 
-def _endings(sample: Sample) -> Iterator[str]:
+def _endings(sample: SampledRuns) -> Iterator[str]:
     for told in told_endings(sample.endings.most_common()):
         yield f"  {told}"
     if sample.fault is not None:
@@ -123,7 +123,7 @@ def _split_lines(found: Split) -> Iterator[str]:
         yield f"  {_count(rare.unknown, 'run')} ended before it was known whether they reach it; they count as not"
 
 
-def _points(line: Line) -> str:
+def _points(line: Polyline) -> str:
     told = [f"({time:.6g}, {value:.6g})" for time, value in zip(line.times, line.values, strict=True)]
     more = f" ... {told[-1]} ({len(told)} points)" if len(told) > _POINTS + 1 else ""
     return " ".join(told[:_POINTS] if more else told) + more

@@ -23,11 +23,11 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.model.statistical import AskedPath, Comparison, Expectation, Path, Probability, Scale, Threshold
+from tachk.model.statistical import AskedPath, ExpectedValue, Path, Probability, ProbabilityComparison, Scale, Threshold
 from tachk.report.verifyta_notes import memory_lines, note
 from tachk.simulation.statistics.answers import StatisticalAnswer, samples_of
 from tachk.simulation.statistics.deciding import Decision
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimated, Mean, Settings, Split
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimated, Mean, Settings, Split
 from tachk.simulation.statistics.sampling import told_endings
 from tachk.simulation.statistics.trajectories import Trajectory
 
@@ -79,7 +79,7 @@ def statistical_lines(answer: StatisticalAnswer, form: Form = Form.V4, bars: Bar
             yield " -- Formula is satisfied."
             yield from _mean(found, form, settings)
             yield from _values(found.sample.all_values[~np.isnan(found.sample.all_values)], bars)
-        case Drawn():
+        case DrawnRuns():
             yield f" -- Formula is {'' if found.runs else 'NOT '}satisfied."
             yield from _picked(found, form, settings)
             yield from _trajectories(found.runs)
@@ -102,7 +102,7 @@ def statistical_summary(answer: StatisticalAnswer) -> Iterator[str]:
     yield from memory_lines()
 
 
-def _picked(found: Drawn, form: Form, settings: Settings) -> Iterator[str]:
+def _picked(found: DrawnRuns, form: Form, settings: Settings) -> Iterator[str]:
     """How probable the condition is that picks runs."""
     if found.picked is None or found.interval is None:
         return
@@ -150,7 +150,7 @@ def _test(found: Decided, form: Form, settings: Settings) -> Iterator[str]:
         case Threshold(path, at_least, probability):
             relation = ">=" if at_least is holds else "<="
             text = f"{'H0' if holds else 'H1'}: {_operator(path, form)} {relation} {probability:.6g}"
-        case Comparison():
+        case ProbabilityComparison():
             text = f"Pr(..)/Pr(..) {'>=' if holds else '<='} 1"
         case _:
             return
@@ -163,7 +163,7 @@ def _test(found: Decided, form: Form, settings: Settings) -> Iterator[str]:
 
 def _mean(found: Mean, form: Form, settings: Settings) -> Iterator[str]:
     question, runs = found.query.question, found.sample.runs
-    name = "E(max)" if isinstance(question, Expectation) and question.largest else "E(min)"
+    name = "E(max)" if isinstance(question, ExpectedValue) and question.largest else "E(min)"
     if form is Form.V4:
         yield f"({runs} runs) {name} = {found.mean:.6g}"
         return

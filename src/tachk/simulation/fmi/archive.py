@@ -9,8 +9,8 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.simulation.fmi.blueprint import NAME, blueprint
-from tachk.simulation.fmi.description import Version, description
-from tachk.simulation.fmi.unit import Unit
+from tachk.simulation.fmi.description import FmiVersion, description
+from tachk.simulation.fmi.unit import CoSimulationUnit
 
 _LIBRARY = "libtachk_unit"
 _SUFFIXES = {"linux": ".so", "darwin": ".dylib"}
@@ -19,7 +19,7 @@ _TIME = (1980, 1, 1, 0, 0, 0)
 """Of every member, so that the same model gives the same file."""
 
 
-def write_unit(unit: Unit, version: Version, path: Path) -> None:
+def write_unit(unit: CoSimulationUnit, version: FmiVersion, path: Path) -> None:
     """Writes the archive of a unit for machines like this one. Raises UsageError where there is no library for it."""
     library = unit_library()
     made = blueprint(unit)
@@ -48,12 +48,12 @@ def _suffix() -> str:
     return _SUFFIXES.get(sys.platform, ".so")
 
 
-def _platform(version: Version) -> str:
+def _platform(version: FmiVersion) -> str:
     """What the folder of the library is called."""
     machine = _MACHINES.get(platform.machine().lower(), platform.machine().lower())
     match version:
-        case Version.TWO:
+        case FmiVersion.TWO:
             system = {"linux": "linux", "darwin": "darwin"}.get(sys.platform, sys.platform)
             return f"{system}64" if machine == "x86_64" or system == "darwin" else f"{machine}-{system}"
-        case Version.THREE:
+        case FmiVersion.THREE:
             return f"{machine}-{'darwin' if sys.platform == 'darwin' else 'linux'}"

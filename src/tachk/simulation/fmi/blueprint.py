@@ -9,7 +9,7 @@ import struct
 from tachk.base.records import dataclass
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.simulator import chances_image
-from tachk.simulation.fmi.unit import Unit
+from tachk.simulation.fmi.unit import CoSimulationUnit
 
 NAME = "network.bin"
 _MAGIC = int.from_bytes(b"tachk.1\n", "little")
@@ -25,7 +25,7 @@ class Blueprint:
     token: str
 
 
-def blueprint(unit: Unit) -> Blueprint:
+def blueprint(unit: CoSimulationUnit) -> Blueprint:
     """The file of a unit."""
     variables = [number for each in unit.variables for number in (each.role, each.kind, each.number, each.target)]
     numbers = [unit.second.denominator, unit.second.numerator, unit.nudge]

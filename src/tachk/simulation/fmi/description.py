@@ -7,38 +7,38 @@ from enum import StrEnum
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import tachk
-from tachk.simulation.fmi.unit import Kind, Role, Unit, Variable
+from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVariable
 
 
-class Version(StrEnum):
+class FmiVersion(StrEnum):
     """Of the standard."""
 
     TWO = "2"
     THREE = "3"
 
 
-def description(unit: Unit, token: str, version: Version) -> bytes:
+def description(unit: CoSimulationUnit, token: str, version: FmiVersion) -> bytes:
     """The description of a unit in a version of FMI."""
     match version:
-        case Version.TWO:
+        case FmiVersion.TWO:
             root = _version_2(unit, token)
-        case Version.THREE:
+        case FmiVersion.THREE:
             root = _version_3(unit, token)
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode").encode() + b"\n"
 
 
-def type_names(variables: Sequence[Variable]) -> dict[tuple[str, ...], str]:
+def type_names(variables: Sequence[UnitVariable]) -> dict[tuple[str, ...], str]:
     """The names of the enumerations, each named after the first variable that has it."""
     names: dict[tuple[str, ...], str] = {}
     for variable in variables:
-        if variable.kind is Kind.ENUMERATION:
+        if variable.kind is FmiType.ENUMERATION:
             names.setdefault(variable.labels, f"values of {variable.name}")
     return names
 
 
 def _head(
-    unit: Unit,
+    unit: CoSimulationUnit,
     version: str,
     token: dict[str, str],
     abilities: Sequence[str],
@@ -73,7 +73,7 @@ def _head(
     return root
 
 
-def _declared(reference: int, variable: Variable) -> dict[str, str]:
+def _declared(reference: int, variable: UnitVariable) -> dict[str, str]:
     """How both versions declare a variable."""
     return {
         "name": variable.name,
@@ -83,13 +83,13 @@ def _declared(reference: int, variable: Variable) -> dict[str, str]:
     }
 
 
-def _value(variable: Variable) -> dict[str, str]:
+def _value(variable: UnitVariable) -> dict[str, str]:
     """What the two versions call the same."""
     result = {}
     if variable.bounds is not None:
         result = {"min": str(variable.bounds[0]), "max": str(variable.bounds[1])}
     if variable.start is not None:
-        start = str(bool(variable.start)).lower() if variable.kind is Kind.TRUTH else str(variable.start)
+        start = str(bool(variable.start)).lower() if variable.kind is FmiType.TRUTH else str(variable.start)
         result["start"] = start
     return result
 
@@ -116,23 +116,23 @@ def _variability(role: Role) -> str:
             return "discrete"
 
 
-def _outputs(unit: Unit) -> list[int]:
+def _outputs(unit: CoSimulationUnit) -> list[int]:
     return [n for n, variable in enumerate(unit.variables) if _causality(variable.role) == "output"]
 
 
 # ---- version 3 ------------------------------------------------------------------------------------------------------
 
 _TAGS_3 = {
-    Kind.REAL: "Float64",
-    Kind.INTEGER: "Int32",
-    Kind.TRUTH: "Boolean",
-    Kind.ENUMERATION: "Enumeration",
-    Kind.NATURAL: "UInt64",
-    Kind.CLOCK: "Clock",
+    FmiType.REAL: "Float64",
+    FmiType.INTEGER: "Int32",
+    FmiType.TRUTH: "Boolean",
+    FmiType.ENUMERATION: "Enumeration",
+    FmiType.NATURAL: "UInt64",
+    FmiType.CLOCK: "Clock",
 }
 
 
-def _version_3(unit: Unit, token: str) -> Element:
+def _version_3(unit: CoSimulationUnit, token: str) -> Element:
     abilities = (
         "canGetAndSetFMUState",
         "canSerializeFMUState",
@@ -152,13 +152,13 @@ def _version_3(unit: Unit, token: str) -> Element:
     for reference, variable in enumerate(unit.variables):
         attributes = _declared(reference, variable)
         match variable.kind:
-            case Kind.REAL:
+            case FmiType.REAL:
                 attributes |= {"unit": "s"} if variable.role is Role.TIME else {}
-            case Kind.ENUMERATION:
+            case FmiType.ENUMERATION:
                 attributes["declaredType"] = types[variable.labels]
-            case Kind.CLOCK:
+            case FmiType.CLOCK:
                 attributes["intervalVariability"] = "triggered"
-            case Kind.INTEGER | Kind.TRUTH | Kind.NATURAL:
+            case FmiType.INTEGER | FmiType.TRUTH | FmiType.NATURAL:
                 pass
         SubElement(variables, _TAGS_3[variable.kind], attributes | _value(variable))
     for element in ("Output", "InitialUnknown"):
@@ -170,16 +170,16 @@ def _version_3(unit: Unit, token: str) -> Element:
 # ---- version 2 ------------------------------------------------------------------------------------------------------
 
 _TAGS_2 = {
-    Kind.REAL: "Real",
-    Kind.INTEGER: "Integer",
-    Kind.TRUTH: "Boolean",
-    Kind.ENUMERATION: "Enumeration",
-    Kind.NATURAL: "Integer",
-    Kind.CLOCK: "Integer",
+    FmiType.REAL: "Real",
+    FmiType.INTEGER: "Integer",
+    FmiType.TRUTH: "Boolean",
+    FmiType.ENUMERATION: "Enumeration",
+    FmiType.NATURAL: "Integer",
+    FmiType.CLOCK: "Integer",
 }
 
 
-def _version_2(unit: Unit, token: str) -> Element:
+def _version_2(unit: CoSimulationUnit, token: str) -> Element:
     abilities = ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate")
     root = _head(
         unit,
@@ -194,9 +194,9 @@ def _version_2(unit: Unit, token: str) -> Element:
     for reference, variable in enumerate(unit.variables):
         scalar = SubElement(variables, "ScalarVariable", _declared(reference, variable))
         attributes = {"unit": "s"} if variable.role is Role.TIME else {}
-        if variable.kind is Kind.ENUMERATION:
+        if variable.kind is FmiType.ENUMERATION:
             attributes["declaredType"] = types[variable.labels]
-        if variable.kind is Kind.NATURAL:
+        if variable.kind is FmiType.NATURAL:
             attributes["min"] = "0"
         SubElement(scalar, _TAGS_2[variable.kind], attributes | _value(variable))
     outputs = _outputs(unit)

@@ -67,7 +67,10 @@ def open_network(network: Network, names: Sequence[str]) -> Opened:
     """
     inside = _chosen(network, names)
     known = known_values(network, ())
-    ours, theirs = _Part(network, inside, known), _Part(network, set(range(len(network.processes))) - inside, known)
+    ours, theirs = (
+        _PartInterface(network, inside, known),
+        _PartInterface(network, set(range(len(network.processes))) - inside, known),
+    )
     _check_separable(network, ours, theirs)
     shared = [v for v in network.variables if v in ours.used and v in theirs.used and _is_data(v)]
     inputs = [v for v in shared if v in theirs.written]
@@ -98,7 +101,7 @@ def open_network(network: Network, names: Sequence[str]) -> Opened:
     )
 
 
-class _Part:
+class _PartInterface:
     """What some processes of a network have to do with.
 
     Attributes:
@@ -135,7 +138,7 @@ def _chosen(network: Network, names: Sequence[str]) -> set[int]:
     return chosen
 
 
-def _check_separable(network: Network, ours: _Part, theirs: _Part) -> None:
+def _check_separable(network: Network, ours: _PartInterface, theirs: _PartInterface) -> None:
     """Raises UsageError for what only one network can do."""
     foreign = sorted(network.processes[n].name for n in ours.places & theirs.members)
     if foreign:
@@ -188,14 +191,14 @@ def _is_data(variable: Variable) -> bool:
     return not any(isinstance(kind, ChannelType | ClockType) for kind in kinds_of_cells(variable.type))
 
 
-def _used(network: Network, ours: _Part) -> Iterator[Variable]:
+def _used(network: Network, ours: _PartInterface) -> Iterator[Variable]:
     """The variables of the part. Others are left out, but for channels: parameters may stand for them."""
     for variable in network.variables:
         if variable in ours.used or not _is_data(variable):
             yield variable
 
 
-def _is_seen(network: Network, signal: Signal, ours: _Part) -> bool:
+def _is_seen(network: Network, signal: Signal, ours: _PartInterface) -> bool:
     nodes = [node for expression in with_bodies([signal.expression]) for node in walk(expression)]
     asked = {node.process for node in nodes if isinstance(node, LocationTest)}
     read = {node.variable for node in nodes if isinstance(node, Reference)} & {*network.all_variables()}

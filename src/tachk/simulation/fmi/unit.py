@@ -42,7 +42,7 @@ class Role(IntEnum):
     SENDS = 8
 
 
-class Kind(IntEnum):
+class FmiType(IntEnum):
     """The type of a variable, in the order of `src/core/fmi/blueprint.hpp`."""
 
     REAL = 0
@@ -54,7 +54,7 @@ class Kind(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Variable:
+class UnitVariable:
     """A variable of a unit; its place is its value reference.
 
     Attributes:
@@ -67,7 +67,7 @@ class Variable:
 
     name: str
     role: Role
-    kind: Kind
+    kind: FmiType
     number: int = 0
     labels: tuple[str, ...] = ()
     start: int | None = None
@@ -76,7 +76,7 @@ class Variable:
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class CoSimulationUnit:
     """Attributes:
     name: of the model, an identifier of C.
     second: how many ticks are a second.
@@ -86,17 +86,17 @@ class Unit:
     name: str
     program: Program
     chances: Chances
-    variables: tuple[Variable, ...]
+    variables: tuple[UnitVariable, ...]
     second: Fraction
     nudge: int = -1
 
 
-def closed_unit(network: Network, name: str) -> Unit:
+def closed_unit(network: Network, name: str) -> CoSimulationUnit:
     """A network without surroundings. Raises UnsupportedError for what is not simulated."""
     check_units(network)
     columns = all_columns(network)
     program, chances = lower_simulation(network, observed(columns))
-    return Unit(
+    return CoSimulationUnit(
         identifier(name),
         program,
         chances,
@@ -105,7 +105,7 @@ def closed_unit(network: Network, name: str) -> Unit:
     )
 
 
-def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -> Unit:
+def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -> CoSimulationUnit:
     """Some processes of a network, with variables and channels that lead out of it.
 
     Args:
@@ -125,8 +125,8 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
     program, chances = lower_simulation(opened.network, observed(columns))
     last = len(opened.network.processes) - 1
     numbers = {edge.edge: n for n, edge in enumerate(program.edges) if edge.process == last}
-    kind, start = (Kind.CLOCK, None) if clocks else (Kind.INTEGER, 0)
-    return Unit(
+    kind, start = (FmiType.CLOCK, None) if clocks else (FmiType.INTEGER, 0)
+    return CoSimulationUnit(
         identifier(name),
         program,
         chances,
@@ -134,8 +134,11 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
             *common(),
             *observations(columns, program),
             *_inputs(opened, program),
-            *(Variable(f"{channel}?", Role.HEARS, kind, numbers[edge], start=start) for channel, edge in opened.hears),
-            *(Variable(f"{channel}!", Role.SENDS, kind, numbers[edge]) for channel, edge in opened.sends),
+            *(
+                UnitVariable(f"{channel}?", Role.HEARS, kind, numbers[edge], start=start)
+                for channel, edge in opened.hears
+            ),
+            *(UnitVariable(f"{channel}!", Role.SENDS, kind, numbers[edge]) for channel, edge in opened.sends),
         ),
         ticks_of_a_second(network),
         numbers[opened.nudge],
@@ -153,7 +156,7 @@ def _is_committed(network: Network) -> Expression:
     return reduce(partial(Binary, BinaryOperator.OR, type=BOOL), tests) if tests else Constant(0, BOOL)
 
 
-def _inputs(opened: Opened, program: Program) -> Iterator[Variable]:
+def _inputs(opened: Opened, program: Program) -> Iterator[UnitVariable]:
     """The cells of the inputs, each with its slot and that of the variable that it is for."""
     network = opened.network
     slots: dict[str, int] = {}
@@ -164,10 +167,10 @@ def _inputs(opened: Opened, program: Program) -> Iterator[Variable]:
         for path, type_ in leaves(variable.type):
             slot = slots[input_.name + path]
             known, truth = program.slots[slot], isinstance(type_, BoolType)
-            yield Variable(
+            yield UnitVariable(
                 input_.name + path,
                 Role.INPUT,
-                Kind.TRUTH if truth else Kind.INTEGER,
+                FmiType.TRUTH if truth else FmiType.INTEGER,
                 slot,
                 start=known.initial,
                 bounds=None if truth else (known.low, known.high),
@@ -187,33 +190,33 @@ def ticks_of_a_second(network: Network) -> Fraction:
     return Fraction(TICKS_PER_UNIT) * (1 if length is None else Fraction(_NANOSECONDS) / length)
 
 
-def common() -> tuple[Variable, ...]:
+def common() -> tuple[UnitVariable, ...]:
     """What every unit has."""
     policies = tuple(policy.value for policy in Policy)
     return (
-        Variable("time", Role.TIME, Kind.REAL),
-        Variable("seed", Role.SEED, Kind.NATURAL, start=0),
-        Variable("run", Role.RUN, Kind.NATURAL, start=0),
-        Variable("policy", Role.POLICY, Kind.ENUMERATION, labels=policies, start=0),
-        Variable("transitions", Role.TRANSITIONS, Kind.NATURAL),
+        UnitVariable("time", Role.TIME, FmiType.REAL),
+        UnitVariable("seed", Role.SEED, FmiType.NATURAL, start=0),
+        UnitVariable("run", Role.RUN, FmiType.NATURAL, start=0),
+        UnitVariable("policy", Role.POLICY, FmiType.ENUMERATION, labels=policies, start=0),
+        UnitVariable("transitions", Role.TRANSITIONS, FmiType.NATURAL),
     )
 
 
-def observations(columns: Sequence[Column], program: Program) -> Iterator[Variable]:
+def observations(columns: Sequence[Column], program: Program) -> Iterator[UnitVariable]:
     """What can be seen of a run, under the names that it has in a recording."""
     taken = {variable.name for variable in common()}
     for number, column in enumerate(columns):
         name = f"model.{column.name}" if column.name in taken else column.name
         kind, bounds = _kind(column), None
-        if kind is Kind.INTEGER and isinstance(column.value, int):
+        if kind is FmiType.INTEGER and isinstance(column.value, int):
             slot = program.slots[column.value]
             bounds = slot.low, slot.high
-        yield Variable(name, Role.OBSERVED, kind, number, column.labels, bounds=bounds)
+        yield UnitVariable(name, Role.OBSERVED, kind, number, column.labels, bounds=bounds)
 
 
-def _kind(column: Column) -> Kind:
+def _kind(column: Column) -> FmiType:
     if column.labels:
-        return Kind.ENUMERATION
+        return FmiType.ENUMERATION
     if column.truth:
-        return Kind.TRUTH
-    return Kind.INTEGER if isinstance(column.value, int) or column.value.type != DOUBLE else Kind.REAL
+        return FmiType.TRUTH
+    return FmiType.INTEGER if isinstance(column.value, int) or column.value.type != DOUBLE else FmiType.REAL

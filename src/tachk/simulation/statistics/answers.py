@@ -10,14 +10,14 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Unsupporte
 from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.outcome import INTERRUPTED
-from tachk.engine.simulation.simulator import Ending
+from tachk.engine.simulation.simulator import SimulationEnding
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.query import Expectation, Query
 from tachk.simulation.statistics.deciding import Decision
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Settings, Split, estimate
-from tachk.simulation.statistics.sampling import Sample
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Settings, Split, estimate
+from tachk.simulation.statistics.sampling import SampledRuns
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None
     """
     if has_run_time_error(found):
         return False
-    if isinstance(found, Drawn) and found.picked is not None:
+    if isinstance(found, DrawnRuns) and found.picked is not None:
         return expectation is None or (expectation is Expectation.HOLDS) is bool(found.runs)
     if not isinstance(found, Decided):
         return expectation is not Expectation.FAILS
@@ -70,15 +70,15 @@ def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None
 
 def has_run_time_error(found: Estimate) -> bool:
     """Whether some run ended with one."""
-    return any(sample.endings[Ending.FAULT] for sample in samples_of(found))
+    return any(sample.endings[SimulationEnding.FAULT] for sample in samples_of(found))
 
 
-def samples_of(found: Estimate) -> Sequence[Sample]:
+def samples_of(found: Estimate) -> Sequence[SampledRuns]:
     """The samples behind an answer, where it has any."""
     match found:
         case Decided():
             return found.samples
-        case Drawn() | Split():
+        case DrawnRuns() | Split():
             return ()
         case _:
             return (found.sample,)

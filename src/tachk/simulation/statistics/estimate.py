@@ -12,16 +12,16 @@ from tachk.analysis.intervals import interval
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.records import dataclass
 from tachk.engine.compiler.features import stopwatches
-from tachk.engine.simulation.trials import Answered
+from tachk.engine.simulation.trials import TrialAnswer
 from tachk.model.clock_sums import advances_clocks
 from tachk.model.expressions import Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.statistical import (
     AskedPath,
-    Comparison,
-    Expectation,
+    ExpectedValue,
     Probability,
+    ProbabilityComparison,
     Scale,
     StatisticalQuery,
     Threshold,
@@ -33,7 +33,7 @@ from tachk.simulation.statistics.deciding import Decision, Errors, RatioTest, co
 from tachk.simulation.statistics.judged import sampler_of
 from tachk.simulation.statistics.means import asymptotic_mean, bounded_mean
 from tachk.simulation.statistics.rare import Rare, Splitting, split
-from tachk.simulation.statistics.sampling import Sample, Sampler, Source, value_sampler
+from tachk.simulation.statistics.sampling import RunSource, SampledRuns, Sampler, value_sampler
 from tachk.simulation.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
 from tachk.simulation.statistics.trajectories import Trajectory, picked, trajectories
 
@@ -55,7 +55,7 @@ class Settings:
         splitting: estimate probabilities by splitting.
     """
 
-    source: Source = Source()
+    source: RunSource = RunSource()
     confidence: float = 0.95
     half_width: float = 0.05
     runs: int | None = None
@@ -75,7 +75,7 @@ class Estimated:
     """
 
     query: StatisticalQuery
-    sample: Sample
+    sample: SampledRuns
     low: float
     high: float
     method: str
@@ -98,7 +98,7 @@ class Decided:
 
     query: StatisticalQuery
     decision: Decision
-    samples: tuple[Sample, ...]
+    samples: tuple[SampledRuns, ...]
     frequencies: tuple[float, ...]
     interval: tuple[float, float] | None = None
 
@@ -115,7 +115,7 @@ class Mean:
     """
 
     query: StatisticalQuery
-    sample: Sample
+    sample: SampledRuns
     mean: float
     low: float | None
     high: float | None
@@ -135,7 +135,7 @@ class Split:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class DrawnRuns:
     """Runs that are shown.
 
     Attributes:
@@ -145,11 +145,11 @@ class Drawn:
 
     query: StatisticalQuery
     runs: tuple[Trajectory, ...]
-    picked: Sample | None = None
+    picked: SampledRuns | None = None
     interval: tuple[float, float] | None = None
 
 
-Estimate = Estimated | Decided | Mean | Split | Drawn
+Estimate = Estimated | Decided | Mean | Split | DrawnRuns
 
 
 def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> Estimate:
@@ -167,9 +167,9 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
             return _probability(network, query, path, settings)
         case Threshold() as threshold:
             return _threshold(network, query, threshold, settings)
-        case Comparison(first, second):
+        case ProbabilityComparison(first, second):
             return _comparison(network, query, (first, second), settings)
-        case Expectation() as expectation:
+        case ExpectedValue() as expectation:
             return _mean(network, query, expectation, settings)
         case Trajectories() as asked:
             return _drawn(network, query, asked, settings)
@@ -177,7 +177,7 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
             assert_never(never)
 
 
-def _frequency(sample: Sample, always: bool) -> float:
+def _frequency(sample: SampledRuns, always: bool) -> float:
     """How often a path was true; ``always``: the sample counts those on which it was not."""
     share = sample.hits / sample.runs
     return 1 - share if always else share
@@ -201,7 +201,7 @@ def _probability(network: Network, query: StatisticalQuery, path: AskedPath, set
 
 
 def _estimated(
-    query: StatisticalQuery, sample: Sample, low: float, high: float, method: str, always: bool
+    query: StatisticalQuery, sample: SampledRuns, low: float, high: float, method: str, always: bool
 ) -> Estimated:
     if always:
         low, high = 1 - high, 1 - low
@@ -250,7 +250,7 @@ def _threshold(network: Network, query: StatisticalQuery, asked: Threshold, sett
 def _read(readings: Mapping[bool, RatioTest], answer: int, always: bool) -> None:
     """Gives a run to both readings: the one that takes an unknown run for a hit, and the other one."""
     for as_hit, test in readings.items():
-        test.add(as_hit if answer == Answered.UNKNOWN else (answer == Answered.YES) is not always)
+        test.add(as_hit if answer == TrialAnswer.UNKNOWN else (answer == TrialAnswer.YES) is not always)
 
 
 def _agreed(readings: Mapping[bool, RatioTest]) -> Decision:
@@ -286,7 +286,7 @@ def _comparison(
     network: Network, query: StatisticalQuery, paths: tuple[AskedPath, AskedPath], settings: Settings
 ) -> Decided:
     source = settings.source
-    other = Source(source.seed, source.first + _SECOND, source.threads, source.most_steps)
+    other = RunSource(source.seed, source.first + _SECOND, source.threads, source.most_steps)
     samplers = sampler_of(network, paths[0], source), sampler_of(network, paths[1], other)
     readings = {as_hit: comparison_test(settings.errors) for as_hit in (False, True)}
     most = settings.runs or paths[0].runs or settings.most_runs
@@ -306,20 +306,20 @@ def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths
     """Gives a pair of runs to both readings: an unknown run speaks for the first probability, or against it."""
     for in_favour, test in readings.items():
         first, second = (
-            is_favoured if answer == Answered.UNKNOWN else (answer == Answered.YES) is not path.always
+            is_favoured if answer == TrialAnswer.UNKNOWN else (answer == TrialAnswer.YES) is not path.always
             for answer, path, is_favoured in zip(answers, paths, (in_favour, not in_favour), strict=True)
         )
         if first is not second:
             test.add(first)
 
 
-def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, settings: Settings) -> Drawn:
+def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, settings: Settings) -> DrawnRuns:
     sample, numbers = picked(network, asked, settings.source)
     runs = trajectories(network, asked, settings.source, numbers)
     if sample is None:
-        return Drawn(query, runs)
+        return DrawnRuns(query, runs)
     interval = clopper_pearson(sample.hits, sample.runs, settings.confidence, sample.unknown)
-    return Drawn(query, runs, sample, interval)
+    return DrawnRuns(query, runs, sample, interval)
 
 
 def _split(
@@ -333,7 +333,7 @@ def _split(
 # ---- means ----------------------------------------------------------------------------------------------------------
 
 
-def _mean(network: Network, query: StatisticalQuery, asked: Expectation, settings: Settings) -> Mean:
+def _mean(network: Network, query: StatisticalQuery, asked: ExpectedValue, settings: Settings) -> Mean:
     sampler, largest_reset = value_sampler(network, asked, settings.source)
     sample = sampler.draw_up_to(settings.runs or asked.runs or _RUNS_OF_MEANS)
     values = sample.all_values
@@ -348,7 +348,7 @@ def _mean(network: Network, query: StatisticalQuery, asked: Expectation, setting
     return Mean(query, sample, mean, low, high, guess, between)
 
 
-def value_range(network: Network, asked: Expectation, largest_reset: int) -> tuple[float, float] | None:
+def value_range(network: Network, asked: ExpectedValue, largest_reset: int) -> tuple[float, float] | None:
     """Where what is measured certainly lies; None where that is not known."""
     value: Expression = asked.value
     if value.type == DOUBLE:

@@ -11,8 +11,8 @@ from math import lcm
 import numpy as np
 
 from tachk.base.time_units import length_of
-from tachk.engine.simulation.simulator import Drawing, Ending, Recorded, Simulated
-from tachk.engine.simulation.trials import Answered, Trials
+from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
+from tachk.engine.simulation.trials import TrialAnswer, Trials
 from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
@@ -22,11 +22,11 @@ from tachk.recordings.traces.certainty import is_certainly_false
 from tachk.recordings.traces.core_monitor import monitor_truth
 from tachk.recordings.traces.monitor_program import (
     UNBOUNDED,
+    AtomRelation,
     MonitorAtom,
     MonitorNode,
     MonitorProgram,
     NodeKind,
-    Relation,
     ValueInstruction,
     ValueOperator,
 )
@@ -34,18 +34,18 @@ from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
-from tachk.simulation.statistics.sampling import Sampler, Source, path_sampler, reach_of
+from tachk.simulation.statistics.sampling import RunSource, Sampler, path_sampler, reach_of
 
-_ANSWERS = {Truth.TRUE: Answered.YES, Truth.FALSE: Answered.NO, Truth.UNDETERMINED: Answered.UNKNOWN}
+_ANSWERS = {Truth.TRUE: TrialAnswer.YES, Truth.FALSE: TrialAnswer.NO, Truth.UNDETERMINED: TrialAnswer.UNKNOWN}
 
 
-def sampler_of(network: Network, path: AskedPath, source: Source) -> Sampler:
+def sampler_of(network: Network, path: AskedPath, source: RunSource) -> Sampler:
     """Runs on which a path is asked. Raises UnsupportedError for what is not simulated, and InputError for a wrong
     initial value."""
     return path_sampler(network, path, source) if isinstance(path, Path) else _formula_sampler(network, path, source)
 
 
-def _formula_sampler(network: Network, path: FormulaPath, source: Source) -> Sampler:
+def _formula_sampler(network: Network, path: FormulaPath, source: RunSource) -> Sampler:
     conditions = tuple(dict.fromkeys(_conditions(path.formula)))
     columns = [
         Column(str(number), condition, floating=condition.type == DOUBLE) for number, condition in enumerate(conditions)
@@ -53,20 +53,20 @@ def _formula_sampler(network: Network, path: FormulaPath, source: Source) -> Sam
     runs = Runs(network, columns)
     reach = reach_of(path.bound, network, runs.program)
     assert reach.until is not None
-    drawing = Drawing(
+    drawing = SimulationOptions(
         source.seed, reach.until, steps=source.most_steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
     )
     judge = _Judge(network, path.formula, conditions)
 
     def trials(numbers: range) -> Trials:
-        drawn = runs.draw(drawing, numbers, Recorded(observed=True))
+        drawn = runs.draw(drawing, numbers, RecordedChanges(observed=True))
         return _trials([(run, judge.truth(runs.trace(run)) if len(run.times) else Truth.UNDETERMINED) for run in drawn])
 
     return Sampler(trials, source.first, reach.ticks_per_unit)
 
 
 def _trials(judged: list[tuple[Simulated, Truth]]) -> Trials:
-    endings: Counter[Ending] = Counter(run.ending for run, truth in judged if truth is not Truth.TRUE)
+    endings: Counter[SimulationEnding] = Counter(run.ending for run, truth in judged if truth is not Truth.TRUE)
     return Trials(
         np.array([_ANSWERS[truth] for _, truth in judged], dtype=np.int8),
         np.array([run.end for run, _ in judged], dtype=np.int64),
@@ -127,7 +127,7 @@ def _bounds(formula: RunFormula) -> Iterable[Fraction]:
 
 
 def _atom(number: int) -> MonitorAtom:
-    return MonitorAtom(Relation.TRUTH, (ValueInstruction(ValueOperator.COLUMN, float(number)),), (), str(number))
+    return MonitorAtom(AtomRelation.TRUTH, (ValueInstruction(ValueOperator.COLUMN, float(number)),), (), str(number))
 
 
 @dataclass(slots=True)

@@ -20,7 +20,7 @@ from tachk.engine.simulation.splitting import Splitter
 from tachk.model.network import Network
 from tachk.model.statistical import AskedPath, Path
 from tachk.simulation.intervals import student_quantile
-from tachk.simulation.statistics.sampling import Source, asked_of, lowered_path, with_elapsed_time
+from tachk.simulation.statistics.sampling import RunSource, asked_of, lowered_path, with_elapsed_time
 
 _BATCH = 4
 """How many replications are made at once."""
@@ -74,7 +74,7 @@ class Rare:
         return student_quantile(confidence, count - 1) * deviation
 
 
-def split(network: Network, path: AskedPath, source: Source, confidence: float, splitting: Splitting) -> Rare:
+def split(network: Network, path: AskedPath, source: RunSource, confidence: float, splitting: Splitting) -> Rare:
     """The probability of ``<> p`` or ``p U q``.
 
     Raises:

@@ -17,8 +17,8 @@ from tachk.base.time_limit import check_time
 from tachk.engine.compiler.features import check_simulated
 from tachk.engine.compiler.lower import lower_simulation
 from tachk.engine.compiler.program import Chances, Program
-from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending, horizon
-from tachk.engine.simulation.trials import Answered, Asked, Reach, Trials, Trier
+from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, SimulationEnding, horizon
+from tachk.engine.simulation.trials import Reach, TrialAnswer, TrialQuestion, Trials, Trier
 from tachk.model.connectives import both, either, negation
 from tachk.model.expressions import (
     BOOL,
@@ -33,7 +33,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Network
-from tachk.model.statistical import Bound, Expectation, Path, Scale
+from tachk.model.statistical import ExpectedValue, Path, RunBound, Scale
 from tachk.model.types import ClockType
 
 _BATCH = 4096
@@ -41,7 +41,7 @@ _BATCH = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class RunSource:
     """Where runs come from.
 
     Attributes:
@@ -56,7 +56,7 @@ class Source:
 
 
 @dataclass(slots=True)
-class Sample:
+class SampledRuns:
     """What came of the runs so far.
 
     Attributes:
@@ -73,14 +73,14 @@ class Sample:
     hits: int = 0
     unknown: int = 0
     transitions: int = 0
-    endings: Counter[Ending] = field(default_factory=Counter)
+    endings: Counter[SimulationEnding] = field(default_factory=Counter)
     times: list[NDArray[np.int64]] = field(default_factory=list)
     values: list[NDArray[np.float64]] = field(default_factory=list)
     fault: tuple[RuntimeErrorKind, Span] | None = None
 
     def add(self, trials: Trials) -> None:
-        known = trials.answers != Answered.UNKNOWN
-        hit = trials.answers == Answered.YES
+        known = trials.answers != TrialAnswer.UNKNOWN
+        hit = trials.answers == TrialAnswer.YES
         self.runs += len(trials.answers)
         self.hits += int(hit.sum())
         self.unknown += int((~known).sum())
@@ -110,7 +110,7 @@ class Sampler:
         """
         self._trials = trials
         self._first = first
-        self.sample = Sample(ticks_per_unit)
+        self.sample = SampledRuns(ticks_per_unit)
 
     def draw(self, runs: int) -> Trials:
         """So many more runs, at most 4096. Raises OutOfTimeError."""
@@ -120,14 +120,14 @@ class Sampler:
         self.sample.add(trials)
         return trials
 
-    def draw_up_to(self, runs: int) -> Sample:
+    def draw_up_to(self, runs: int) -> SampledRuns:
         """So many runs in all."""
         while self.sample.runs < runs:
             self.draw(min(_BATCH, runs - self.sample.runs))
         return self.sample
 
 
-def _asking(program: Program, chances: Chances, asked: Asked, source: Source) -> Sampler:
+def _asking(program: Program, chances: Chances, asked: TrialQuestion, source: RunSource) -> Sampler:
     trier = Trier(program, chances)
 
     def trials(numbers: range) -> Trials:
@@ -136,7 +136,7 @@ def _asking(program: Program, chances: Chances, asked: Asked, source: Source) ->
     return Sampler(trials, source.first, asked.reach.ticks_per_unit)
 
 
-def path_sampler(network: Network, path: Path, source: Source) -> Sampler:
+def path_sampler(network: Network, path: Path, source: RunSource) -> Sampler:
     """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false. Raises as `lowered_path`."""
     network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
@@ -174,18 +174,18 @@ def _lost(path: Path) -> Expression | None:
     return negation(before) if beyond is None else either(negation(before), beyond)
 
 
-def asked_of(network: Network, path: Path, program: Program) -> Asked:
-    return Asked(reach_of(path.bound, network, program), 0, -1 if _lost(path) is None else 1)
+def asked_of(network: Network, path: Path, program: Program) -> TrialQuestion:
+    return TrialQuestion(reach_of(path.bound, network, program), 0, -1 if _lost(path) is None else 1)
 
 
-def value_sampler(network: Network, asked: Expectation, source: Source) -> tuple[Sampler, int]:
+def value_sampler(network: Network, asked: ExpectedValue, source: RunSource) -> tuple[Sampler, int]:
     """Runs on which the largest or least value of an expression is measured, and the largest value that a clock is set
     to. Raises as `lowered_path`."""
     check_simulated(network)
     is_clock = isinstance(asked.value.type, ClockType)
     beyond = asked.bound.beyond
     program, chances = lower_simulation(network, () if is_clock else (asked.value,), [] if beyond is None else [beyond])
-    measured = Asked(
+    measured = TrialQuestion(
         reach_of(asked.bound, network, program),
         goal=-1 if beyond is None else 0,
         observed=-1 if is_clock else 0,
@@ -195,7 +195,7 @@ def value_sampler(network: Network, asked: Expectation, source: Source) -> tuple
     return _asking(program, chances, measured, source), program.largest_reset
 
 
-def reach_of(bound: Bound, network: Network, program: Program) -> Reach:
+def reach_of(bound: RunBound, network: Network, program: Program) -> Reach:
     """A bound in ticks and numbers of the program. Raises UsageError for times that are too long."""
     if bound.beyond is not None:
         return Reach()
@@ -234,10 +234,10 @@ def _place_name(place: Expression, network: Network) -> str | None:
             return None
 
 
-def told_endings(endings: Iterable[tuple[Ending, int]]) -> Sequence[str]:
+def told_endings(endings: Iterable[tuple[SimulationEnding, int]]) -> Sequence[str]:
     """What should be known of runs that did not last as long as they were to be."""
     return [
         f"{count} {'run ends' if count == 1 else 'runs end'} with: {ending}"
         for ending, count in endings
-        if ending is not Ending.HORIZON
+        if ending is not SimulationEnding.HORIZON
     ]

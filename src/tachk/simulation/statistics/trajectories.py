@@ -14,22 +14,22 @@ from tachk.engine.compiler.program import Program
 from tachk.engine.simulation.simulator import (
     LATEST_TICK,
     TICKS_PER_UNIT,
-    Drawing,
-    Ending,
     Horizon,
-    Recorded,
+    RecordedChanges,
     Simulated,
+    SimulationEnding,
+    SimulationOptions,
 )
-from tachk.engine.simulation.trials import Answered
+from tachk.engine.simulation.trials import TrialAnswer
 from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
-from tachk.model.statistical import Bound, Path, Scale
+from tachk.model.statistical import Path, RunBound, Scale
 from tachk.model.statistical import Trajectories as Asked
 from tachk.model.types import ClockType
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
-from tachk.simulation.statistics.sampling import Sample, Source, clock_number, path_sampler, reach_of
+from tachk.simulation.statistics.sampling import RunSource, SampledRuns, clock_number, path_sampler, reach_of
 
 Floats = NDArray[np.float64]
 _BATCH = 4096
@@ -37,7 +37,7 @@ _BATCH = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class Polyline:
     """The values of an expression on a run: points to be joined. Where it jumps, two points have the same time."""
 
     name: str
@@ -55,12 +55,12 @@ class Trajectory:
     """
 
     number: int
-    ending: Ending
+    ending: SimulationEnding
     end: float
-    lines: tuple[Line, ...]
+    lines: tuple[Polyline, ...]
 
 
-def picked(network: Network, asked: Asked, source: Source) -> tuple[Sample | None, tuple[int, ...]]:
+def picked(network: Network, asked: Asked, source: RunSource) -> tuple[SampledRuns | None, tuple[int, ...]]:
     """The numbers of the runs that are told, and where a condition picks them, on how many it became true."""
     numbers = range(source.first, source.first + asked.runs)
     if asked.condition is None:
@@ -70,15 +70,15 @@ def picked(network: Network, asked: Asked, source: Source) -> tuple[Sample | Non
     while sampler.sample.runs < asked.runs:
         first = source.first + sampler.sample.runs
         answers = sampler.draw(min(_BATCH, asked.runs - sampler.sample.runs)).answers
-        found += (first + np.flatnonzero(answers == Answered.YES)).tolist()
+        found += (first + np.flatnonzero(answers == TrialAnswer.YES)).tolist()
     return sampler.sample, tuple(found[: asked.most])
 
 
-def trajectories(network: Network, asked: Asked, source: Source, numbers: Sequence[int]) -> tuple[Trajectory, ...]:
+def trajectories(network: Network, asked: Asked, source: RunSource, numbers: Sequence[int]) -> tuple[Trajectory, ...]:
     """The runs of these numbers. Raises UnsupportedError for what is not simulated."""
     discrete = [value for value in asked.values if not isinstance(value.type, ClockType)]
     runs = Runs(network, [Column(value.span.text, value) for value in discrete])
-    recorded = Recorded(observed=True, clocks=len(discrete) < len(asked.values))
+    recorded = RecordedChanges(observed=True, clocks=len(discrete) < len(asked.values))
     return tuple(
         Trajectory(
             run.number,
@@ -92,19 +92,23 @@ def trajectories(network: Network, asked: Asked, source: Source, numbers: Sequen
 
 
 def _drawings(
-    network: Network, asked: Asked, source: Source, numbers: Sequence[int], program: Program
-) -> Iterator[tuple[Drawing, int, int]]:
+    network: Network, asked: Asked, source: RunSource, numbers: Sequence[int], program: Program
+) -> Iterator[tuple[SimulationOptions, int, int]]:
     """How runs are drawn: those with numbers in a row and the same end together, from one number to another."""
     if asked.bound.scale is Scale.CLOCK:
         for number in numbers:
             end = _end(network, asked, replace(source, first=number))
-            drawing = Drawing(source.seed, end.ticks, steps=source.most_steps, ticks_per_unit=end.ticks_per_unit)
+            drawing = SimulationOptions(
+                source.seed, end.ticks, steps=source.most_steps, ticks_per_unit=end.ticks_per_unit
+            )
             yield drawing, number, number + 1
         return
     reach = reach_of(asked.bound, network, program)
     steps = source.most_steps if reach.steps is None else reach.steps
     until = reach.until or LATEST_TICK
-    drawing = Drawing(source.seed, until, steps=steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit)
+    drawing = SimulationOptions(
+        source.seed, until, steps=steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
+    )
     first = 0
     for place in range(1, len(numbers) + 1):
         if place == len(numbers) or numbers[place] != numbers[place - 1] + 1:
@@ -112,17 +116,17 @@ def _drawings(
             first = place
 
 
-def _end(network: Network, asked: Asked, source: Source) -> Horizon:
+def _end(network: Network, asked: Asked, source: RunSource) -> Horizon:
     """When the run with the first number reaches a bound that is a clock."""
-    beyond, latest = asked.bound.beyond, Bound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
+    beyond, latest = asked.bound.beyond, RunBound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
     path = Path(asked.bound, None, False, Constant(0)) if beyond is None else Path(latest, None, False, beyond)
     sampler = path_sampler(network, path, source)
     return Horizon(int(sampler.draw(1).ends[0]), sampler.sample.ticks_per_unit)
 
 
-def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, program: Program) -> list[Line]:
+def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, program: Program) -> list[Polyline]:
     if not len(run.times):
-        return [Line(value.span.text, np.empty(0), np.empty(0)) for value in values]
+        return [Polyline(value.span.text, np.empty(0), np.empty(0)) for value in values]
     lines = []
     column = 0
     ends = np.append(run.times[1:], run.end)
@@ -143,11 +147,11 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
     return lines
 
 
-def _settled(name: str, times: Floats, values: Floats) -> Line:
+def _settled(name: str, times: Floats, values: Floats) -> Polyline:
     """Without what lasts no time, but for the last state, and without points between equal neighbours."""
     kept = np.repeat(np.diff(times)[::2] > 0, 2)
     kept[-1] = True
     times, values = times[kept], values[kept]
     middle = np.ones(len(times), dtype=bool)
     middle[1:-1] = (values[1:-1] != values[:-2]) | (values[1:-1] != values[2:])
-    return Line(name, times[middle], values[middle])
+    return Polyline(name, times[middle], values[middle])

@@ -40,7 +40,7 @@ class ClaimedState:
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
+class ClaimedStep:
     """A step: first time passes, then processes move.
 
     Attributes:
@@ -71,5 +71,5 @@ class ClaimedRun:
 
     name: str
     constants: Mapping[str, int]
-    claims: tuple[Claim, ...]
+    claims: tuple[ClaimedStep, ...]
     initial: ClaimedState | None = None

@@ -10,9 +10,9 @@ from typing import Protocol
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import Drawing
+from tachk.engine.simulation.simulator import SimulationOptions
 from tachk.formats.loading.load import load_model
-from tachk.meaning.run_view import Names, Snapshot, TraceView, view_trace
+from tachk.meaning.run_view import RunNames, Snapshot, TraceView, view_trace
 from tachk.model.network import Network
 from tachk.model.run import TimedTrace
 from tachk.recordings.traces.trace import Trace
@@ -42,7 +42,7 @@ class Replay:
         refusal: at which step and why it goes no further, with the places; None if all of it is a run.
     """
 
-    names: Names = field(repr=False)
+    names: RunNames = field(repr=False)
     trace: TimedTrace = field(repr=False)
     refusal: Diagnostic | None
 
@@ -109,7 +109,7 @@ def simulate(
     if runs < 1 or first < 0 or threads < 1:
         raise UsageError("runs and threads are at least 1, and first at least 0")
     end = horizon_of(str(until), network.time_unit, "until")
-    drawing = Drawing(seed, end.ticks, Policy(policy), max_steps, threads, end.ticks_per_unit)
+    drawing = SimulationOptions(seed, end.ticks, Policy(policy), max_steps, threads, end.ticks_per_unit)
     orders = [fault] if isinstance(fault, str) else list(fault)
     return drawn_runs(network, drawing, range(first, first + runs), tuple(record), orders)
 
@@ -128,7 +128,7 @@ def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None 
         UsageError: the file cannot be read, or holds no run.
     """
     check_determined(model.network)
-    names = Names(model.network)
+    names = RunNames(model.network)
     replayed = replay_claims(names, read_claims(Path(run), property))
     refusal = None if replayed.refusal is None else refusal_diagnostic(replayed.refusal)
     return Replay(names, replayed.trace, refusal)

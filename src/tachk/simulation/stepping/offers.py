@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 
 from tachk.base.records import dataclass
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import StepError, delay, successors, telling_moments
 from tachk.model.fault import EvaluationFault
 from tachk.model.quantity import decimal
@@ -14,7 +14,7 @@ from tachk.model.run import TimedState, Transition
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class DelayWindow:
     """Delays, counted from now.
 
     Attributes:
@@ -48,11 +48,11 @@ class Window:
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class EnabledTransition:
     """A transition, and after which delays it is enabled, in order."""
 
     transition: Transition
-    windows: tuple[Window, ...]
+    windows: tuple[DelayWindow, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +62,12 @@ class Offers:
     faults: run-time errors that some transition would meet.
     """
 
-    offers: tuple[Offer, ...]
-    delays: Window
+    offers: tuple[EnabledTransition, ...]
+    delays: DelayWindow
     faults: tuple[EvaluationFault, ...] = ()
 
 
-def offers_of(names: Names, state: TimedState) -> Offers:
+def offers_of(names: RunNames, state: TimedState) -> Offers:
     """What can happen from a state on. Raises EvaluationFault where an invariant cannot be evaluated."""
     model = names.model
     moments = telling_moments(model, state, before=None)
@@ -86,18 +86,18 @@ def offers_of(names: Names, state: TimedState) -> Offers:
             found = []
         order.update(dict.fromkeys(found))
         possible.append((moment, set(found)))
-    made = (Offer(t, tuple(_windows(moments, [t in found for _, found in possible]))) for t in order)
-    (delays,) = _windows(moments, [True] * len(possible)) or (Window(Fraction(0), Fraction(0)),)
+    made = (EnabledTransition(t, tuple(_windows(moments, [t in found for _, found in possible]))) for t in order)
+    (delays,) = _windows(moments, [True] * len(possible)) or (DelayWindow(Fraction(0), Fraction(0)),)
     return Offers(tuple(sorted(made, key=_key)), delays, tuple(faults.values()))
 
 
-def _key(offer: Offer) -> tuple[tuple[int, int, tuple[int, ...]], ...]:
+def _key(offer: EnabledTransition) -> tuple[tuple[int, int, tuple[int, ...]], ...]:
     return tuple((p.process, p.edge, p.selects) for p in offer.transition.participants)
 
 
-def _windows(moments: list[Fraction], holds: Iterable[bool]) -> list[Window]:
+def _windows(moments: list[Fraction], holds: Iterable[bool]) -> list[DelayWindow]:
     """The delays at which something holds that is known at the moments: ends of intervals and inner points, in turn."""
-    found: list[Window] = []
+    found: list[DelayWindow] = []
     begun: tuple[Fraction, bool] | None = None
     known = [*holds, False]
     for place, held in enumerate(known):
@@ -106,10 +106,10 @@ def _windows(moments: list[Fraction], holds: Iterable[bool]) -> list[Window]:
             begun = (moments[place], True) if is_end else (moments[place - 1], False)
         elif not held and begun is not None:
             if place == len(moments):
-                found.append(Window(begun[0], None, begun[1], False))
+                found.append(DelayWindow(begun[0], None, begun[1], False))
             elif is_end:  # it held up to this moment, but not at it
-                found.append(Window(begun[0], moments[place], begun[1], False))
+                found.append(DelayWindow(begun[0], moments[place], begun[1], False))
             else:
-                found.append(Window(begun[0], moments[place - 1], begun[1], True))
+                found.append(DelayWindow(begun[0], moments[place - 1], begun[1], True))
             begun = None
     return found

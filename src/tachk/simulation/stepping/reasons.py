@@ -9,7 +9,7 @@ from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.meaning.discrete import bind_selects, clocks_after, environment, execute_updates, may_delay, stopped_clocks
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import StepError, begun_by, delay, fire, is_open
 from tachk.model.evaluate import Environment, clock_number, evaluate, holds
 from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference
@@ -19,11 +19,11 @@ from tachk.model.quantity import decimal
 from tachk.model.run import Participant, TimedState, Transition
 from tachk.model.traversal import children
 from tachk.model.types import BoolType, ClockType, IntType
-from tachk.simulation.stepping.claims import Claim, ClaimedMove
+from tachk.simulation.stepping.claims import ClaimedMove, ClaimedStep
 
 
 @dataclass(frozen=True, slots=True)
-class Reason:
+class StepReason:
     """Attributes:
     message: without a full stop.
     labels: places of the model.
@@ -37,7 +37,7 @@ class NoSuchProcessError(ValueError):
     """The network has no process of the name."""
 
 
-def process_named(names: Names, name: str) -> int:
+def process_named(names: RunNames, name: str) -> int:
     """The number of a process. Raises NoSuchProcessError."""
     for number, process in enumerate(names.network.processes):
         if process.name == name:
@@ -49,36 +49,36 @@ def process_named(names: Names, name: str) -> int:
 # ---- delays ---------------------------------------------------------------------------------------------------------
 
 
-def why_no_delay(names: Names, state: TimedState, duration: Fraction) -> Reason:
+def why_no_delay(names: RunNames, state: TimedState, duration: Fraction) -> StepReason:
     """Why a delay that the semantics refuses cannot pass."""
     model = names.model
     if duration < 0:
-        return Reason(f"it would be at {decimal(state.time + duration)}, and the run is at {decimal(state.time)}")
+        return StepReason(f"it would be at {decimal(state.time + duration)}, and the run is at {decimal(state.time)}")
     if not may_delay(model, state.discrete):
         label = [
             Label(location.span, f"{process.name} is here, which is {'committed' if location.committed else 'urgent'}")
             for process, location in _current(names, state)
             if location.committed or location.urgent
         ]
-        return Reason("time cannot pass", tuple(label))
+        return StepReason("time cannot pass", tuple(label))
     stopped = stopped_clocks(model, state.discrete)
     clocks = tuple(value if n in stopped else value + duration for n, value in enumerate(state.clocks, start=1))
     later = TimedState(state.discrete, clocks, state.time + duration)
     broken = tuple(_broken_invariants(names, later))
     if broken:
-        return Reason(f"an invariant would be violated after a delay of {decimal(duration)}", broken)
+        return StepReason(f"an invariant would be violated after a delay of {decimal(duration)}", broken)
     try:
         delay(model, state, duration)
     except StepError as error:
-        return Reason(str(error))
-    return Reason("time cannot pass")
+        return StepReason(str(error))
+    return StepReason("time cannot pass")
 
 
-def _current(names: Names, state: TimedState) -> Iterator[tuple[Process, Location]]:
+def _current(names: RunNames, state: TimedState) -> Iterator[tuple[Process, Location]]:
     return zip(names.network.processes, names.model.current(state.discrete), strict=True)
 
 
-def _broken_invariants(names: Names, state: TimedState) -> Iterator[Label]:
+def _broken_invariants(names: RunNames, state: TimedState) -> Iterator[Label]:
     for process, location in _current(names, state):
         if location.invariant is not None:
             scratch = environment(names.model, state.discrete, state.clocks)
@@ -88,7 +88,7 @@ def _broken_invariants(names: Names, state: TimedState) -> Iterator[Label]:
 # ---- transitions ----------------------------------------------------------------------------------------------------
 
 
-def why_no_transition(names: Names, state: TimedState, claim: Claim) -> Reason:
+def why_no_transition(names: RunNames, state: TimedState, claim: ClaimedStep) -> StepReason:
     """Why none of the transitions that a claim may mean can be taken."""
     model = names.model
     groups: list[list[Participant]] = []
@@ -96,19 +96,19 @@ def why_no_transition(names: Names, state: TimedState, claim: Claim) -> Reason:
         process = process_named(names, move.process)
         here = names.network.processes[process].locations[state.discrete.locations[process]]
         if here.name != move.source:
-            return Reason(f"{move.process} is in {here.name}, not in {move.source}", (Label(here.span, "here"),))
+            return StepReason(f"{move.process} is in {here.name}, not in {move.source}", (Label(here.span, "here"),))
         found = edges_meant(names, state, process, move)
         if not found:
-            return Reason(_no_edge(names, process, move), (Label(here.span, "from here"),))
+            return StepReason(_no_edge(names, process, move), (Label(here.span, "from here"),))
         open_ = [each for each in found if is_open(model, state, each)]
         if not open_:
             labels = [label for each in found for label in _false_guard(names, state, each)]
-            return Reason(f"a guard of {move.process} is false", _distinct(labels))
+            return StepReason(f"a guard of {move.process} is false", _distinct(labels))
         groups.append(open_)
     return _why_not_together(names, state, claim, groups)
 
 
-def edges_meant(names: Names, state: TimedState, process: int, move: ClaimedMove) -> list[Participant]:
+def edges_meant(names: RunNames, state: TimedState, process: int, move: ClaimedMove) -> list[Participant]:
     """The edges of a process, with values of select variables, that a claim may mean."""
     of_process = names.network.processes[process]
     alike = [
@@ -126,7 +126,7 @@ def edges_meant(names: Names, state: TimedState, process: int, move: ClaimedMove
     ]
 
 
-def _selects_fit(names: Names, participant: Participant, move: ClaimedMove) -> bool:
+def _selects_fit(names: RunNames, participant: Participant, move: ClaimedMove) -> bool:
     edge = names.model.edge(participant)
     synchronisation = edge.synchronisation
     if move.direction is not None and (synchronisation is None or synchronisation.direction is not move.direction):
@@ -135,7 +135,7 @@ def _selects_fit(names: Names, participant: Participant, move: ClaimedMove) -> b
     return all(chosen.get(name) == value for name, value in move.selects.items())
 
 
-def _no_edge(names: Names, process: int, move: ClaimedMove) -> str:
+def _no_edge(names: RunNames, process: int, move: ClaimedMove) -> str:
     of_process = names.network.processes[process]
     known = {place.name for place in of_process.locations}
     if move.target not in known:
@@ -147,7 +147,9 @@ def _no_edge(names: Names, process: int, move: ClaimedMove) -> str:
     )
 
 
-def _why_not_together(names: Names, state: TimedState, claim: Claim, groups: list[list[Participant]]) -> Reason:
+def _why_not_together(
+    names: RunNames, state: TimedState, claim: ClaimedStep, groups: list[list[Participant]]
+) -> StepReason:
     model = names.model
     begun = [found for first in groups[0] for found in begun_by(model, state, first)]
     if not begun:
@@ -158,17 +160,17 @@ def _why_not_together(names: Names, state: TimedState, claim: Claim, groups: lis
         asked = {move.process for move in claim.moves[1:]}
         missing, extra = sorted(asked - others), sorted(others - asked)
         if missing:
-            return Reason(f"{', '.join(missing)} cannot take part")
-        return Reason(f"{' or '.join(extra)} takes part too" if extra else "these processes do not move together")
+            return StepReason(f"{', '.join(missing)} cannot take part")
+        return StepReason(f"{' or '.join(extra)} takes part too" if extra else "these processes do not move together")
     for found in wanted:
         channel = names.event(state.discrete, found).channel
         if claim.channel and channel != claim.channel:
-            return Reason(f"they synchronise over {channel or 'nothing'}, not over {claim.channel}")
+            return StepReason(f"they synchronise over {channel or 'nothing'}, not over {claim.channel}")
         try:
             fire(model, state, found)
         except StepError as error:
             return _why_not_fired(names, state, found, str(error))
-    return Reason("the state after it differs from the one that is told")
+    return StepReason("the state after it differs from the one that is told")
 
 
 def _made_of(transition: Transition, groups: list[list[Participant]]) -> bool:
@@ -177,23 +179,23 @@ def _made_of(transition: Transition, groups: list[list[Participant]]) -> bool:
     return all(any(p in group for p in transition.participants) for group in groups)
 
 
-def _nobody(names: Names, state: TimedState, first: Participant) -> Reason:
+def _nobody(names: RunNames, state: TimedState, first: Participant) -> StepReason:
     edge = names.model.edge(first)
     process = names.network.processes[first.process].name
     committed = [p.name for p, location in _current(names, state) if location.committed]
     labels = () if edge.synchronisation is None else (Label(edge.synchronisation.span, "here"),)
     if committed:
-        return Reason(f"{process} has to wait for {', '.join(committed)}, in a committed location", labels)
-    return Reason(f"nobody can receive what {process} sends", labels)
+        return StepReason(f"{process} has to wait for {', '.join(committed)}, in a committed location", labels)
+    return StepReason(f"nobody can receive what {process} sends", labels)
 
 
-def _why_not_fired(names: Names, state: TimedState, transition: Transition, message: str) -> Reason:
+def _why_not_fired(names: RunNames, state: TimedState, transition: Transition, message: str) -> StepReason:
     discrete, resets = execute_updates(names.model, state.discrete, transition)
     broken = tuple(_broken_invariants(names, TimedState(discrete, clocks_after(state.clocks, resets), state.time)))
-    return Reason("the state after it would violate an invariant", broken) if broken else Reason(message)
+    return StepReason("the state after it would violate an invariant", broken) if broken else StepReason(message)
 
 
-def _false_guard(names: Names, state: TimedState, participant: Participant) -> Iterator[Label]:
+def _false_guard(names: RunNames, state: TimedState, participant: Participant) -> Iterator[Label]:
     edge = names.model.edge(participant)
     if edge.guard is None:
         committed = [p.name for p, location in _current(names, state) if location.committed]

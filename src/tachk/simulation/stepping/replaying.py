@@ -10,15 +10,15 @@ from tachk.base.records import dataclass
 from tachk.base.time_limit import check_time
 from tachk.meaning.discrete import PreparedNetwork, initiators
 from tachk.meaning.initial_state import check_initial_state
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import StepError, begun_by, delay, fire, initial_state, is_open
 from tachk.model.fault import EvaluationFault
 from tachk.model.quantity import decimal
 from tachk.model.run import TimedState, TimedStep, TimedTrace, Transition
-from tachk.simulation.stepping.claims import Claim, ClaimedRun, ClaimedState
+from tachk.simulation.stepping.claims import ClaimedRun, ClaimedState, ClaimedStep
 from tachk.simulation.stepping.reasons import (
     NoSuchProcessError,
-    Reason,
+    StepReason,
     edges_meant,
     process_named,
     why_no_delay,
@@ -30,15 +30,15 @@ _MOST_AT_ONCE = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class StepRefusal:
     """Attributes:
     step: the first one that cannot be taken, from 1; 0 is the initial state.
     claim: what is said of it; None of the initial state.
     """
 
     step: int
-    claim: Claim | None
-    reason: Reason
+    claim: ClaimedStep | None
+    reason: StepReason
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,19 +49,19 @@ class Replayed:
     """
 
     trace: TimedTrace
-    refusal: Refusal | None
+    refusal: StepRefusal | None
 
 
 @dataclass(frozen=True, slots=True)
-class _Node:
+class _ReachedState:
     """A state that fits everything so far, and how it was reached."""
 
     state: TimedState
     step: TimedStep | None
-    before: _Node | None
+    before: _ReachedState | None
 
 
-def replay_claims(names: Names, run: ClaimedRun) -> Replayed:
+def replay_claims(names: RunNames, run: ClaimedRun) -> Replayed:
     """Executes what is claimed, step by step.
 
     Where a step may mean several transitions, one is looked for with which all that follows can be taken.
@@ -69,15 +69,15 @@ def replay_claims(names: Names, run: ClaimedRun) -> Replayed:
     Raises InputError where there is no initial state, and OutOfTimeError.
     """
     start = beginning(names.model)
-    nodes = [_Node(start, None, None)]
+    nodes = [_ReachedState(start, None, None)]
     difference = _difference(names, start, run.initial)
     if difference:
-        return Replayed(TimedTrace(start, ()), Refusal(0, None, Reason(difference)))
+        return Replayed(TimedTrace(start, ()), StepRefusal(0, None, StepReason(difference)))
     for number, claim in enumerate(run.claims, start=1):
         check_time()
         following = _after(names, nodes, claim)
         if not following:
-            return Replayed(_trace(nodes[0]), Refusal(number, claim, _why(names, nodes[0].state, claim)))
+            return Replayed(_trace(nodes[0]), StepRefusal(number, claim, _why(names, nodes[0].state, claim)))
         nodes = following
     return Replayed(_trace(nodes[0]), None)
 
@@ -92,7 +92,7 @@ def beginning(model: PreparedNetwork) -> TimedState:
         raise InputError([Diagnostic("E0409", message, fault.span)]) from None
 
 
-def take(names: Names, state: TimedState, claim: Claim) -> list[TimedStep]:
+def take(names: RunNames, state: TimedState, claim: ClaimedStep) -> list[TimedStep]:
     """The steps that a claim may mean. Empty if there is none."""
     waited = _wait(state, claim)
     try:
@@ -114,23 +114,23 @@ def take(names: Names, state: TimedState, claim: Claim) -> list[TimedStep]:
     return found
 
 
-def _wait(state: TimedState, claim: Claim) -> Fraction:
+def _wait(state: TimedState, claim: ClaimedStep) -> Fraction:
     return claim.time if claim.relative else claim.time - state.time
 
 
-def _after(names: Names, nodes: list[_Node], claim: Claim) -> list[_Node]:
-    found: dict[TimedState, _Node] = {}
+def _after(names: RunNames, nodes: list[_ReachedState], claim: ClaimedStep) -> list[_ReachedState]:
+    found: dict[TimedState, _ReachedState] = {}
     for node in nodes:
         for step in take(names, node.state, claim):
-            found.setdefault(step.state, _Node(step.state, step, node))
+            found.setdefault(step.state, _ReachedState(step.state, step, node))
             if len(found) >= _MOST_AT_ONCE:
                 return list(found.values())
     return list(found.values())
 
 
-def _trace(node: _Node) -> TimedTrace:
+def _trace(node: _ReachedState) -> TimedTrace:
     steps: list[TimedStep] = []
-    here: _Node | None = node
+    here: _ReachedState | None = node
     while here is not None and here.step is not None and here.before is not None:
         steps.append(here.step)
         here = here.before
@@ -138,7 +138,7 @@ def _trace(node: _Node) -> TimedTrace:
     return TimedTrace(here.state, tuple(reversed(steps)))
 
 
-def _fitting(names: Names, state: TimedState, claim: Claim) -> Iterator[Transition]:
+def _fitting(names: RunNames, state: TimedState, claim: ClaimedStep) -> Iterator[Transition]:
     """The transitions whose guards hold and that a claim may mean."""
     try:
         meant = [
@@ -167,31 +167,31 @@ def _fitting(names: Names, state: TimedState, claim: Claim) -> Iterator[Transiti
                 yield transition
 
 
-def _why(names: Names, state: TimedState, claim: Claim) -> Reason:
+def _why(names: RunNames, state: TimedState, claim: ClaimedStep) -> StepReason:
     waited = _wait(state, claim)
     try:
         later = delay(names.model, state, waited)
     except (StepError, EvaluationFault, ValueError):
         return why_no_delay(names, state, waited)
     if not claim.moves:
-        return Reason(_difference(names, later, claim.after) or "time cannot pass")
+        return StepReason(_difference(names, later, claim.after) or "time cannot pass")
     try:
         for transition in _fitting(names, later, claim):
             after = fire(names.model, later, transition)
             difference = _difference(names, after, claim.after)
             if difference:
-                return Reason(difference)
+                return StepReason(difference)
     except (StepError, EvaluationFault):
         pass
     try:
         return why_no_transition(names, later, claim)
     except NoSuchProcessError as error:
-        return Reason(str(error))
+        return StepReason(str(error))
     except EvaluationFault as fault:
-        return Reason(str(fault), (Label(fault.span, "here"),))
+        return StepReason(str(fault), (Label(fault.span, "here"),))
 
 
-def _difference(names: Names, state: TimedState, told: ClaimedState | None) -> str:
+def _difference(names: RunNames, state: TimedState, told: ClaimedState | None) -> str:
     """What is told otherwise than it is; empty if nothing."""
     if told is None:
         return ""

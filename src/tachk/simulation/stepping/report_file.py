@@ -9,7 +9,7 @@ from typing import Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.words import Direction
-from tachk.simulation.stepping.claims import Claim, ClaimedMove, ClaimedRun, ClaimedState
+from tachk.simulation.stepping.claims import ClaimedMove, ClaimedRun, ClaimedState, ClaimedStep
 
 _HOW = "tachk verify MODEL --property NAME --format json -o TRACE.json makes one"
 _ROLES = {"internal": None, "sends": Direction.SEND, "receives": Direction.RECEIVE}
@@ -61,7 +61,7 @@ def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) 
             )
             for part in transition["participants"]
         )
-        claims.append(Claim(waited, True, moves, transition["channel"] or "", True, state))
+        claims.append(ClaimedStep(waited, True, moves, transition["channel"] or "", True, state))
     return ClaimedRun(name, {key: int(value) for key, value in constants.items()}, tuple(claims), initial)
 
 

@@ -21,11 +21,11 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.base.exact_numbers import DIGITS
 from tachk.base.span import Source, Span
 from tachk.meaning.discrete import execute_updates, initial_discrete
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.model.quantity import decimal
 from tachk.model.run import Participant, TimedTrace, Transition
-from tachk.simulation.stepping.claims import Claim, ClaimedMove, ClaimedRun
+from tachk.simulation.stepping.claims import ClaimedMove, ClaimedRun, ClaimedStep
 
 SUFFIX = ".run"
 _DIGITS = 9
@@ -44,7 +44,7 @@ _VALUE = re.compile(r"(\w+)\s*=\s*(-?\d+)")
 def read_run_file(source: Source) -> ClaimedRun:
     """Raises InputError with every line that is not understood."""
     constants: dict[str, int] = {}
-    claims: list[Claim] = []
+    claims: list[ClaimedStep] = []
     wrong: list[Diagnostic] = []
     begin = 0
     for line in source.text.splitlines(keepends=True):
@@ -66,7 +66,7 @@ def read_run_file(source: Source) -> ClaimedRun:
     return ClaimedRun(source.name, constants, tuple(claims))
 
 
-def _claim(words: str, span: Span) -> Claim:
+def _claim(words: str, span: Span) -> ClaimedStep:
     time = _TIME.match(words)
     if time is None:
         raise ValueError("a step begins with the time at which it happens")
@@ -77,7 +77,9 @@ def _claim(words: str, span: Span) -> Claim:
     if channel and not rest:
         raise ValueError("a step names the processes that move")
     moves = tuple(_move(part.strip()) for part in rest.split("&")) if rest and rest != "time passes" else ()
-    return Claim(Fraction(whole) / int(divisor or 1), bool(time[1]), moves, channel[1] if channel else "", span=span)
+    return ClaimedStep(
+        Fraction(whole) / int(divisor or 1), bool(time[1]), moves, channel[1] if channel else "", span=span
+    )
 
 
 def _move(text: str) -> ClaimedMove:
@@ -101,7 +103,7 @@ def _values(text: str) -> dict[str, int]:
 # ---- writing --------------------------------------------------------------------------------------------------------
 
 
-def run_text(names: Names, trace: TimedTrace, heading: Sequence[str] = (), constants: Mapping[str, int] = {}) -> str:
+def run_text(names: RunNames, trace: TimedTrace, heading: Sequence[str] = (), constants: Mapping[str, int] = {}) -> str:
     """A run as text that is read as the same run.
 
     Args:
@@ -113,7 +115,7 @@ def run_text(names: Names, trace: TimedTrace, heading: Sequence[str] = (), const
 
 
 def steps_text(
-    names: Names,
+    names: RunNames,
     steps: Iterable[tuple[Fraction, Transition | None]],
     heading: Sequence[str] = (),
     constants: Mapping[str, int] = {},
@@ -128,7 +130,7 @@ def _head(heading: Sequence[str], constants: Mapping[str, int]) -> Iterator[str]
         yield "constants " + ", ".join(f"{name} = {value}" for name, value in constants.items())
 
 
-def _step_lines(names: Names, steps: Iterable[tuple[Fraction, Transition | None]]) -> Iterator[str]:
+def _step_lines(names: RunNames, steps: Iterable[tuple[Fraction, Transition | None]]) -> Iterator[str]:
     discrete = initial_discrete(names.model)
     for time, transition in steps:
         when = exact_time(time)

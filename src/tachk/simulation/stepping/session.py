@@ -6,12 +6,12 @@ from fractions import Fraction
 from random import Random
 
 from tachk.base.records import dataclass
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import delay, fire
 from tachk.model.run import TimedState, TimedStep, TimedTrace
 from tachk.simulation.stepping.claims import ClaimedRun
-from tachk.simulation.stepping.offers import Offer, Offers, Window, offers_of
-from tachk.simulation.stepping.replaying import Refusal, beginning, replay_claims
+from tachk.simulation.stepping.offers import DelayWindow, EnabledTransition, Offers, offers_of
+from tachk.simulation.stepping.replaying import StepRefusal, beginning, replay_claims
 
 
 class NotPossibleError(ValueError):
@@ -25,13 +25,13 @@ class Session:
     position: after how many of them the run is.
     """
 
-    names: Names
+    names: RunNames
     initial: TimedState
     steps: tuple[TimedStep, ...] = ()
     position: int = 0
 
     @staticmethod
-    def begin(names: Names) -> Session:
+    def begin(names: RunNames) -> Session:
         """Raises InputError if there is no initial state."""
         return Session(names, beginning(names.model))
 
@@ -51,7 +51,7 @@ class Session:
         """Lets time pass. Raises StepError."""
         return self._followed(TimedStep(waited, None, delay(self.names.model, self.state, waited)))
 
-    def take(self, offer: Offer, waited: Fraction | None = None) -> Session:
+    def take(self, offer: EnabledTransition, waited: Fraction | None = None) -> Session:
         """Takes a transition after a delay; without one, as soon as it is enabled. Raises NotPossibleError."""
         if waited is None:
             waited = offer.windows[0].some
@@ -76,7 +76,7 @@ class Session:
             raise NotPossibleError(known if self.steps else "no step has been taken yet")
         return Session(self.names, self.initial, self.steps, position)
 
-    def loaded(self, claimed: ClaimedRun) -> tuple[Session, Refusal | None]:
+    def loaded(self, claimed: ClaimedRun) -> tuple[Session, StepRefusal | None]:
         """Another run in place of this one, as far as it is one."""
         replayed = replay_claims(self.names, claimed)
         steps = replayed.trace.steps
@@ -90,7 +90,7 @@ class Session:
         return Session(self.names, self.initial, self.steps[: self.position] + ahead, self.position + 1)
 
 
-def _moment(window: Window, random: Random) -> Fraction:
+def _moment(window: DelayWindow, random: Random) -> Fraction:
     """A delay of the window: its ends, and tenths between them; of endless ones within the first ten units."""
     last = window.first + 10 if window.last is None else window.last
     length = last - window.first

@@ -8,7 +8,7 @@ from math import lcm
 
 from tachk.base.records import dataclass
 from tachk.meaning.discrete import environment
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import time_passes
 from tachk.model.evaluate import evaluate, evaluate_cells
 from tachk.model.run import TimedState, TimedTrace
@@ -20,7 +20,7 @@ _DECIMAL_TICKS = 10**9
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class RunSignals:
     """Attributes:
     exact: whether no time was rounded.
     """
@@ -30,13 +30,13 @@ class Recorded:
 
 
 def signals_of(
-    names: Names,
+    names: RunNames,
     columns: Sequence[Column],
     run: TimedTrace,
     name: str,
     end: Fraction = Fraction(0),
     decimal_times: bool = False,
-) -> Recorded:
+) -> RunSignals:
     """What is observed in the states of a run. Times that do not fit are rounded down.
 
     Args:
@@ -52,10 +52,10 @@ def signals_of(
     rows = [[_value(names, state, column) for column in columns] for state in states]
     lasts = end > states[-1].time or time_passes(names.model, states[-1])
     trace = recording(names.network, columns, name, times, rows, int(last * ticks), ticks, lasts)
-    return Recorded(trace, ticks % finest == 0)
+    return RunSignals(trace, ticks % finest == 0)
 
 
-def _value(names: Names, state: TimedState, column: Column) -> int:
+def _value(names: RunNames, state: TimedState, column: Column) -> int:
     match column.value:
         case int(slot):
             processes = len(state.discrete.locations)

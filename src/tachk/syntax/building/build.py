@@ -14,7 +14,7 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.words import Direction, QueryKind
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, ExpressionBuilder, ListOf, nodes, only, span_of
-from tachk.syntax.building.build_template import Line, WrittenClause, clauses_of, template
+from tachk.syntax.building.build_template import ClassicLine, WrittenClause, clauses_of, template
 from tachk.syntax.chains import chain
 from tachk.syntax.formulas.build import FormulaBuilder, WholeFormula, as_formula
 from tachk.syntax.parsing.misplaced import Misplaced
@@ -252,23 +252,23 @@ class Builder(ExpressionBuilder, FormulaBuilder):
             span_of(children), identifier, invariant, rate, doc=token.doc, rate_divisor=divisor
         )
 
-    def state_line(self, children: Children) -> Line:
-        return Line("state", span_of(children), nodes(children))
+    def state_line(self, children: Children) -> ClassicLine:
+        return ClassicLine("state", span_of(children), nodes(children))
 
-    def branchpoint_line(self, children: Children) -> Line:
-        return Line("branchpoint", span_of(children), nodes(children))
+    def branchpoint_line(self, children: Children) -> ClassicLine:
+        return ClassicLine("branchpoint", span_of(children), nodes(children))
 
-    def commit_line(self, children: Children) -> Line:
-        return Line("commit", span_of(children), nodes(children))
+    def commit_line(self, children: Children) -> ClassicLine:
+        return ClassicLine("commit", span_of(children), nodes(children))
 
-    def urgent_line(self, children: Children) -> Line:
-        return Line("urgent", span_of(children), nodes(children))
+    def urgent_line(self, children: Children) -> ClassicLine:
+        return ClassicLine("urgent", span_of(children), nodes(children))
 
-    def init_line(self, children: Children) -> Line:
-        return Line("init", span_of(children), nodes(children))
+    def init_line(self, children: Children) -> ClassicLine:
+        return ClassicLine("init", span_of(children), nodes(children))
 
-    def trans_line(self, children: Children) -> Line:
-        return Line("trans", span_of(children), nodes(children))
+    def trans_line(self, children: Children) -> ClassicLine:
+        return ClassicLine("trans", span_of(children), nodes(children))
 
     def edge(self, children: Children) -> ast.EdgeDeclaration:
         source, arrow, target, _, *clauses, _ = children

@@ -17,7 +17,7 @@ CLAUSE_ORDER = tuple(kind.value for kind in ClauseKind)
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ClassicLine:
     """A line of the classic body: ``state``, ``branchpoint``, ``commit``, ``urgent``, ``init`` or ``trans``."""
 
     kind: str
@@ -83,9 +83,9 @@ def template(
     Raises:
         Misplaced: the two forms of a body are mixed, or a line names a location that no ``state`` line declares.
     """
-    lines = [item for item in items if isinstance(item, Line)]
+    lines = [item for item in items if isinstance(item, ClassicLine)]
     blocks = [item for item in items if isinstance(item, ast.LocationDeclaration | ast.Branchpoint)]
-    not_declarations = Line | ast.LocationDeclaration | ast.Branchpoint
+    not_declarations = ClassicLine | ast.LocationDeclaration | ast.Branchpoint
     declarations = tuple(item for item in items if not isinstance(item, not_declarations))
     if lines and blocks:
         later, earlier = (lines[0], blocks[0]) if lines[0].span.start > blocks[0].span.start else (blocks[0], lines[0])
@@ -122,7 +122,7 @@ def template(
     )
 
 
-def _classic_locations(lines: Sequence[Line]) -> tuple[ast.LocationDeclaration, ...]:
+def _classic_locations(lines: Sequence[ClassicLine]) -> tuple[ast.LocationDeclaration, ...]:
     locations: list[ast.LocationDeclaration] = [n for line in lines if line.kind == "state" for n in line.nodes]
     known = {location.name.name for location in locations}
     flagged: dict[str, set[str]] = {"commit": set(), "urgent": set(), "init": set()}
@@ -151,7 +151,7 @@ def _classic_locations(lines: Sequence[Line]) -> tuple[ast.LocationDeclaration, 
     )
 
 
-def _classic_edges(lines: Sequence[Line]) -> tuple[ast.EdgeDeclaration, ...]:
+def _classic_edges(lines: Sequence[ClassicLine]) -> tuple[ast.EdgeDeclaration, ...]:
     """All edges; one that omits its source has the source of the edge before it."""
     edges: list[ast.EdgeDeclaration] = []
     for line in lines:

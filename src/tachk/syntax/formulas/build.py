@@ -36,7 +36,7 @@ from tachk.syntax.formula import (
     Or,
     Rise,
     Since,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
     all_time,
@@ -195,7 +195,7 @@ def _formula(node: Any) -> Formula:
             kind = Until if letter == "U" else Since
             return kind(span, given, _formula(operands[0]), _formula(operands[1]))
         case ast.BooleanLiteral(value=value):
-            return Truth(span, value)
+            return TruthConstant(span, value)
         case ast.UnaryExpression(operator=PrefixOperator.NOT):
             return _negation(node)
         case ast.BinaryExpression(operator=BinaryOperator.AND):

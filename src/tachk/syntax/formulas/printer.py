@@ -32,7 +32,7 @@ from tachk.syntax.formula import (
     Or,
     Rise,
     Since,
-    Truth,
+    TruthConstant,
     Until,
     WeakUntil,
 )
@@ -147,7 +147,7 @@ def _print(formula: Formula, least: int) -> str:
 
 def _text(formula: Formula) -> str:
     match formula:
-        case Truth(value=value):
+        case TruthConstant(value=value):
             return "true" if value else "false"
         case Atom(expression=expression):
             return print_atom(expression)

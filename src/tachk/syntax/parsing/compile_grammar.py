@@ -12,7 +12,7 @@ import lark
 from lark.lexer import Lexer, PatternStr
 from lark.parsers.lalr_analysis import Shift
 
-from tachk.syntax.parsing.grammar import Grammar, Rule, Terminal
+from tachk.syntax.parsing.grammar import Grammar, GrammarRule, Terminal
 
 
 class _NoLexer(Lexer):
@@ -57,7 +57,7 @@ def compile_grammar(text: str, starts: Sequence[str]) -> Grammar:
     return Grammar(terminals, rules, rows, *ends)
 
 
-def _rule(rule: Any) -> Rule:
+def _rule(rule: Any) -> GrammarRule:
     size = len(rule.expansion)
     absent = rule.options.empty_indices
     places = tuple(len(ones) for ones in "".join(str(int(each)) for each in absent).split("0")) if absent else ()
@@ -65,6 +65,6 @@ def _rule(rule: Any) -> Rule:
         place for place, symbol in enumerate(rule.expansion) if not symbol.is_term and symbol.name.startswith("_")
     )
     callback = rule.alias or rule.options.template_source or rule.origin.name
-    return Rule(
+    return GrammarRule(
         str(rule.origin.name), str(callback), size, places, inlined, bool(rule.options.expand1 and not rule.alias)
     )

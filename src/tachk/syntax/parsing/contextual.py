@@ -96,24 +96,24 @@ def resolve_document(tokens: list[Token], types: frozenset[str] = frozenset()) -
         tokens: of the whole text.
         types: words that name types defined in other files.
     """
-    return _Resolver(tokens, _Inside.TOP, types).run()
+    return _NameResolver(tokens, _Inside.TOP, types).run()
 
 
 def resolve_fragment(tokens: list[Token]) -> list[Token]:
     """The tokens of an expression, a label or a block of declarations."""
-    return _Resolver(tokens, _Inside.TOP).run()
+    return _NameResolver(tokens, _Inside.TOP).run()
 
 
 def resolve_query(tokens: list[Token]) -> list[Token]:
     """The tokens of one query, ended by `END`."""
-    resolver = _Resolver(tokens, _Inside.OTHER)
+    resolver = _NameResolver(tokens, _Inside.OTHER)
     resolver.query(len(tokens) - 1, expectation=True)
     resolver.output.append(tokens[-1])
     return resolver.output
 
 
 @dataclass(slots=True)
-class _Resolver:
+class _NameResolver:
     tokens: list[Token]
     inside: _Inside
     output: list[Token]

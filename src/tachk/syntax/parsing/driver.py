@@ -15,7 +15,7 @@ from tachk.base.span import Span
 from tachk.base.time_limit import check_time
 from tachk.syntax.parsing.lalr import Stack, UnexpectedToken
 from tachk.syntax.parsing.misplaced import Misplaced
-from tachk.syntax.parsing.situation import Situation
+from tachk.syntax.parsing.situation import ParseSituation
 from tachk.syntax.parsing.tables import lexer, tables
 from tachk.syntax.parsing.tokens import END, Token
 
@@ -88,7 +88,7 @@ class _Run:
             begin = self.construct_start()
             from tachk.syntax.parsing.messages import explain  # only texts with mistakes need them
 
-            self.errors.append(explain(Situation(self.tokens, index, accepted, supplied, begin, self.start)))
+            self.errors.append(explain(ParseSituation(self.tokens, index, accepted, supplied, begin, self.start)))
         if len(self.errors) >= MOST_ERRORS or self.recoveries >= _MOST_RECOVERIES:
             return None
         if supplied is not None:

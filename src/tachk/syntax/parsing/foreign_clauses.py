@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import Span
-from tachk.syntax.parsing.situation import Situation
+from tachk.syntax.parsing.situation import ParseSituation
 from tachk.syntax.parsing.tokens import END, Token
 
 _ASSIGNMENTS = ("=", ":=", "+=", "-=", "*=", "/=", "++", "--")
@@ -14,7 +14,7 @@ _GUARDS = ("when", "if", "where", "condition", "provided")
 _RESETS = ("reset", "set", "do", "update", "effect", "action")
 
 
-def untyped_constant(situation: Situation) -> Diagnostic | None:
+def untyped_constant(situation: ParseSituation) -> Diagnostic | None:
     """``const N = 3;``."""
     tokens, index = situation.tokens, situation.index
     if situation.token.text not in ("=", ":=") or index < 2 or tokens[index - 2].text != "const":
@@ -24,7 +24,7 @@ def untyped_constant(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0101", f"`{span.text}` has no type", span, f"write `{text}`")
 
 
-def foreign_clause(situation: Situation) -> Diagnostic | None:
+def foreign_clause(situation: ParseSituation) -> Diagnostic | None:
     """The diagnostic for an edge whose clauses lack their words, or have others; None where that is not it."""
     tokens, index = situation.tokens, situation.index
     if "SYNC" in situation.accepted or ("ASSIGN" in situation.accepted and "GUARD" in situation.accepted):
@@ -38,7 +38,7 @@ def foreign_clause(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _bare_clause(situation: Situation) -> Diagnostic | None:
+def _bare_clause(situation: ParseSituation) -> Diagnostic | None:
     tokens, index, token = situation.tokens, situation.index, situation.token
     following = tokens[index + 1].text if index + 1 < len(tokens) else ""
     text = _until(tokens, index)
@@ -58,7 +58,7 @@ def _bare_clause(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _joined(situation: Situation, text: str) -> str:
+def _joined(situation: ParseSituation, text: str) -> str:
     """How to write an assignment that stands behind another clause."""
     before = _clause_before(situation, behind=True)
     if before is not None and situation.tokens[before].text == "assign":
@@ -68,7 +68,7 @@ def _joined(situation: Situation, text: str) -> str:
     return f"write `assign {text};`"
 
 
-def _clause_before(situation: Situation, behind: bool = False) -> int | None:
+def _clause_before(situation: ParseSituation, behind: bool = False) -> int | None:
     """The index of the word that begins the clause in which the token stands, or the one before it."""
     tokens = situation.tokens
     place = situation.index - (2 if behind else 1)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import Span
 from tachk.syntax.formulas.tokens import PREFIX
-from tachk.syntax.parsing.situation import Situation, query_start
+from tachk.syntax.parsing.situation import ParseSituation, query_start
 from tachk.syntax.parsing.tokens import Token
 
 _NEXT = "there is no next instant in dense time: F(0, d] p says that p comes within d, rise(p) that it begins"
@@ -38,7 +38,7 @@ _PREFIX = {
 _SIGNS = {"<->": _SAME, "<=>": _SAME}
 
 
-def foreign_formula(situation: Situation) -> Diagnostic | None:
+def foreign_formula(situation: ParseSituation) -> Diagnostic | None:
     """The diagnostic for a formula in the words of another tool; None where it is not one."""
     begin = 0 if situation.start == "formula_fragment" else query_start(situation)
     if begin is None:
@@ -93,7 +93,7 @@ def _comparison(tokens: Sequence[Token]) -> Diagnostic | None:
     return Diagnostic("E0130", "an interval has two bounds", span, f"write {tokens[0].text}{interval}")
 
 
-def _word(situation: Situation) -> Diagnostic | None:
+def _word(situation: ParseSituation) -> Diagnostic | None:
     tokens, index = situation.tokens, situation.index
     if situation.start != "formula_fragment" and not any(token.type == "FORMULA" for token in tokens):
         return None
@@ -108,7 +108,7 @@ def _unknown(token: Token, help_: str) -> Diagnostic:
     return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, help_)
 
 
-def _number(situation: Situation) -> Diagnostic | None:
+def _number(situation: ParseSituation) -> Diagnostic | None:
     """``.5`` and ``5.``, which models do not know."""
     tokens, index = situation.tokens, situation.index
     if situation.token.text == "." and index + 1 < len(tokens) and tokens[index + 1].type == "INTEGER":
@@ -117,7 +117,7 @@ def _number(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def trailing_point(situation: Situation) -> Diagnostic | None:
+def trailing_point(situation: ParseSituation) -> Diagnostic | None:
     """``double d = 5.;``."""
     tokens, index = situation.tokens, situation.index
     if index < 2 or tokens[index - 1].text != "." or tokens[index - 2].type != "INTEGER":

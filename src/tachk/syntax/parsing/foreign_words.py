@@ -6,7 +6,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import Span
 from tachk.base.time_units import SPELLINGS
 from tachk.syntax.parsing.contextual import PATHS
-from tachk.syntax.parsing.situation import Situation, item_start, query_start
+from tachk.syntax.parsing.situation import ParseSituation, item_start, query_start
 from tachk.syntax.parsing.tokens import END, Token
 
 _TEMPLATE_WORDS = ("template", "automaton", "module", "proctype", "class")
@@ -19,7 +19,7 @@ _OPERATORS = {
 }
 
 
-def foreign_word(situation: Situation) -> Diagnostic | None:
+def foreign_word(situation: ParseSituation) -> Diagnostic | None:
     """The diagnostic for a text that says something in the words of another tool; None where it does not."""
     if situation.start == "formula_fragment":
         return _query_for_a_formula(situation) or _operator(situation) or _capitals(situation)
@@ -37,7 +37,7 @@ def foreign_word(situation: Situation) -> Diagnostic | None:
     )
 
 
-def _pair(situation: Situation, place: int) -> str:
+def _pair(situation: ParseSituation, place: int) -> str:
     """Two tokens that touch, as one text."""
     tokens = situation.tokens
     if not 0 <= place < len(tokens) - 1 or tokens[place].span.end != tokens[place + 1].span.start:
@@ -45,7 +45,7 @@ def _pair(situation: Situation, place: int) -> str:
     return tokens[place].text + tokens[place + 1].text
 
 
-def _query_for_a_formula(situation: Situation) -> Diagnostic | None:
+def _query_for_a_formula(situation: ParseSituation) -> Diagnostic | None:
     tokens, index = situation.tokens, situation.index
     for place in (index, index - 1):
         letter = {"[]": "G", "<>": "F"}.get(_pair(situation, place))
@@ -63,7 +63,7 @@ def _query_for_a_formula(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _operator(situation: Situation) -> Diagnostic | None:
+def _operator(situation: ParseSituation) -> Diagnostic | None:
     place = situation.index - 1
     pair = _pair(situation, place)
     if pair not in _OPERATORS or (pair == "<>" and situation.tokens[place - 1].text in ("A", "E")):
@@ -75,7 +75,7 @@ def _operator(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0101", f"'{pair}' is not an operator", span, mend)
 
 
-def _bare_query(situation: Situation) -> Diagnostic | None:
+def _bare_query(situation: ParseSituation) -> Diagnostic | None:
     """A query that stands in a model without ``property name :``."""
     if situation.start != "document":
         return None
@@ -94,7 +94,7 @@ def _same_line(one: Token, other: Token) -> bool:
     return "\n" not in one.span.source.text[one.span.end : other.span.start]
 
 
-def _negation(situation: Situation) -> Diagnostic | None:
+def _negation(situation: ParseSituation) -> Diagnostic | None:
     """``A[] no deadlock``."""
     before = situation.tokens[situation.index - 1] if situation.index else situation.token
     if before.type != "NAME" or before.text not in ("no", "never") or query_start(situation) is None:
@@ -103,7 +103,7 @@ def _negation(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0104", f"unknown word '{before.text}'", before.span, mend)
 
 
-def _capitals(situation: Situation) -> Diagnostic | None:
+def _capitals(situation: ParseSituation) -> Diagnostic | None:
     """``p AND q``, ``NOT p``."""
     tokens, index = situation.tokens, situation.index
     for token in tokens[max(index - 1, 0) : index + 1]:
@@ -112,7 +112,7 @@ def _capitals(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _leads_to(situation: Situation) -> Diagnostic | None:
+def _leads_to(situation: ParseSituation) -> Diagnostic | None:
     """``p leads to q``."""
     token = situation.token
     if query_start(situation) is None or token.text not in ("leads", "leads_to", "leadsto"):
@@ -120,14 +120,14 @@ def _leads_to(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, "write p --> q")
 
 
-def _end(situation: Situation) -> Diagnostic | None:
+def _end(situation: ParseSituation) -> Diagnostic | None:
     """``A[] p;`` as a query by itself."""
     if situation.start != "query" or situation.token.text != ";":
         return None
     return Diagnostic("E0101", "';' does not fit here", situation.token.span, "remove it: a query ends without one")
 
 
-def _template(situation: Situation) -> Diagnostic | None:
+def _template(situation: ParseSituation) -> Diagnostic | None:
     first = item_start(situation)
     words = situation.tokens[first : first + 3]
     if len(words) < 3 or words[0].text not in _TEMPLATE_WORDS or words[1].type != "NAME" or words[2].text not in "({":
@@ -140,7 +140,7 @@ def _template(situation: Situation) -> Diagnostic | None:
     )
 
 
-def _arrow(situation: Situation) -> Diagnostic | None:
+def _arrow(situation: ParseSituation) -> Diagnostic | None:
     """``A -> B`` inside the braces of A."""
     tokens, index = situation.tokens, situation.index
     if "TO" not in situation.accepted or index + 2 >= len(tokens):
@@ -158,7 +158,7 @@ def _arrow(situation: Situation) -> Diagnostic | None:
     )
 
 
-def _unit(situation: Situation) -> Diagnostic | None:
+def _unit(situation: ParseSituation) -> Diagnostic | None:
     """``x <= 5 s``."""
     token = situation.token
     before = situation.tokens[situation.index - 1] if situation.index else token
@@ -172,7 +172,7 @@ def _unit(situation: Situation) -> Diagnostic | None:
     )
 
 
-def _arguments(situation: Situation) -> Diagnostic | None:
+def _arguments(situation: ParseSituation) -> Diagnostic | None:
     """``system P(1, 2);``."""
     tokens, index = situation.tokens, situation.index
     if (

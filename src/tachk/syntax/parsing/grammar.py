@@ -16,7 +16,7 @@ class Terminal(NamedTuple):
     priority: int
 
 
-class Rule(NamedTuple):
+class GrammarRule(NamedTuple):
     """Attributes:
     origin: what the rule makes.
     callback: the method of the builder that makes it. A rule whose origin begins with ``_`` has none: its values
@@ -48,7 +48,7 @@ class Grammar(NamedTuple):
     """
 
     terminals: tuple[Terminal, ...]
-    rules: tuple[Rule, ...]
+    rules: tuple[GrammarRule, ...]
     rows: dict[int, dict[str, int]]
     starts: dict[str, int]
     ends: dict[str, int]

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from tachk.base.records import dataclass
-from tachk.syntax.parsing.grammar import Grammar, Rule
+from tachk.syntax.parsing.grammar import Grammar, GrammarRule
 from tachk.syntax.parsing.tokens import END, Token
 
 T = TypeVar("T")
@@ -90,7 +90,7 @@ class Tables:
         return state
 
 
-def _build(rule: Rule, builder: object) -> Callable[[list[Any]], Any]:
+def _build(rule: GrammarRule, builder: object) -> Callable[[list[Any]], Any]:
     """What makes one value of those of a rule."""
     make = list if rule.is_inlined else getattr(builder, rule.callback, None)
     if rule.passes_on:
@@ -108,7 +108,7 @@ def _single_or(make: Callable[[list[Any]], Any]) -> Callable[[list[Any]], Any]:
     return lambda values: values[0] if len(values) == 1 else make(values)
 
 
-def _spread(rule: Rule, make: Callable[[list[Any]], Any]) -> Callable[[list[Any]], Any]:
+def _spread(rule: GrammarRule, make: Callable[[list[Any]], Any]) -> Callable[[list[Any]], Any]:
     """Puts None in the places of absent parts, and the values of inlined rules in the place of these."""
     places = rule.places or (0,) * (rule.size + 1)
     inlined = rule.inlined

@@ -11,7 +11,7 @@ from tachk.syntax.parsing.contextual import PATHS, SPELLING
 from tachk.syntax.parsing.foreign_clauses import foreign_clause, untyped_constant
 from tachk.syntax.parsing.foreign_formulas import foreign_formula, trailing_point
 from tachk.syntax.parsing.foreign_words import foreign_word
-from tachk.syntax.parsing.situation import CLOSES, Situation, item_start, query_start, until_end
+from tachk.syntax.parsing.situation import CLOSES, ParseSituation, item_start, query_start, until_end
 from tachk.syntax.parsing.tables import lexer, terminal_spelling
 from tachk.syntax.parsing.tokens import END, Token
 
@@ -46,7 +46,7 @@ _ITEM_WORDS = ("process", "system", "typedef", "property", "signal", "import", "
 _BODY_WORDS = ("location", "state", "init", "trans", "commit", "committed", "urgent", "branchpoint", "clock", "const")
 
 
-def explain(situation: Situation) -> Diagnostic:
+def explain(situation: ParseSituation) -> Diagnostic:
     """The diagnostic for a token that does not fit, by the most specific reason that applies."""
     return (
         _foreign_format(situation)
@@ -69,7 +69,7 @@ def explain(situation: Situation) -> Diagnostic:
     )
 
 
-def _foreign_format(situation: Situation) -> Diagnostic | None:
+def _foreign_format(situation: ParseSituation) -> Diagnostic | None:
     if situation.index == 0 and situation.token.text in ("<", "<?"):
         return Diagnostic(
             "E0101",
@@ -80,7 +80,7 @@ def _foreign_format(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _interface(situation: Situation) -> Diagnostic | None:
+def _interface(situation: ParseSituation) -> Diagnostic | None:
     item = situation.tokens[item_start(situation)]
     if item.text != "IO" or situation.token.text != "{" or situation.tokens[situation.index - 1].type != "NAME":
         return None
@@ -92,7 +92,7 @@ def _interface(situation: Situation) -> Diagnostic | None:
     )
 
 
-def _missing(situation: Situation) -> Diagnostic | None:
+def _missing(situation: ParseSituation) -> Diagnostic | None:
     if situation.supplied is None:
         return None
     text = situation.supplied.text
@@ -103,12 +103,12 @@ def _missing(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0102", f"expected '{text}'{after}", situation.supplied.span, f"add '{text}'", labels)
 
 
-def _opening_of(situation: Situation, closing: str) -> Token | None:
+def _opening_of(situation: ParseSituation, closing: str) -> Token | None:
     stack = _open_brackets(situation.tokens[: situation.index])
     return stack[-1] if stack and closing in CLOSES and stack[-1].text == CLOSES[closing] else None
 
 
-def _brackets(situation: Situation) -> Diagnostic | None:
+def _brackets(situation: ParseSituation) -> Diagnostic | None:
     token = situation.token
     stack = _open_brackets(situation.tokens[: situation.index])
     if token.type in (END, "PROCESS", "SYSTEM") and stack:
@@ -140,7 +140,7 @@ def _brackets(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _declares_function(situation: Situation) -> bool:
+def _declares_function(situation: ParseSituation) -> bool:
     """Whether ``void f(`` or ``int f(`` stands in a block, in which only variables are declared."""
     tokens, index = situation.tokens, situation.index
     if index < 2 or tokens[index - 1].type != "NAME" or "(" in situation.accepted:
@@ -148,7 +148,7 @@ def _declares_function(situation: Situation) -> bool:
     return tokens[index - 2].text in ("void", "int", "bool", "double") or tokens[index - 2].text == "]"
 
 
-def _is_closed_later(situation: Situation) -> bool:
+def _is_closed_later(situation: ParseSituation) -> bool:
     """Whether the brace that is open at the token that does not fit is closed, were that token not there."""
     depth = 1
     for token in situation.tokens[situation.index + 1 :]:
@@ -160,7 +160,7 @@ def _is_closed_later(situation: Situation) -> bool:
     return False
 
 
-def _temporal_word(situation: Situation) -> Diagnostic | None:
+def _temporal_word(situation: ParseSituation) -> Diagnostic | None:
     """Operators of temporal formulas that are spelt as other tools spell them."""
     begin = 0 if situation.start == "formula_fragment" else query_start(situation)
     if begin is None:
@@ -186,7 +186,7 @@ def _temporal_word(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _outcome(situation: Situation) -> Diagnostic | None:
+def _outcome(situation: ParseSituation) -> Diagnostic | None:
     """``expect true``."""
     tokens, index = situation.tokens, situation.index
     place = next((n for n in (index, index - 1) if n >= 0 and tokens[n].text == "expect"), None)
@@ -201,7 +201,7 @@ def _outcome(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0104", message, span, f"write `expect {meant}` right behind the query, before its semicolon")
 
 
-def _no_query(situation: Situation) -> Diagnostic | None:
+def _no_query(situation: ParseSituation) -> Diagnostic | None:
     begin = query_start(situation)
     if begin is None or begin > situation.index:
         return None
@@ -228,7 +228,7 @@ def _no_query(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _reserved(situation: Situation) -> Diagnostic | None:
+def _reserved(situation: ParseSituation) -> Diagnostic | None:
     token = situation.token
     if token.type != "RESERVED":
         return None
@@ -237,7 +237,7 @@ def _reserved(situation: Situation) -> Diagnostic | None:
     return Diagnostic("E0114", f"'{token.text}' is reserved in UPPAAL and has no meaning", token.span)
 
 
-def _misspelt(situation: Situation) -> Diagnostic | None:
+def _misspelt(situation: ParseSituation) -> Diagnostic | None:
     token = situation.token
     if token.type == "NAME" and "NAME" not in situation.accepted:
         found = _close(token.text, _words(situation.accepted))
@@ -266,7 +266,7 @@ def _close(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | N
     return matches[0] if matches else None
 
 
-def _keyword_as_name(situation: Situation) -> Diagnostic | None:
+def _keyword_as_name(situation: ParseSituation) -> Diagnostic | None:
     token = situation.token
     in_formula = situation.start == "formula_fragment"
     after_letter = in_formula and situation.index > 0 and situation.tokens[situation.index - 1].text in PREFIX
@@ -286,7 +286,7 @@ def _keyword_as_name(situation: Situation) -> Diagnostic | None:
     )
 
 
-def _misplaced_clause(situation: Situation) -> Diagnostic | None:
+def _misplaced_clause(situation: ParseSituation) -> Diagnostic | None:
     token = situation.token
     if token.type in _CLAUSES and not _CLAUSES & situation.accepted and "TO" in situation.accepted:
         return Diagnostic(
@@ -298,7 +298,7 @@ def _misplaced_clause(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _unexpected(situation: Situation) -> Diagnostic:
+def _unexpected(situation: ParseSituation) -> Diagnostic:
     token = situation.token
     found = "the end of the text" if token.type == END else f"'{_short(token.text)}'"
     wanted = expectations(situation.accepted)

@@ -11,7 +11,7 @@ CLOSES = {")": "(", "]": "[", "}": "{"}
 
 
 @dataclass(frozen=True, slots=True)
-class Situation:
+class ParseSituation:
     """Attributes:
     tokens: the whole text.
     index: the token that does not fit.
@@ -33,7 +33,7 @@ class Situation:
         return self.tokens[self.index]
 
 
-def query_start(situation: Situation) -> int | None:
+def query_start(situation: ParseSituation) -> int | None:
     """The index where the query begins in which the token stands."""
     if situation.start == "query":
         return 0
@@ -43,7 +43,7 @@ def query_start(situation: Situation) -> int | None:
     return next((i + 1 for i in range(item, situation.index) if situation.tokens[i].text == ":"), None)
 
 
-def item_start(situation: Situation) -> int:
+def item_start(situation: ParseSituation) -> int:
     """The index of the first token of the item of the document in which the token stands."""
     depth = start = 0
     for index, token in enumerate(situation.tokens[: situation.index]):

@@ -57,20 +57,20 @@ class SentenceBuilder:
     def globally(self, children: Children) -> s.Globally:
         return s.Globally(_span(children))
 
-    def before(self, children: Children) -> s.Before:
-        return s.Before(_span(children), children[1])
+    def before(self, children: Children) -> s.BeforeScope:
+        return s.BeforeScope(_span(children), children[1])
 
     def after(self, children: Children) -> s.After:
         return s.After(_span(children), children[1])
 
-    def between(self, children: Children) -> s.Between:
-        return s.Between(_span(children), children[1], children[3])
+    def between(self, children: Children) -> s.BetweenScope:
+        return s.BetweenScope(_span(children), children[1], children[3])
 
     def after_until(self, children: Children) -> s.AfterUntil:
         return s.AfterUntil(_span(children), children[1], children[3])
 
-    def while_scope(self, children: Children) -> s.While:
-        return s.While(_span(children), children[1])
+    def while_scope(self, children: Children) -> s.WhileScope:
+        return s.WhileScope(_span(children), children[1])
 
     # ---- triggers ----
 
@@ -92,8 +92,8 @@ class SentenceBuilder:
     def becomes(self, children: Children) -> Token:
         return _token(children)
 
-    def changing(self, children: Children) -> s.Changes:
-        return s.Changes(_span(children), read_value(children[1].span))
+    def changing(self, children: Children) -> s.ChangeInstants:
+        return s.ChangeInstants(_span(children), read_value(children[1].span))
 
     def initially(self, children: Children) -> s.Initially:
         return s.Initially(_span(children))
@@ -102,10 +102,10 @@ class SentenceBuilder:
         return Mark("reference", _span(children), children[1].text)
 
     def rise(self, children: Children) -> Mark:
-        return Mark("", _span(children), s.Reference.RISE)
+        return Mark("", _span(children), s.DelayReference.RISE)
 
     def fall(self, children: Children) -> Mark:
-        return Mark("", _span(children), s.Reference.FALL)
+        return Mark("", _span(children), s.DelayReference.FALL)
 
     def minimum_words(self, children: Children) -> Token:
         return _token(children)
@@ -114,10 +114,10 @@ class SentenceBuilder:
         return _token(children)
 
     def minimum(self, children: Children) -> Mark:
-        return Mark("", _span(children), s.Reference.MINIMUM)
+        return Mark("", _span(children), s.DelayReference.MINIMUM)
 
     def maximum(self, children: Children) -> Mark:
-        return Mark("", _span(children), s.Reference.MAXIMUM)
+        return Mark("", _span(children), s.DelayReference.MAXIMUM)
 
     # ---- delays ----
 
@@ -127,14 +127,14 @@ class SentenceBuilder:
     def at_most_delay(self, children: Children) -> s.Within:
         return s.Within(_span(children), _duration(children[1]))
 
-    def window_delay(self, children: Children) -> s.Window:
-        return _range(s.Window, children)
+    def window_delay(self, children: Children) -> s.SentenceWindow:
+        return _range(s.SentenceWindow, children)
 
     def exact_delay(self, children: Children) -> s.Exactly:
         return s.Exactly(_span(children), _duration(children[1]))
 
-    def open_delay(self, children: Children) -> s.Eventually:
-        return s.Eventually(_span(children))
+    def open_delay(self, children: Children) -> s.AtSomeInstant:
+        return s.AtSomeInstant(_span(children))
 
     # ---- responses ----
 
@@ -251,7 +251,7 @@ def _optional(token: Token | None) -> Duration | None:
     return None if token is None else _duration(token)
 
 
-_R = TypeVar("_R", s.Window, s.FromTo)
+_R = TypeVar("_R", s.SentenceWindow, s.FromTo)
 
 
 def _range(kind: type[_R], children: Children) -> _R:

@@ -6,11 +6,24 @@ from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.exact_numbers import is_huge
-from tachk.base.operators import Group
+from tachk.base.operators import OperandGroup
 from tachk.base.span import Span
 from tachk.base.time_units import SPELLINGS
 from tachk.syntax import ast
-from tachk.syntax.formula import And, Atom, Change, Duration, Fall, Formula, Implies, Not, Or, Rise, Truth, operands
+from tachk.syntax.formula import (
+    And,
+    Atom,
+    Change,
+    Duration,
+    Fall,
+    Formula,
+    Implies,
+    Not,
+    Or,
+    Rise,
+    TruthConstant,
+    operands,
+)
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.sentences.text import Piece, cut
 
@@ -71,7 +84,9 @@ def read_number(span: Span) -> ast.Expression:
     formula = read_condition(span)
     if isinstance(formula, Atom):
         expression = formula.expression
-        if not (isinstance(expression, ast.BinaryExpression) and expression.operator.group is not Group.ARITHMETIC):
+        if not (
+            isinstance(expression, ast.BinaryExpression) and expression.operator.group is not OperandGroup.ARITHMETIC
+        ):
             return expression
     raise Refused(
         Diagnostic("E0144", "this is a condition, not a number", span, "write 'must be true', or name what is compared")
@@ -109,6 +124,6 @@ def _amount(piece: Piece) -> Fraction | ast.Expression:
 
 def _temporal(formula: Formula) -> Formula | None:
     """The first part of a formula that is not part of a condition."""
-    if not isinstance(formula, Truth | Atom | Change | Not | And | Or | Implies | Rise | Fall):
+    if not isinstance(formula, TruthConstant | Atom | Change | Not | And | Or | Implies | Rise | Fall):
         return formula
     return next((found for part in operands(formula) if (found := _temporal(part)) is not None), None)

@@ -15,16 +15,16 @@ Diagnostics = tuple[Diagnostic, ...]
 Part = s.Scope | s.Trigger | s.Delay | s.Response | Mark
 
 _KINDS: tuple[tuple[str, tuple[type, ...]], ...] = (
-    ("scope", (s.Globally, s.Before, s.After, s.Between, s.AfterUntil, s.While)),
-    ("trigger", (s.Always, s.Initially, s.Whenever, s.Becomes, s.Changes)),
-    ("delay", (s.NoDelay, s.Within, s.Window, s.Exactly, s.Eventually)),
+    ("scope", (s.Globally, s.BeforeScope, s.After, s.BetweenScope, s.AfterUntil, s.WhileScope)),
+    ("trigger", (s.AtEveryInstant, s.Initially, s.Whenever, s.Becomes, s.ChangeInstants)),
+    ("delay", (s.NoDelay, s.Within, s.SentenceWindow, s.Exactly, s.AtSomeInstant)),
 )
 _ORDER = ("label", "scope", "everywhere", "trigger", "reference", "then", "delay", "response")
 
 _REFERENCES = {
-    s.AtLeast: (s.Reference.RISE, s.Reference.MINIMUM),
-    s.AtMost: (s.Reference.RISE, s.Reference.FALL, s.Reference.MAXIMUM),
-    s.FromTo: tuple(s.Reference),
+    s.AtLeast: (s.DelayReference.RISE, s.DelayReference.MINIMUM),
+    s.AtMost: (s.DelayReference.RISE, s.DelayReference.FALL, s.DelayReference.MAXIMUM),
+    s.FromTo: tuple(s.DelayReference),
 }
 
 
@@ -77,7 +77,7 @@ def _sentence(span: Span, held: dict[str, Any]) -> s.Sentence:
     return s.Sentence(
         span,
         held.get("scope", s.Globally(nowhere)),
-        held.get("trigger", s.Always(nowhere)),
+        held.get("trigger", s.AtEveryInstant(nowhere)),
         held.get("delay", s.NoDelay(nowhere)),
         held["response"],
         held["label"].text if "label" in held else "",
@@ -107,9 +107,9 @@ def _out_of_order(part: Part, late: Part) -> Diagnostic:
 def _with_reference(sentence: s.Sentence, mark: Mark | None, found: list[Diagnostic]) -> s.Sentence:
     if mark is None:
         return sentence
-    reference = s.Reference(mark.text)
+    reference = s.DelayReference(mark.text)
     trigger = sentence.trigger
-    if not isinstance(trigger, s.Becomes) or (trigger.lasting is None and reference is not s.Reference.RISE):
+    if not isinstance(trigger, s.Becomes) or (trigger.lasting is None and reference is not s.DelayReference.RISE):
         help = "'whenever p becomes true and stays true for at least 5 s, counting from the end of min time, ...'"
         found.append(Diagnostic("E0144", "this trigger has no such instant", mark.span, help))
         return sentence
@@ -120,8 +120,8 @@ def _with_reference(sentence: s.Sentence, mark: Mark | None, found: list[Diagnos
     return replace(sentence, trigger=replace(trigger, reference=reference))
 
 
-def _instant(reference: s.Reference) -> str:
-    names = {s.Reference.MINIMUM: "end of min time", s.Reference.MAXIMUM: "end of max time"}
+def _instant(reference: s.DelayReference) -> str:
+    names = {s.DelayReference.MINIMUM: "end of min time", s.DelayReference.MAXIMUM: "end of max time"}
     return names.get(reference, reference.value)
 
 
@@ -131,7 +131,7 @@ def _occurring_within(sentence: s.Sentence) -> s.Sentence:
     if (
         isinstance(response, s.MustOccur)
         and response.within is not None
-        and not isinstance(sentence.trigger, s.Always)
+        and not isinstance(sentence.trigger, s.AtEveryInstant)
         and isinstance(sentence.delay, s.NoDelay)
     ):
         return replace(
@@ -153,14 +153,14 @@ def _misfits(sentence: s.Sentence, everywhere: bool) -> Iterator[Diagnostic]:
             yield _misfit(
                 "'must occur' has no delay", delay.span, "write 'must be true', or '... must occur within 5 s.'"
             )
-        case s.MustOccur() if everywhere or not isinstance(trigger, s.Always):
+        case s.MustOccur() if everywhere or not isinstance(trigger, s.AtEveryInstant):
             yield _misfit(
                 "'must occur' does not say when",
                 response.span,
                 "write 'must occur within 5 s', 'must occur at least every 5 s', or 'eventually, ... must be true' "
                 "behind a trigger",
             )
-        case s.MustRecur() if delayed or not isinstance(trigger, s.Always):
+        case s.MustRecur() if delayed or not isinstance(trigger, s.AtEveryInstant):
             part = delay if delayed else trigger
             yield _misfit(
                 "'must occur at least every' has neither trigger nor delay",
@@ -169,7 +169,7 @@ def _misfits(sentence: s.Sentence, everywhere: bool) -> Iterator[Diagnostic]:
             )
         case s.MustHaveBeen() if delayed:
             yield _misfit("'must have been true' looks back and has no delay", delay.span, "leave out the delay")
-        case s.MustHaveBeen() if isinstance(scope, s.Between | s.AfterUntil) and (
+        case s.MustHaveBeen() if isinstance(scope, s.BetweenScope | s.AfterUntil) and (
             response.within is not None or _counts_later(trigger)
         ):
             yield _misfit(
@@ -177,13 +177,13 @@ def _misfits(sentence: s.Sentence, everywhere: bool) -> Iterator[Diagnostic]:
                 scope.span,
                 "leave out the time, or use 'after c' or 'while c'",
             )
-        case s.MustNotOccur(duration=None) if isinstance(delay, s.Within | s.Window | s.Eventually):
+        case s.MustNotOccur(duration=None) if isinstance(delay, s.Within | s.SentenceWindow | s.AtSomeInstant):
             yield _misfit(
                 "'must not occur' with such a delay can be understood in two ways",
                 delay.span,
                 "'must not occur for 5 s' excludes every instant of the time; 'must be false' demands one only",
             )
-        case _ if delayed and isinstance(trigger, s.Always):
+        case _ if delayed and isinstance(trigger, s.AtEveryInstant):
             yield Diagnostic(
                 "E0143",
                 "a delay needs a trigger from which it is counted",
@@ -194,7 +194,7 @@ def _misfits(sentence: s.Sentence, everywhere: bool) -> Iterator[Diagnostic]:
 
 
 def _counts_later(trigger: s.Trigger) -> bool:
-    return isinstance(trigger, s.Becomes) and trigger.reference in (s.Reference.MINIMUM, s.Reference.MAXIMUM)
+    return isinstance(trigger, s.Becomes) and trigger.reference in (s.DelayReference.MINIMUM, s.DelayReference.MAXIMUM)
 
 
 def _misfit(message: str, span: Span, help: str) -> Diagnostic:

@@ -21,7 +21,7 @@ from tachk.syntax.sentences.conditions import Refused
 from tachk.syntax.sentences.near import near_phrases
 from tachk.syntax.sentences.order import assemble
 from tachk.syntax.sentences.printer import print_sentence
-from tachk.syntax.sentences.readings import Correction, Reading, Readings, exact_phrases
+from tachk.syntax.sentences.readings import Correction, Readings, SentenceParse, exact_phrases
 from tachk.syntax.sentences.tables import START, opening_words, sentence_tables, spelling
 from tachk.syntax.sentences.text import Piece, cut
 from tachk.syntax.sentences.tree import Sentence
@@ -32,7 +32,7 @@ _MOST_READINGS = 100
 
 
 @dataclass(frozen=True, slots=True)
-class _Attempt:
+class _ParseAttempt:
     """What became of a reading.
 
     Attributes:
@@ -80,7 +80,7 @@ def with_full_stop(text: str) -> str:
     return f"{text}." if not outcome and not is_sentence(tokens) and lacks_full_stop(tokens) else text
 
 
-def _attempt(span: Span, reading: Reading) -> _Attempt:
+def _attempt(span: Span, reading: SentenceParse) -> _ParseAttempt:
     stack = Stack(sentence_tables(), START)
     try:
         parts = None
@@ -88,11 +88,11 @@ def _attempt(span: Span, reading: Reading) -> _Attempt:
             parts = stack.feed(Token(token.type, token.text, token.span))
     except Refused as refused:
         known = all(found.code in ("E0144", "E0146") for found in refused.diagnostics)
-        return _Attempt(None, refused.diagnostics, reading.corrections, 3 if known else 4)
+        return _ParseAttempt(None, refused.diagnostics, reading.corrections, 3 if known else 4)
     assert parts is not None, "a reading ends with the end of the text"
     sentence, found = assemble(span, parts)
     fault = 0 if not found else 1 if sentence is not None else 2
-    return _Attempt(sentence, found, reading.corrections, fault)
+    return _ParseAttempt(sentence, found, reading.corrections, fault)
 
 
 def _different(sentences: Iterable[Sentence | None]) -> list[Sentence]:
@@ -103,7 +103,7 @@ def _different(sentences: Iterable[Sentence | None]) -> list[Sentence]:
     return found
 
 
-def _why_not(span: Span, pieces: tuple[Piece, ...], readings: Readings, attempts: list[_Attempt]) -> Diagnostics:
+def _why_not(span: Span, pieces: tuple[Piece, ...], readings: Readings, attempts: list[_ParseAttempt]) -> Diagnostics:
     best = min(attempts, key=lambda attempt: (attempt.fault, len(attempt.diagnostics)), default=None)
     if best is not None and best.fault < 3:
         return _with_rewording(best)
@@ -119,7 +119,7 @@ def _why_not(span: Span, pieces: tuple[Piece, ...], readings: Readings, attempts
     return (_unexpected(span, pieces, readings),)
 
 
-def _with_rewording(attempt: _Attempt) -> Diagnostics:
+def _with_rewording(attempt: _ParseAttempt) -> Diagnostics:
     if attempt.sentence is None:
         return attempt.diagnostics
     first, *others = attempt.diagnostics
@@ -127,7 +127,7 @@ def _with_rewording(attempt: _Attempt) -> Diagnostics:
     return (Diagnostic(first.code, first.message, first.span, help, first.labels), *others)
 
 
-def _suggestion(attempt: _Attempt) -> Diagnostics:
+def _suggestion(attempt: _ParseAttempt) -> Diagnostics:
     whole = None if attempt.sentence is None else f"did you mean: {print_sentence(attempt.sentence)}"
     found = []
     for correction in attempt.corrections:
@@ -168,7 +168,7 @@ def _unexpected(span: Span, pieces: tuple[Piece, ...], readings: Readings) -> Di
     return Diagnostic("E0140", "the sentence is not complete", end, help or None)
 
 
-def _unreadable(attempt: _Attempt, pieces: tuple[Piece, ...]) -> Diagnostics:
+def _unreadable(attempt: _ParseAttempt, pieces: tuple[Piece, ...]) -> Diagnostics:
     """Why a condition cannot be read; where a word of the sentence stands in it, that is the reason."""
     musts = [piece for piece in pieces if piece.text.lower() == "must"]
     if len(musts) > 1:

@@ -13,9 +13,9 @@ from tachk.syntax.sentences.tables import opening_words
 
 _WORD = re.compile(r"\w+")
 _INSTANTS = {
-    s.Reference.FALL: "the fall",
-    s.Reference.MINIMUM: "the end of min time",
-    s.Reference.MAXIMUM: "the end of max time",
+    s.DelayReference.FALL: "the fall",
+    s.DelayReference.MINIMUM: "the end of min time",
+    s.DelayReference.MAXIMUM: "the end of max time",
 }
 
 
@@ -37,15 +37,15 @@ def _scope(scope: s.Scope) -> str:
     match scope:
         case s.Globally():
             return ""
-        case s.Before(end=end):
+        case s.BeforeScope(end=end):
             return f"before {_condition(end)}"
         case s.After(start=start):
             return f"after {_condition(start)}"
-        case s.Between(start=start, end=end):
+        case s.BetweenScope(start=start, end=end):
             return f"between {_condition(start)} and {_condition(end)}"
         case s.AfterUntil(start=start, end=end):
             return f"after {_condition(start)} until {_condition(end)}"
-        case s.While(condition=condition):
+        case s.WhileScope(condition=condition):
             return f"while {_condition(condition)}"
         case _:
             assert_never(scope)
@@ -53,7 +53,7 @@ def _scope(scope: s.Scope) -> str:
 
 def _trigger(trigger: s.Trigger) -> str:
     match trigger:
-        case s.Always():
+        case s.AtEveryInstant():
             return ""
         case s.Initially():
             return "initially"
@@ -64,7 +64,7 @@ def _trigger(trigger: s.Trigger) -> str:
         case s.Becomes(condition=condition, lasting=lasting):
             assert lasting is not None
             return f"whenever {_condition(condition)} becomes true and stays true for {_lasting(lasting)}"
-        case s.Changes(expression=expression):
+        case s.ChangeInstants(expression=expression):
             return f"whenever {_value(expression)} changes"
         case _:
             assert_never(trigger)
@@ -82,11 +82,11 @@ def _delay(delay: s.Delay) -> str:
             return ""
         case s.Within(duration=duration):
             return f"within {_duration(duration)}"
-        case s.Window(lower=lower, upper=upper):
+        case s.SentenceWindow(lower=lower, upper=upper):
             return f"between {_range(lower, upper)} later"
         case s.Exactly(duration=duration):
             return f"after {_duration(duration)}"
-        case s.Eventually():
+        case s.AtSomeInstant():
             return "eventually"
         case _:
             assert_never(delay)

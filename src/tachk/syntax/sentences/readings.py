@@ -49,7 +49,7 @@ class Correction:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class SentenceParse:
     tokens: tuple[Token, ...]
     corrections: tuple[Correction, ...]
 
@@ -102,7 +102,7 @@ class Readings:
         self._explore()
         self._remaining = self._costs_to_the_end()
 
-    def __iter__(self) -> Iterator[Reading]:
+    def __iter__(self) -> Iterator[SentenceParse]:
         """The readings, cheapest first."""
         remaining = self._remaining
         if self._start not in remaining:
@@ -217,7 +217,7 @@ class Readings:
                     heappush(heap, (cost + more, source))
         return costs
 
-    def _reading(self, path: _Path | None) -> Reading:
+    def _reading(self, path: _Path | None) -> SentenceParse:
         steps: list[_Step] = []
         while path is not None:
             path, step = path
@@ -225,7 +225,7 @@ class Readings:
         steps.reverse()
         tokens = tuple(Token(step.terminal, step.phrase, self._span_of(step)) for step in steps)
         corrections = tuple(Correction(self._span_of(step), step.phrase) for step in steps if step.cost)
-        return Reading(tokens, corrections)
+        return SentenceParse(tokens, corrections)
 
     def _span_of(self, step: _Step) -> Span:
         pieces, source = self._pieces, self._span.source

@@ -52,7 +52,7 @@ class Globally(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Before(Node):
+class BeforeScope(Node):
     """From the start to the first ``end``; nothing is demanded of runs without one."""
 
     end: Condition
@@ -66,7 +66,7 @@ class After(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Between(Node):
+class BetweenScope(Node):
     """From each ``start`` to the next ``end``; nothing is demanded where there is none."""
 
     start: Condition
@@ -82,19 +82,19 @@ class AfterUntil(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class While(Node):
+class WhileScope(Node):
     """The instants at which ``condition`` is true."""
 
     condition: Condition
 
 
-Scope = Globally | Before | After | Between | AfterUntil | While
+Scope = Globally | BeforeScope | After | BetweenScope | AfterUntil | WhileScope
 
 
 # ---- triggers -----------------------------------------------------------------------------------------------------
 
 
-class Reference(StrEnum):
+class DelayReference(StrEnum):
     """The instant of a run of the trigger's condition from which the delay is counted."""
 
     RISE = "rise"
@@ -104,7 +104,7 @@ class Reference(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Always(Node):
+class AtEveryInstant(Node):
     """Every instant of the scope."""
 
 
@@ -126,17 +126,17 @@ class Becomes(Node):
 
     condition: Condition
     lasting: Lasting | None = None
-    reference: Reference = Reference.RISE
+    reference: DelayReference = DelayReference.RISE
 
 
 @dataclass(frozen=True, slots=True)
-class Changes(Node):
+class ChangeInstants(Node):
     """Every instant at which the value of an expression becomes another."""
 
     expression: Expression
 
 
-Trigger = Always | Initially | Whenever | Becomes | Changes
+Trigger = AtEveryInstant | Initially | Whenever | Becomes | ChangeInstants
 
 
 # ---- delays -------------------------------------------------------------------------------------------------------
@@ -155,7 +155,7 @@ class Within(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Window(Node):
+class SentenceWindow(Node):
     """At some instant between two durations ahead."""
 
     lower: Duration
@@ -170,11 +170,11 @@ class Exactly(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Eventually(Node):
+class AtSomeInstant(Node):
     """At some later instant, or now."""
 
 
-Delay = NoDelay | Within | Window | Exactly | Eventually
+Delay = NoDelay | Within | SentenceWindow | Exactly | AtSomeInstant
 
 
 # ---- responses ----------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Values
-from tachk.verify.campaign.job import Computed, Verification, computed, killed
+from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
 
 BATCH_SECONDS = 0.5
 """What a batch is meant to take."""
@@ -27,7 +27,7 @@ _AHEAD = 3
 
 def compute_on_cluster(
     job: Verification, cells: Sequence[Values], seconds: float | None, cluster: Any
-) -> Iterator[Computed]:
+) -> Iterator[ComputedCell]:
     """Each cell as soon as its batch is computed, in any order, until so many seconds have passed.
 
     Ending the iteration early cancels what is left.
@@ -98,6 +98,6 @@ class _Batches:
         self._size = max(1, min(_MOST, round(BATCH_SECONDS / mean)))
 
 
-def compute_batch(job: Verification, cells: Sequence[Values]) -> list[Computed]:
+def compute_batch(job: Verification, cells: Sequence[Values]) -> list[ComputedCell]:
     """What a worker does."""
     return [computed(job, values) for values in cells]

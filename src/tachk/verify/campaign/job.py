@@ -13,7 +13,7 @@ from tachk.base.memory_limit import memory_limit
 from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.options import Limits, Options
-from tachk.frontend.findings import Findings
+from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
@@ -23,7 +23,16 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.statistics.deciding import Decision
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split, estimate
+from tachk.simulation.statistics.estimate import (
+    Decided,
+    DrawnRuns,
+    Estimate,
+    Estimated,
+    Mean,
+    Settings,
+    Split,
+    estimate,
+)
 from tachk.verify.answering import answers
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.questions import Questions, checked
@@ -182,7 +191,7 @@ def verification(
     Raises:
         InputError, UsageError: a query is wrong, there is no such property or constant, or nothing to check.
     """
-    constant_overrides(dict.fromkeys(names, 0), model.items, Findings())
+    constant_overrides(dict.fromkeys(names, 0), model.items, DiagnosticCollector())
     named = judge is None or bool(questions.names or questions.typed or questions.files)
     formulas = questions.about(model) if named else ()
     asked = tuple(q.name for q in formulas if isinstance(q, Query) or is_statistical(q))
@@ -193,7 +202,7 @@ def verification(
 
 
 @dataclass(frozen=True, slots=True)
-class Computed:
+class ComputedCell:
     """What came of a cell, and how many seconds it took."""
 
     values: Values
@@ -201,16 +210,16 @@ class Computed:
     seconds: float
 
 
-def computed(job: Verification, values: Values) -> Computed:
+def computed(job: Verification, values: Values) -> ComputedCell:
     """What a process or a worker does with a cell."""
     began = monotonic()
     rows = job.rows(values)
-    return Computed(values, rows, monotonic() - began)
+    return ComputedCell(values, rows, monotonic() - began)
 
 
-def killed(job: Verification, values: Values) -> Computed:
+def killed(job: Verification, values: Values) -> ComputedCell:
     """What is known of a cell whose process or worker did not survive it."""
-    return Computed(values, unknown_rows(job.asked, KILLED), 0.0)
+    return ComputedCell(values, unknown_rows(job.asked, KILLED), 0.0)
 
 
 def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:
@@ -249,7 +258,7 @@ def _estimated(found: Estimate) -> Row:
             rare = found.rare
             row |= {"estimate": rare.mean, "low": found.low, "high": found.high, "transitions": rare.transitions}
             return row
-        case Drawn():
+        case DrawnRuns():
             return {**row, "answer": Answer.UNKNOWN.value, "reason": "trajectories are not for sweeps"}
         case never:
             assert_never(never)

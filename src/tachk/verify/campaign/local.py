@@ -19,7 +19,7 @@ from traceback import format_exc
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Values
-from tachk.verify.campaign.job import Computed, Verification, computed, killed
+from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
 
 ATTEMPTS = 2
 """How often a cell is given to a process."""
@@ -38,7 +38,7 @@ class _Worker:
 
 def compute_locally(
     job: Verification, cells: Sequence[Values], seconds: float | None, processes: int
-) -> Iterator[Computed]:
+) -> Iterator[ComputedCell]:
     """Each cell as soon as it is computed, in any order, until so many seconds have passed.
 
     A cell whose process was killed, for want of memory say, is tried once more; then its answers are unknown. Ending
@@ -67,12 +67,14 @@ def compute_locally(
             _end(worker)
 
 
-def _received(worker: _Worker, job: Verification, left: list[Values], attempts: dict[Values, int]) -> Computed | None:
+def _received(
+    worker: _Worker, job: Verification, left: list[Values], attempts: dict[Values, int]
+) -> ComputedCell | None:
     """The cell that a process has finished; None where it was killed and the cell is to be tried again."""
     values = worker.cell
     assert values is not None
     try:
-        told: Computed | str = worker.pipe.recv()
+        told: ComputedCell | str = worker.pipe.recv()
     except (EOFError, OSError):
         worker.process.join()
         if worker.process.exitcode == _UNGUARDED:
@@ -131,7 +133,7 @@ def _work(pipe: Connection) -> None:
     job = pipe.recv()
     while True:
         values = pipe.recv()
-        told: Computed | str
+        told: ComputedCell | str
         try:
             told = computed(job, values)
         except Exception:

@@ -13,7 +13,7 @@ from typing import Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Grid, Values
 from tachk.verify.campaign.cluster import compute_on_cluster
-from tachk.verify.campaign.job import Computed, Row, Verification
+from tachk.verify.campaign.job import ComputedCell, Row, Verification
 from tachk.verify.campaign.local import compute_locally
 from tachk.verify.campaign.store import Store, opened
 
@@ -83,7 +83,7 @@ class Campaign:
     seconds: float
 
 
-Computing = Callable[[Verification, tuple[Values, ...], float | None], Iterator[Computed]]
+Computing = Callable[[Verification, tuple[Values, ...], float | None], Iterator[ComputedCell]]
 """Computes cells, in any order, until so many seconds have passed."""
 
 

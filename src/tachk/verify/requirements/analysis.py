@@ -18,11 +18,11 @@ from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.meaning.run_view import Snapshot, view_trace
 from tachk.syntax import ast
-from tachk.syntax.formula import Atom, Formula, Truth
+from tachk.syntax.formula import Atom, Formula, TruthConstant
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
 from tachk.verify.requirements.folding import folded
-from tachk.verify.requirements.rules import Demand, Rule, Trigger, rules_of
+from tachk.verify.requirements.rules import Demand, RequirementRule, RequirementTrigger, rules_of
 from tachk.verify.requirements.signals import NotFollowed, Signals, signals_of
 from tachk.verify.requirements.world import NOW, SETTLED, World
 from tachk.verify.verdict import Answer, Verdict
@@ -35,7 +35,7 @@ class Requirement:
 
     name: str
     formula: Formula
-    rules: tuple[Rule, ...] = ()
+    rules: tuple[RequirementRule, ...] = ()
     unfollowed: str = ""
 
 
@@ -51,7 +51,7 @@ class FindingKind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class WitnessMoment:
     """``values``: of the signals that matter, from this time on, as text."""
 
     time: Fraction
@@ -59,7 +59,7 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class RequirementFinding:
     """Attributes:
     names: the requirement found fault with, or those that together are to blame.
     by: those that make it so.
@@ -69,11 +69,11 @@ class Finding:
     kind: FindingKind
     names: tuple[str, ...]
     by: tuple[str, ...] = ()
-    run: tuple[Moment, ...] = ()
+    run: tuple[WitnessMoment, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Analysis:
+class RequirementAnalysis:
     """Attributes:
     signals: their names.
     undecided: questions without an answer, each a sentence.
@@ -81,11 +81,11 @@ class Analysis:
 
     requirements: tuple[Requirement, ...]
     signals: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[RequirementFinding, ...]
     undecided: tuple[str, ...]
 
 
-def analyse(named: Iterable[tuple[str, Formula]], limits: Limits = Limits()) -> Analysis:
+def analyse(named: Iterable[tuple[str, Formula]], limits: Limits = Limits()) -> RequirementAnalysis:
     """Whether requirements are consistent, can collide, are redundant or vacuous.
 
     Args:
@@ -115,13 +115,13 @@ class _Analyst:
         self.followed = tuple(each for each in requirements if not each.unfollowed)
         self.limits = limits
         self.signals: Signals = signals_of([each.formula for each in self.followed])
-        self.findings: list[Finding] = []
+        self.findings: list[RequirementFinding] = []
         self.undecided: list[str] = []
-        self.dead_ends: dict[tuple[str, ...], tuple[Moment, ...]] = {}
+        self.dead_ends: dict[tuple[str, ...], tuple[WitnessMoment, ...]] = {}
         # Requirements whose own trigger never happens where they and the others of a set hold.
         self.forbidden: dict[tuple[Requirement, ...], list[Requirement]] = {}
 
-    def analysis(self) -> Analysis:
+    def analysis(self) -> RequirementAnalysis:
         for each in self.requirements:
             if each.unfollowed:
                 self.undecided.append(f"{each.name} is not followed: {each.unfollowed}")
@@ -138,7 +138,7 @@ class _Analyst:
                 self._report(FindingKind.VACUOUS, members, core)
             self.forbidden.clear()
         names = tuple(signal.name for signal in self.signals.all)
-        return Analysis(self.requirements, names, tuple(self.findings), tuple(self.undecided))
+        return RequirementAnalysis(self.requirements, names, tuple(self.findings), tuple(self.undecided))
 
     def _groups(self) -> list[tuple[Requirement, ...]]:
         """The requirements that have to do with one another: those of different groups share no signal."""
@@ -202,14 +202,16 @@ class _Analyst:
         self._report(FindingKind.REDUNDANT, (each,), core)
 
     def _implied(self, each: Requirement, others: Sequence[Requirement]) -> bool:
-        if isinstance(each.formula, Truth):
+        if isinstance(each.formula, TruthConstant):
             return each.formula.value
         encoded = rewrite(each.formula, self._encoded)
         verdict = self._verdict(self._world(others, speaking=each).text(), print_formula(encoded), decided=False)
         return verdict.answer is Answer.HOLDS
 
     def _vacuity(self, each: Requirement) -> None:
-        triggers = [rule.trigger for rule in each.rules if rule.trigger != Trigger() and not rule.trigger.initially]
+        triggers = [
+            rule.trigger for rule in each.rules if rule.trigger != RequirementTrigger() and not rule.trigger.initially
+        ]
         if len(triggers) < len(each.rules) or not triggers:
             return
         if not self._never(each, triggers, self.followed):
@@ -222,9 +224,9 @@ class _Analyst:
             core = self._smallest(self.followed, never)
             self.forbidden.setdefault(core, []).append(each)
 
-    def _never(self, each: Requirement, triggers: Sequence[Trigger], others: Sequence[Requirement]) -> bool:
+    def _never(self, each: Requirement, triggers: Sequence[RequirementTrigger], others: Sequence[Requirement]) -> bool:
         anything = ast.BooleanLiteral(NOWHERE, True)
-        world = self._world(others, [Rule(trigger, Demand.NOW, anything) for trigger in triggers], each)
+        world = self._world(others, [RequirementRule(trigger, Demand.NOW, anything) for trigger in triggers], each)
         return all(self._reached(world, world.triggered(trigger)) is None for trigger in triggers)
 
     # ---- means ------------------------------------------------------------------------------------------------------
@@ -246,7 +248,7 @@ class _Analyst:
                 continue
         return tuple(kept)
 
-    def _dead_end(self, chosen: Sequence[Requirement]) -> tuple[Moment, ...]:
+    def _dead_end(self, chosen: Sequence[Requirement]) -> tuple[WitnessMoment, ...]:
         """A run that cannot go on; empty if there is none."""
         names = tuple(each.name for each in chosen)
         if names not in self.dead_ends:
@@ -255,14 +257,14 @@ class _Analyst:
         return self.dead_ends[names]
 
     def _world(
-        self, chosen: Sequence[Requirement], more: Sequence[Rule] = (), speaking: Requirement | None = None
+        self, chosen: Sequence[Requirement], more: Sequence[RequirementRule] = (), speaking: Requirement | None = None
     ) -> World:
         """``speaking``: another requirement, whose signals there must be as well."""
         all_ = [*chosen, *([speaking] if speaking is not None else [])]
         used = frozenset[int]().union(*(self.signals.named_in(each.formula) for each in all_))
         return World(self.signals, (*(rule for each in chosen for rule in each.rules), *more), tuple(sorted(used)))
 
-    def _reached(self, world: World, place: str) -> tuple[Moment, ...] | None:
+    def _reached(self, world: World, place: str) -> tuple[WitnessMoment, ...] | None:
         """A run to such a place; None if there is none. Raises _Undecided."""
         model = load_model(Source("requirements", world.text([f"property p : E<> {place};"])))
         verdict = self._decided(model)
@@ -285,8 +287,8 @@ class _Analyst:
             raise _Undecided(verdict.reason or "the search came to no end")
         return verdict
 
-    def _moments(self, states: Sequence[Snapshot]) -> tuple[Moment, ...]:
-        found: list[Moment] = []
+    def _moments(self, states: Sequence[Snapshot]) -> tuple[WitnessMoment, ...]:
+        found: list[WitnessMoment] = []
         for state in states:
             variables = dict(state.variables)
             assert state.time is not None
@@ -296,14 +298,14 @@ class _Analyst:
                     for n, signal in enumerate(self.signals.all)
                     if f"{NOW}{n}" in variables
                 }
-                moment = Moment(state.time, values)
+                moment = WitnessMoment(state.time, values)
                 if not found or found[-1].values != moment.values:
                     found.append(moment)
         last = states[-1]
         assert last.time is not None
         if found and last.time > found[-1].time:
             found.append(replace(found[-1], time=last.time))
-        return tuple(found) or (Moment(Fraction(0), {}),)
+        return tuple(found) or (WitnessMoment(Fraction(0), {}),)
 
     def _encoded(self, node: Any) -> Any:
         if isinstance(node, Atom):
@@ -315,13 +317,13 @@ class _Analyst:
         kind: FindingKind,
         requirements: Iterable[Requirement],
         by: Iterable[Requirement] = (),
-        run: tuple[Moment, ...] = (),
+        run: tuple[WitnessMoment, ...] = (),
     ) -> None:
         names = tuple(each.name for each in requirements)
-        self.findings.append(Finding(kind, names, tuple(each.name for each in by), run))
+        self.findings.append(RequirementFinding(kind, names, tuple(each.name for each in by), run))
 
 
-def _forbids(rule: Rule) -> bool:
+def _forbids(rule: RequirementRule) -> bool:
     """Whether a rule says of its trigger only that it must not happen."""
     return rule.demand is not Demand.COME and rule.condition == ast.BooleanLiteral(rule.condition.span, False)
 

@@ -11,7 +11,7 @@ from tachk.base.span import NOWHERE
 from tachk.logic.constant_values import value_of
 from tachk.logic.simplify import simplify
 from tachk.syntax import ast
-from tachk.syntax.formula import Atom, Formula, Truth
+from tachk.syntax.formula import Atom, Formula, TruthConstant
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.walk import nodes_of_kind
 from tachk.verify.requirements.signals import NotFollowed
@@ -29,7 +29,7 @@ _COMPARED = {
 def folded(formula: Formula) -> Formula:
     """The formula without conditions that are constant. Its robustness is not kept, its truth is."""
     changed = rewrite(formula, _folded)
-    return simplify(changed) if next(nodes_of_kind(changed, Truth), None) is not None else changed
+    return simplify(changed) if next(nodes_of_kind(changed, TruthConstant), None) is not None else changed
 
 
 def _folded(node: Any) -> Any:
@@ -41,7 +41,7 @@ def _folded(node: Any) -> Any:
                 return node
             return ast.BooleanLiteral(node.span, bool(truth))
         case Atom(span=span, expression=ast.BooleanLiteral(value=value)):
-            return Truth(span, value)
+            return TruthConstant(span, value)
         case _:
             return node
 

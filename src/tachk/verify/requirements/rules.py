@@ -19,7 +19,7 @@ from tachk.verify.requirements.signals import NotFollowed
 
 
 @dataclass(frozen=True, slots=True)
-class Trigger:
+class RequirementTrigger:
     """All of these at an instant.
 
     Attributes:
@@ -38,8 +38,8 @@ class Trigger:
         """Whether it is there at single instants only."""
         return bool(self.rises or self.falls or self.initially)
 
-    def and_also(self, other: Trigger) -> Trigger:
-        return Trigger(
+    def and_also(self, other: RequirementTrigger) -> RequirementTrigger:
+        return RequirementTrigger(
             self.conditions + other.conditions,
             self.rises + other.rises,
             self.falls + other.falls,
@@ -58,17 +58,17 @@ class Demand(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class RequirementRule:
     """``closed``: what has to stay has to do so at its end, too."""
 
-    trigger: Trigger
+    trigger: RequirementTrigger
     demand: Demand
     condition: ast.Expression
     length: int = 0
     closed: bool = True
 
 
-def rules_of(formula: Formula) -> tuple[Rule, ...]:
+def rules_of(formula: Formula) -> tuple[RequirementRule, ...]:
     """The rules that say together what the requirement says. Durations have to be whole numbers.
 
     Raises:
@@ -77,25 +77,25 @@ def rules_of(formula: Formula) -> tuple[Rule, ...]:
     return tuple(_whole(formula))
 
 
-def _whole(formula: Formula) -> Iterator[Rule]:
+def _whole(formula: Formula) -> Iterator[RequirementRule]:
     match formula:
         case f.And(operands=parts):
             for part in parts:
                 yield from _whole(part)
         case f.Always(interval=interval, operand=operand) if _is_ever(interval):
-            yield from _each(operand, Trigger())
+            yield from _each(operand, RequirementTrigger())
         case _:
-            yield from _each(formula, Trigger(initially=True))
+            yield from _each(formula, RequirementTrigger(initially=True))
 
 
-def _each(formula: Formula, trigger: Trigger) -> Iterator[Rule]:
+def _each(formula: Formula, trigger: RequirementTrigger) -> Iterator[RequirementRule]:
     """What is demanded at every instant of a trigger."""
     condition = condition_of(formula)
     match formula:
         case f.Implies(left=left, right=right):
             yield from _each(right, trigger.and_also(_trigger(left)))
         case _ if condition is not None:
-            yield Rule(trigger, Demand.NOW, condition)
+            yield RequirementRule(trigger, Demand.NOW, condition)
         case f.And(operands=parts):
             for part in parts:
                 yield from _each(part, trigger)
@@ -103,7 +103,7 @@ def _each(formula: Formula, trigger: Trigger) -> Iterator[Rule]:
             length = _from_now(formula, interval)
             if length == 0 or not interval.upper_closed:
                 raise NotFollowed(formula.span, "its deadline is not a last instant at which the answer may come")
-            yield Rule(trigger, Demand.COME, _condition(operand), length)
+            yield RequirementRule(trigger, Demand.COME, _condition(operand), length)
         case f.Always(interval=interval, operand=operand):
             length = _from_now(formula, interval)
             yield replace(_stay(trigger, _condition(operand), length), closed=interval.upper_closed)
@@ -111,26 +111,26 @@ def _each(formula: Formula, trigger: Trigger) -> Iterator[Rule]:
             raise NotFollowed(formula.span, "only conditions, F and G may be demanded")
 
 
-def _stay(trigger: Trigger, condition: ast.Expression, length: int) -> Rule:
-    return Rule(trigger, Demand.STAY if length else Demand.NOW, condition, length)
+def _stay(trigger: RequirementTrigger, condition: ast.Expression, length: int) -> RequirementRule:
+    return RequirementRule(trigger, Demand.STAY if length else Demand.NOW, condition, length)
 
 
-def _trigger(formula: Formula) -> Trigger:
+def _trigger(formula: Formula) -> RequirementTrigger:
     condition = condition_of(formula)
     match formula:
         case _ if condition is not None:
-            return Trigger((condition,))
+            return RequirementTrigger((condition,))
         case f.And(operands=parts):
-            found = Trigger()
+            found = RequirementTrigger()
             for part in parts:
                 found = found.and_also(_trigger(part))
             return found
         case f.Rise(operand=operand):
-            return Trigger(rises=(_condition(operand),))
+            return RequirementTrigger(rises=(_condition(operand),))
         case f.Fall(operand=operand):
-            return Trigger(falls=(_condition(operand),))
+            return RequirementTrigger(falls=(_condition(operand),))
         case f.Once(interval=interval, operand=operand) if _is_ever(interval):
-            return Trigger(once=(_condition(operand),))
+            return RequirementTrigger(once=(_condition(operand),))
         case _:
             raise NotFollowed(formula.span, "a trigger consists of conditions, edges, and `O` without a window")
 

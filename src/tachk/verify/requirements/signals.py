@@ -35,7 +35,7 @@ class NotFollowed(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class RequirementSignal:
     """``constants``: ascending, what a number is compared with; empty for a truth value."""
 
     name: str
@@ -63,7 +63,7 @@ class Signal:
 class Signals:
     """The signals of a set of requirements; that of number i is the variable ``PREFIXi``."""
 
-    all: tuple[Signal, ...]
+    all: tuple[RequirementSignal, ...]
     numbers: dict[str, int] = field(compare=False)
 
     def named_in(self, formula: Formula) -> frozenset[int]:
@@ -100,7 +100,7 @@ def signals_of(formulas: Iterable[Formula]) -> Signals:
             raise NotFollowed(change.span, "`change` looks at values, and here only their order is known")
         for atom in nodes_of_kind(formula, Atom):
             _collect(atom.expression, found, kinds)
-    signals = tuple(Signal(name, tuple(sorted(constants))) for name, constants in sorted(found.items()))
+    signals = tuple(RequirementSignal(name, tuple(sorted(constants))) for name, constants in sorted(found.items()))
     return Signals(signals, {signal.name: number for number, signal in enumerate(signals)})
 
 

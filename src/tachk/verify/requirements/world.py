@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
-from tachk.verify.requirements.rules import Demand, Rule, Trigger
+from tachk.verify.requirements.rules import Demand, RequirementRule, RequirementTrigger
 from tachk.verify.requirements.signals import Signals
 
 SETTLED = "World.Running"
@@ -33,7 +33,7 @@ class World:
     """
 
     signals: Signals
-    rules: tuple[Rule, ...]
+    rules: tuple[RequirementRule, ...]
     used: tuple[int, ...]
 
     def text(self, properties: Iterable[str] = ()) -> str:
@@ -53,7 +53,7 @@ class World:
             names += [f"R{number}"] if process else []
         return "\n".join((*lines, f"system {', '.join(names)};", *properties))
 
-    def triggered(self, trigger: Trigger) -> str:
+    def triggered(self, trigger: RequirementTrigger) -> str:
         """That a trigger is there at the instant of a change."""
         return f"World.Chosen && {self._at(trigger, NEXT)}"
 
@@ -100,7 +100,7 @@ class World:
                     found.append(f"r{number} == 0 || x{number} < {rule.length} || {holds}")
         return found
 
-    def _process(self, number: int, rule: Rule) -> list[str]:
+    def _process(self, number: int, rule: RequirementRule) -> list[str]:
         now = self._at(rule.trigger, NEXT)
         match rule.demand:
             case Demand.NOW:
@@ -122,7 +122,7 @@ class World:
             case Demand.STAY:
                 return self._staying(number, rule, now)
 
-    def _staying(self, number: int, rule: Rule, now: str) -> list[str]:
+    def _staying(self, number: int, rule: RequirementRule, now: str) -> list[str]:
         clock = f"x{number}"
         begins = f"guard {now}; sync step?; assign {clock} = 0, r{number} = 1;"
         free, length = f"assign r{number} = 0;", rule.length
@@ -153,7 +153,7 @@ class World:
 
     # ---- conditions -------------------------------------------------------------------------------------------------
 
-    def _at(self, trigger: Trigger, after: str) -> str:
+    def _at(self, trigger: RequirementTrigger, after: str) -> str:
         """That the trigger is there at a change to the values of ``after``."""
         parts = [self._text(condition, after) for condition in trigger.conditions]
         for condition in trigger.rises:

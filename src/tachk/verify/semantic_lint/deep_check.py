@@ -26,7 +26,7 @@ from tachk.model.query import Query
 from tachk.model.run import TimedTrace
 from tachk.model.selections import check_selections
 from tachk.verify.fault_explanation import diagnostic_of, explain
-from tachk.verify.semantic_lint.findings import DeepCheck, Evidence, Part, counted
+from tachk.verify.semantic_lint.findings import DeepCheck, LintAnswer, LintEvidence, counted
 from tachk.verify.semantic_lint.guards import GuardGoal, always_true_findings, guard_goals, never_true
 from tachk.verify.semantic_lint.interchange import interchange_parts
 from tachk.verify.semantic_lint.reached import (
@@ -38,7 +38,7 @@ from tachk.verify.semantic_lint.reached import (
     untaken_findings,
 )
 from tachk.verify.semantic_lint.stuck import (
-    Bound,
+    TimeBoundedLocation,
     bounds_on_time,
     deadlock_finding,
     every_run_ends,
@@ -68,7 +68,7 @@ class Explored:
     known: Known
     outcome: Outcome
     taken: frozenset[tuple[int, int]]
-    bounds: list[Bound] | None
+    bounds: list[TimeBoundedLocation] | None
     guards: list[GuardGoal]
     ends: tuple[GoalOutcome, ...]
     targets: tuple[Expression, ...]
@@ -121,7 +121,7 @@ def deep_check(
     found += _fault_parts(explored.outcome)
     found += interchange_parts(network)
     if unused is not None:
-        found.append(Part("names never used or read", counted(tuple(unused)), tuple(unused)))
+        found.append(LintAnswer("names never used or read", counted(tuple(unused)), tuple(unused)))
     return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)
 
 
@@ -148,7 +148,8 @@ def _explore(network: Network, options: Options, limits: Limits, progress: Progr
 
 def _nothing(reason: str) -> DeepCheck:
     parts = tuple(
-        Part(question, "not decided", undecided=reason) for question in (_LOCATIONS, _EDGES, _GUARDS, *_ENDS, _ZENO)
+        LintAnswer(question, "not decided", undecided=reason)
+        for question in (_LOCATIONS, _EDGES, _GUARDS, *_ENDS, _ZENO)
     )
     return DeepCheck(parts, Statistics(), reason)
 
@@ -161,7 +162,7 @@ _ENDS = ("time-locks", "deadlocks in which time passes")
 # ---- what was reached ------------------------------------------------------------------------------------------------
 
 
-def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[Part, ...]:
+def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[LintAnswer, ...]:
     network, taken, outcome = explored.model.network, explored.taken, explored.outcome
     off = switched_off(network, explored.known)
     locations, edges = set(unreached_locations(network, taken)), set(untaken_edges(network, taken | off))
@@ -170,7 +171,7 @@ def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[
         return (
             _so_far(_LOCATIONS, len(locations), sum(len(p.locations) for p in network.processes), outcome.reason),
             _so_far(_EDGES, edge_count - len(taken | off), edge_count, outcome.reason),
-            Part(_GUARDS, "not decided", undecided=outcome.reason),
+            LintAnswer(_GUARDS, "not decided", undecided=outcome.reason),
         )
     unmet = explored.unmet
     never = never_true(unmet)
@@ -178,17 +179,17 @@ def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[
     untaken = untaken_findings(network, taken | off, never, warnings)
     always = always_true_findings(network, unmet, explored.guards)
     return (
-        Part(_LOCATIONS, _counted(unreached, in_some_process(network, locations)), unreached),
-        Part(_EDGES, _counted(untaken, in_some_process(network, edges)), untaken),
-        Part(_GUARDS, counted(always), always),
+        LintAnswer(_LOCATIONS, _counted(unreached, in_some_process(network, locations)), unreached),
+        LintAnswer(_EDGES, _counted(untaken, in_some_process(network, edges)), untaken),
+        LintAnswer(_GUARDS, counted(always), always),
     )
 
 
-def _so_far(question: str, missing: int, all_: int, reason: str) -> Part:
+def _so_far(question: str, missing: int, all_: int, reason: str) -> LintAnswer:
     """What is known of a question where the exploration ended early."""
     if not missing:
-        return Part(question, "none")
-    return Part(question, f"not decided: {missing} of {all_} not met so far", undecided=reason)
+        return LintAnswer(question, "none")
+    return LintAnswer(question, f"not decided: {missing} of {all_} not met so far", undecided=reason)
 
 
 def _counted(findings: tuple[Diagnostic, ...], single: int) -> str:
@@ -198,35 +199,35 @@ def _counted(findings: tuple[Diagnostic, ...], single: int) -> str:
 # ---- where nothing follows -------------------------------------------------------------------------------------------
 
 
-def _stuck_parts(explored: Explored) -> tuple[Part, ...]:
+def _stuck_parts(explored: Explored) -> tuple[LintAnswer, ...]:
     parts = []
     for question, goal, target in zip(_ENDS, explored.ends, explored.targets, strict=True):
         parts.append(_stuck_part(explored, question, goal, target))
     if explored.bounds is None and explored.ends[1].status is not Status.UNREACHABLE:
         # Without knowing which invariants limit time, a deadlock may be of either kind.
         reason = _STOPPED if explored.ends[1].status is Status.REACHED else explored.outcome.reason
-        return tuple(Part(question, "not decided", undecided=reason) for question in _ENDS)
+        return tuple(LintAnswer(question, "not decided", undecided=reason) for question in _ENDS)
     return tuple(parts)
 
 
-def _stuck_part(explored: Explored, question: str, goal: GoalOutcome, target: Expression) -> Part:
+def _stuck_part(explored: Explored, question: str, goal: GoalOutcome, target: Expression) -> LintAnswer:
     if goal.status is Status.UNREACHABLE:
-        return Part(question, "none")
+        return LintAnswer(question, "none")
     if goal.status is Status.UNDECIDED:
-        return Part(question, "not decided", undecided=explored.outcome.reason or TIME_LIMIT)
+        return LintAnswer(question, "not decided", undecided=explored.outcome.reason or TIME_LIMIT)
     if explored.bounds is None:
-        return Part(question, "not decided", undecided=_STOPPED)
+        return LintAnswer(question, "not decided", undecided=_STOPPED)
     run = _run(explored.model, goal, target)
     if question == _ENDS[1]:
         finding = deadlock_finding(explored.model.network, run)
-        return Part(question, "reached", (finding,), (Evidence(finding, run),))
+        return LintAnswer(question, "reached", (finding,), (LintEvidence(finding, run),))
     finding = time_lock_finding(explored.model, explored.bounds, run)
-    shown = (Evidence(finding, run),)
+    shown = (LintEvidence(finding, run),)
     if explored.flows.status is Status.UNREACHABLE and all_runs_end(
         explored.model.network, explored.known, explored.never
     ):
-        return Part(question, "reached by every run", (finding, every_run_ends(finding)), shown)
-    return Part(question, "reached", (finding,), shown)
+        return LintAnswer(question, "reached by every run", (finding, every_run_ends(finding)), shown)
+    return LintAnswer(question, "reached", (finding,), shown)
 
 
 def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> TimedTrace:
@@ -240,7 +241,7 @@ def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> Timed
     return run
 
 
-def _zeno_part(explored: Explored, options: Options, limits: Limits, progress: Progress | None) -> Part:
+def _zeno_part(explored: Explored, options: Options, limits: Limits, progress: Progress | None) -> LintAnswer:
     """What the model alone tells, and where that is not enough, a search of limited size."""
     network, known, never = explored.model.network, explored.known, explored.never
     left = limits.after(time.monotonic() - explored.started).seconds
@@ -250,17 +251,17 @@ def _zeno_part(explored: Explored, options: Options, limits: Limits, progress: P
             findings = zeno_findings(network, known, never)
             lasting = lasting_edges(network, known, never)
     except OutOfTimeError:
-        return Part(_ZENO, "not decided", undecided=TIME_LIMIT)
+        return LintAnswer(_ZENO, "not decided", undecided=TIME_LIMIT)
     if not findings:
-        return Part(_ZENO, "none possible")
+        return LintAnswer(_ZENO, "none possible")
     most = max(_LEAST_STATES, _TIMES_AS_MANY * explored.outcome.statistics.states_stored)
     bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
     left_now = bounded.after(time.monotonic() - explored.started)
     found = find_zeno_run(explored.model, lasting, options, left_now, progress)
     if isinstance(found, ZenoRun):
         finding = zeno_finding(network, found.loop)
-        return Part(_ZENO, "found", (finding,), () if found.run is None else (Evidence(finding, found.run),))
-    return Part(_ZENO, f"{len(findings)} may be", findings) if found else Part(_ZENO, "none")
+        return LintAnswer(_ZENO, "found", (finding,), () if found.run is None else (LintEvidence(finding, found.run),))
+    return LintAnswer(_ZENO, f"{len(findings)} may be", findings) if found else LintAnswer(_ZENO, "none")
 
 
 _LEAST_STATES, _TIMES_AS_MANY = 20_000, 4
@@ -270,10 +271,10 @@ _LEAST_SECONDS = 1.0
 """For what needs no search, and is asked when the search has used all the time."""
 
 
-def _fault_parts(outcome: Outcome) -> tuple[Part, ...]:
+def _fault_parts(outcome: Outcome) -> tuple[LintAnswer, ...]:
     """The run-time error that ended the exploration, if one did."""
     if outcome.fault is None:
         return ()
     finding = diagnostic_of(outcome.fault)
-    evidence = () if outcome.fault.run is None else (Evidence(finding, outcome.fault.run),)
-    return (Part("run-time errors", "reached", (finding,), evidence),)
+    evidence = () if outcome.fault.run is None else (LintEvidence(finding, outcome.fault.run),)
+    return (LintAnswer("run-time errors", "reached", (finding,), evidence),)

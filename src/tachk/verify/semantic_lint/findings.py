@@ -10,7 +10,7 @@ from tachk.model.run import TimedTrace
 
 
 @dataclass(frozen=True, slots=True)
-class Evidence:
+class LintEvidence:
     """A finding with the run that shows it, which has been replayed."""
 
     finding: Diagnostic
@@ -18,7 +18,7 @@ class Evidence:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class LintAnswer:
     """The answer to one question about a model.
 
     Attributes:
@@ -32,7 +32,7 @@ class Part:
     question: str
     answer: str
     findings: tuple[Diagnostic, ...] = ()
-    evidence: tuple[Evidence, ...] = ()
+    evidence: tuple[LintEvidence, ...] = ()
     undecided: str = ""
 
 
@@ -42,7 +42,7 @@ class DeepCheck:
     reason: why the exploration has not gone through everything; empty where it has.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[LintAnswer, ...]
     statistics: Statistics
     reason: str = ""
 
@@ -52,7 +52,7 @@ class DeepCheck:
         return by_place(finding for part in self.parts for finding in part.findings)
 
     @property
-    def evidence(self) -> tuple[Evidence, ...]:
+    def evidence(self) -> tuple[LintEvidence, ...]:
         return tuple(evidence for part in self.parts for evidence in part.evidence)
 
     @property

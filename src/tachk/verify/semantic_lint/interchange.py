@@ -6,15 +6,15 @@ from collections.abc import Iterable, Sequence
 
 from tachk.engine.exchanged import members_in_words
 from tachk.engine.symmetry.detection import Difference, find_symmetry
-from tachk.engine.symmetry.kinds import Refusal
+from tachk.engine.symmetry.kinds import AsymmetryReason
 from tachk.engine.symmetry.tables import tables_of
 from tachk.model.network import Network
-from tachk.verify.semantic_lint.findings import Part
+from tachk.verify.semantic_lint.findings import LintAnswer
 
 _QUESTION = "interchangeable processes"
 
 
-def interchange_parts(network: Network) -> tuple[Part, ...]:
+def interchange_parts(network: Network) -> tuple[LintAnswer, ...]:
     """Nothing about a network in which no two processes have the same text up to numbers and variables.
 
     A query that names processes leaves only the others interchangeable.
@@ -25,13 +25,13 @@ def interchange_parts(network: Network) -> tuple[Part, ...]:
     told: list[str] = []
     refused = list(symmetry.differences)
     for each, table in tables_of(network, symmetry):
-        if isinstance(table, Refusal):
+        if isinstance(table, AsymmetryReason):
             first, second = (network.processes[team[0]] for team in each.members[:2])
             refused.append(Difference(first.template, first.name, second.name, table))
         else:
             told.append(members_in_words(table.slots, table.cyclic, [process.name for process in network.processes]))
     told += _differences(refused)
-    return (Part(_QUESTION, "; ".join(told)),) if told else ()
+    return (LintAnswer(_QUESTION, "; ".join(told)),) if told else ()
 
 
 def _repeats(network: Network) -> bool:

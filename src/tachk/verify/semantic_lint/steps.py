@@ -30,7 +30,7 @@ Changes = frozenset[tuple[int, int]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Step:
+class EdgeStep:
     """An edge.
 
     Attributes:
@@ -56,7 +56,7 @@ class Step:
     changes: dict[Variable, Changes | None]
 
 
-def steps_of(network: Network, known: Known) -> tuple[Step, ...]:
+def steps_of(network: Network, known: Known) -> tuple[EdgeStep, ...]:
     """Every edge of the network."""
     fresh = _clocks_set_to_zero(network, known)
     return tuple(
@@ -81,7 +81,7 @@ def _clocks_set_to_zero(network: Network, known: Known) -> frozenset[Variable]:
     return frozenset(every)
 
 
-def _step(network: Network, number: int, place: int, edge: Edge, known: Known, fresh: frozenset[Variable]) -> Step:
+def _step(network: Network, number: int, place: int, edge: Edge, known: Known, fresh: frozenset[Variable]) -> EdgeStep:
     channels: frozenset[Variable] = frozenset()
     channel_place: Expression | None = None
     sends = broadcast = False
@@ -91,7 +91,7 @@ def _step(network: Network, number: int, place: int, edge: Edge, known: Known, f
         channel_place = named if _is_fixed(named) else None
         sends = edge.synchronisation.direction is Direction.SEND
         broadcast = isinstance(named.type, ChannelType) and named.type.broadcast
-    return Step(
+    return EdgeStep(
         number,
         place,
         edge.source,

@@ -18,7 +18,7 @@ from tachk.model.run import TimedTrace
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class TimeBoundedLocation:
     """A location that lets only a limited time pass where the condition is true: it is urgent or committed, or its
     invariant has an upper bound."""
 
@@ -28,44 +28,46 @@ class Bound:
     invariant: bool
 
 
-def bounds_on_time(network: Network, known: Known) -> Iterator[Bound]:
+def bounds_on_time(network: Network, known: Known) -> Iterator[TimeBoundedLocation]:
     """The locations that limit time. Only right where no clock ever stops."""
     for number, process in enumerate(network.processes):
         for place, location in enumerate(process.locations):
             if location.urgent or location.committed:
-                yield Bound(number, place, Constant(1, BOOL), False)
+                yield TimeBoundedLocation(number, place, Constant(1, BOOL), False)
             elif location.invariant is not None:
                 parts = split_conjunction(location.invariant, known)
                 for condition, atom in parts.clocks:
                     if _is_upper(atom):
-                        yield Bound(number, place, Constant(1, BOOL) if condition is None else condition, True)
+                        yield TimeBoundedLocation(
+                            number, place, Constant(1, BOOL) if condition is None else condition, True
+                        )
 
 
 def _is_upper(atom: ClockAtom) -> bool:
     return atom.left is not None and atom.right is None
 
 
-def time_locks(bounds: list[Bound]) -> Expression:
+def time_locks(bounds: list[TimeBoundedLocation]) -> Expression:
     """The states from which neither an action is possible nor time can pass for ever."""
     return both(Deadlock(), _limited(bounds))
 
 
-def plain_deadlocks(bounds: list[Bound]) -> Expression:
+def plain_deadlocks(bounds: list[TimeBoundedLocation]) -> Expression:
     """The states from which no action is possible while time passes."""
     return both(Deadlock(), unlimited(bounds))
 
 
-def unlimited(bounds: list[Bound]) -> Expression:
+def unlimited(bounds: list[TimeBoundedLocation]) -> Expression:
     """The states in which no invariant and no urgent or committed location limits time."""
     return negation(_limited(bounds))
 
 
-def _limited(bounds: list[Bound]) -> Expression:
+def _limited(bounds: list[TimeBoundedLocation]) -> Expression:
     conditions = [both(LocationTest(bound.process, bound.location), bound.condition) for bound in bounds]
     return reduce(either, conditions) if conditions else Constant(0, BOOL)
 
 
-def time_lock_finding(model: PreparedNetwork, bounds: list[Bound], run: TimedTrace) -> Diagnostic:
+def time_lock_finding(model: PreparedNetwork, bounds: list[TimeBoundedLocation], run: TimedTrace) -> Diagnostic:
     """What keeps time from passing at the end of a run: the first location that does, and the others."""
     state = run.states[-1].discrete
     values = environment(model, state)

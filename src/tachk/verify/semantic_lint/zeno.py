@@ -22,12 +22,12 @@ from tachk.base.time_limit import check_time
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network, Process
 from tachk.model.run import Transition
-from tachk.verify.semantic_lint.steps import Step, steps_of
+from tachk.verify.semantic_lint.steps import EdgeStep, steps_of
 
 MOST_TRIES = 500
 """Ways of saying for the clocks what is not taken any more. There are more only where many clocks are intertwined."""
 
-Steps = frozenset[Step]
+Steps = frozenset[EdgeStep]
 Node = TypeVar("Node", bound=Hashable)
 
 
@@ -126,12 +126,12 @@ def _recurrent(steps: Steps) -> Steps:
         steps = kept
 
 
-def _on_cycles(steps: Iterable[Step]) -> Steps:
+def _on_cycles(steps: Iterable[EdgeStep]) -> Steps:
     """Those that lie on a cycle of their process."""
-    by_process: dict[int, list[Step]] = {}
+    by_process: dict[int, list[EdgeStep]] = {}
     for step in steps:
         by_process.setdefault(step.process, []).append(step)
-    kept: list[Step] = []
+    kept: list[EdgeStep] = []
     for own in by_process.values():
         component = components((step.source, step.target) for step in own)
         kept += (step for step in own if component[step.source] == component[step.target])
@@ -143,7 +143,7 @@ def _answered(steps: Steps) -> Steps:
     senders = [step for step in steps if step.channels and step.sends]
     receivers = [step for step in steps if step.channels and not step.sends]
 
-    def may_meet(step: Step, others: list[Step]) -> bool:
+    def may_meet(step: EdgeStep, others: list[EdgeStep]) -> bool:
         return any(
             other.process != step.process
             and other.channels & step.channels
@@ -151,7 +151,7 @@ def _answered(steps: Steps) -> Steps:
             for other in others
         )
 
-    def stays(step: Step) -> bool:
+    def stays(step: EdgeStep) -> bool:
         if not step.channels or (step.sends and step.broadcast):
             return True
         return may_meet(step, receivers if step.sends else senders)
@@ -161,11 +161,11 @@ def _answered(steps: Steps) -> Steps:
 
 def _undone(steps: Steps) -> Steps:
     """Those all of whose changes of variables are undone by others."""
-    writers: dict[Variable, list[Step]] = {}
+    writers: dict[Variable, list[EdgeStep]] = {}
     for step in steps:
         for variable in step.changes:
             writers.setdefault(variable, []).append(step)
-    gone: set[Step] = set()
+    gone: set[EdgeStep] = set()
     for variable, own in writers.items():
         changes = [step.changes[variable] for step in own]
         if any(change is None for change in changes):
@@ -216,11 +216,11 @@ def _finishing(start: Node, following: Callable[[Node], list[Node]], seen: set[N
             yield node
 
 
-def _shortest_cycle(steps: list[Step]) -> list[Step]:
+def _shortest_cycle(steps: list[EdgeStep]) -> list[EdgeStep]:
     """A shortest cycle through one of the edges, each of which lies on one."""
-    best: list[Step] = []
+    best: list[EdgeStep] = []
     for first in steps:
-        ways: dict[int, list[Step]] = {first.target: [first]}
+        ways: dict[int, list[EdgeStep]] = {first.target: [first]}
         waiting = deque([first.target])
         while waiting and first.source not in ways:
             here = waiting.popleft()

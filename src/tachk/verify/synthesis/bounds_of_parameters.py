@@ -70,7 +70,7 @@ from tachk.model.types import ChannelType, IntType, bounds, element_type
 from tachk.verify.plan import Analysis, analysis_of
 
 
-class Bound(StrEnum):
+class ParameterBound(StrEnum):
     """What a constant bounds, and with it which way adds behaviour."""
 
     UPPER = "upper"
@@ -103,7 +103,7 @@ class _Other(Exception):
 
 def bounds_of_parameters(
     network: Network, query: Query, constants: OpenConstants, ranges: Mapping[str, tuple[int, int]]
-) -> dict[str, Bound | NoBound]:
+) -> dict[str, ParameterBound | NoBound]:
     """What each open constant bounds.
 
     Args:
@@ -117,7 +117,9 @@ def bounds_of_parameters(
 _Limits = Mapping[Variable, tuple[int, int]]
 
 
-def _bound(network: Network, query: Query, constants: OpenConstants, name: str, limits: _Limits) -> Bound | NoBound:
+def _bound(
+    network: Network, query: Query, constants: OpenConstants, name: str, limits: _Limits
+) -> ParameterBound | NoBound:
     if name in constants.needed:
         return NoBound("the structure of the model depends on it", constants.needed[name])
     if name in constants.in_bounds:
@@ -137,20 +139,21 @@ def _bound(network: Network, query: Query, constants: OpenConstants, name: str, 
     except _Other as other:
         return other.finding
     if not found:
-        return Bound.ABSENT
+        return ParameterBound.ABSENT
     first, _ = found[0]
     against = next((span for bound, span in found if bound is not first), None)
     if against is not None:
-        both = f"elsewhere it is a{'n' if first is Bound.UPPER else ''} {first.value} bound"
+        both = f"elsewhere it is a{'n' if first is ParameterBound.UPPER else ''} {first.value} bound"
         return NoBound(
-            f"here it is a{'n' if first is Bound.LOWER else ''} {_opposite(first).value} bound, {both}", against
+            f"here it is a{'n' if first is ParameterBound.LOWER else ''} {_opposite(first).value} bound, {both}",
+            against,
         )
     return first
 
 
 def _in_bounds_only(
     network: Network, query: Query, constants: OpenConstants, name: str, limits: _Limits
-) -> Bound | NoBound:
+) -> ParameterBound | NoBound:
     """Of a constant that bounds a property and nothing else: whatever the runs of the network are, the formula is true
     of more of them or of fewer."""
     directions = constants.in_bounds[name]
@@ -171,20 +174,20 @@ def _in_bounds_only(
             occurrences.refuse(expression, "the property uses it as well as one of its bounds")
     except _Other as other:
         return other.finding
-    return Bound.LOWER if True in directions else Bound.UPPER
+    return ParameterBound.LOWER if True in directions else ParameterBound.UPPER
 
 
-def _opposite(bound: Bound) -> Bound:
+def _opposite(bound: ParameterBound) -> ParameterBound:
     match bound:
-        case Bound.UPPER:
-            return Bound.LOWER
-        case Bound.LOWER:
-            return Bound.UPPER
-        case Bound.ABSENT:
+        case ParameterBound.UPPER:
+            return ParameterBound.LOWER
+        case ParameterBound.LOWER:
+            return ParameterBound.UPPER
+        case ParameterBound.ABSENT:
             return bound
 
 
-_Found = Iterator[tuple[Bound, Span]]
+_Found = Iterator[tuple[ParameterBound, Span]]
 """The bounds that a constant is, each with its place."""
 
 
@@ -297,7 +300,7 @@ class _Occurrences:
         if place is not None:
             self._interval(right)
             for sign in self._signs(right):
-                yield (Bound.UPPER if growing is (sign > 0) else Bound.LOWER), place
+                yield (ParameterBound.UPPER if growing is (sign > 0) else ParameterBound.LOWER), place
 
     def _signs(self, term: Expression) -> Iterator[int]:
         """Whether a term grows (1) or falls (-1) as the constant grows, for each occurrence.

@@ -21,16 +21,16 @@ from tachk.verify.answering import answers
 from tachk.verify.certificates import Proof
 from tachk.verify.questions import Questions
 from tachk.verify.scheduling.in_order import VerifyProgress
-from tachk.verify.synthesis.parameters import Parameter
+from tachk.verify.synthesis.parameters import VariedConstant
 from tachk.verify.synthesis.proofs import proof_again, proof_of
-from tachk.verify.synthesis.region import Evidence, RegionCell, shown_by_a_run
+from tachk.verify.synthesis.region import CellEvidence, RegionCell, shown_by_a_run
 from tachk.verify.synthesis.retiming import retimed
-from tachk.verify.synthesis.walk import Asked, Cell, Status
+from tachk.verify.synthesis.walk import Cell, CellStatus, PendingCell
 from tachk.verify.verdict import Answer, Verdict
 
 
 @dataclass(slots=True)
-class Cells:
+class DecidedCells:
     """What is known about each cell that was looked at.
 
     Attributes:
@@ -45,7 +45,7 @@ class Cells:
 
     model: LoadedModel
     questions: Questions
-    parameters: Sequence[Parameter]
+    parameters: Sequence[VariedConstant]
     options: Options
     limits: Limits
     progress: VerifyProgress | None = None
@@ -58,19 +58,19 @@ class Cells:
     _paths: dict[Cell, tuple[Transition, ...]] = field(default_factory=dict)
     _proofs: dict[Cell, Proof] = field(default_factory=dict)
 
-    def decide(self, asked: Asked) -> Status:
+    def decide(self, asked: PendingCell) -> CellStatus:
         """The status of one cell."""
         values = self._values(asked.cell)
         try:
             verdict, evidence, proof = self._verdict(asked)
         except OutOfTimeError as error:
-            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, error.reason)
+            known = RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, error.reason)
         except InputError as error:
             self.wrong = self.wrong or error
-            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, f"wrong model: {_first(error).message}")
+            known = RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, f"wrong model: {_first(error).message}")
         except KeyboardInterrupt:
             self.interrupted = True
-            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, INTERRUPTED)
+            known = RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, INTERRUPTED)
         else:
             self.interrupted |= verdict.reason == INTERRUPTED
             known = _told(values, verdict, evidence, proof)
@@ -101,10 +101,10 @@ class Cells:
     def _left(self) -> float | None:
         return self.limits.after(monotonic() - self._started).seconds
 
-    def _status(self, known: RegionCell) -> Status:
+    def _status(self, known: RegionCell) -> CellStatus:
         if known.answer is Answer.UNKNOWN or known.verdict is None:
-            return Status.UNKNOWN
-        return Status.REACHED if known.answer is shown_by_a_run(known.verdict.query) else Status.UNREACHED
+            return CellStatus.UNKNOWN
+        return CellStatus.REACHED if known.answer is shown_by_a_run(known.verdict.query) else CellStatus.UNREACHED
 
     def _model(self, cell: Cell) -> tuple[LoadedModel, Query]:
         names = (parameter.name for parameter in self.parameters)
@@ -116,7 +116,7 @@ class Cells:
         assert isinstance(query, Query)
         return model, query
 
-    def _verdict(self, asked: Asked) -> tuple[Verdict, Evidence, Proof | None]:
+    def _verdict(self, asked: PendingCell) -> tuple[Verdict, CellEvidence, Proof | None]:
         """Raises what decides nothing: OutOfTimeError, InputError, KeyboardInterrupt; and UnsupportedError."""
         if self.interrupted:
             raise KeyboardInterrupt
@@ -136,20 +136,20 @@ class Cells:
         proof = None
         if self.certify:
             proof = proof_of(model.network, verdict, self.options, limits.after(monotonic() - began))
-        return verdict, Evidence.SEARCH, proof
+        return verdict, CellEvidence.SEARCH, proof
 
-    def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, Evidence, Proof | None] | None:
+    def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, CellEvidence, Proof | None] | None:
         """What the evidence of the nearest cells shows here too; None if it shows nothing."""
         near = _nearest(cell, self._paths)
         if near is not None:
             verdict = retimed(network, query, self._paths[near])
             if verdict is not None:
-                return verdict, Evidence.RUN, None
+                return verdict, CellEvidence.RUN, None
         near = _nearest(cell, self._proofs)
         if near is not None:
             shown = proof_again(network, query, self._proofs[near])
             if shown is not None:
-                return shown[0], Evidence.CERTIFICATE, shown[1]
+                return shown[0], CellEvidence.CERTIFICATE, shown[1]
         return None
 
 
@@ -157,9 +157,9 @@ def _nearest(cell: Cell, others: Iterable[Cell]) -> Cell | None:
     return min(others, key=lambda other: sum(abs(a - b) for a, b in zip(cell, other, strict=True)), default=None)
 
 
-def _told(values: tuple[int, ...], verdict: Verdict, evidence: Evidence, proof: Proof | None) -> RegionCell:
+def _told(values: tuple[int, ...], verdict: Verdict, evidence: CellEvidence, proof: Proof | None) -> RegionCell:
     if verdict.answer is Answer.UNKNOWN:
-        return RegionCell(values, Answer.UNKNOWN, Evidence.NONE, verdict.reason, verdict)
+        return RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, verdict.reason, verdict)
     return RegionCell(values, verdict.answer, evidence, "", verdict, proof)
 
 

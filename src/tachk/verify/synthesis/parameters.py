@@ -7,13 +7,13 @@ from itertools import pairwise
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
-from tachk.model.grid import MOST_CELLS, Axis, Grid, grid_of_values
+from tachk.model.grid import MOST_CELLS, Grid, ParameterAxis, grid_of_values
 
 _EXAMPLE = "for example --over PERIOD=1..50,DEADLINE=10..100:10"
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class VariedConstant:
     """A global integer constant that takes the values ``low``, ``low + step``, ... up to ``high``."""
 
     name: str
@@ -37,29 +37,29 @@ class Parameter:
 
 
 def parameters_from(
-    over: str | Iterable[str | Parameter] | Mapping[str, object] | Grid,
-) -> tuple[Parameter, ...]:
+    over: str | Iterable[str | VariedConstant] | Mapping[str, object] | Grid,
+) -> tuple[VariedConstant, ...]:
     """What a program gives as parameters: a grid, what `grid_of_values` makes one of, or parameters.
 
     Raises UsageError for anything else, and for values that are not numbers at equal distances.
     """
     if isinstance(over, str | Mapping | Grid):
         return tuple(_parameter(axis) for axis in grid_of_values(over).axes)
-    found: list[Parameter] = []
+    found: list[VariedConstant] = []
     for each in over:
-        found += (each,) if isinstance(each, Parameter) else parameters_from(grid_of_values([each]))
+        found += (each,) if isinstance(each, VariedConstant) else parameters_from(grid_of_values([each]))
     return tuple(found)
 
 
-def _parameter(axis: Axis) -> Parameter:
+def _parameter(axis: ParameterAxis) -> VariedConstant:
     numbers = sorted(value for value in axis.values if isinstance(value, int))
     steps = {after - before for before, after in pairwise(numbers)}
     if len(numbers) < len(axis.values) or len(steps) > 1:
         raise UsageError(f"{axis.name} needs numbers at equal distances", _EXAMPLE)
-    return Parameter(axis.name, numbers[0], numbers[-1], *steps)
+    return VariedConstant(axis.name, numbers[0], numbers[-1], *steps)
 
 
-def checked_parameters(parameters: Iterable[Parameter]) -> tuple[Parameter, ...]:
+def checked_parameters(parameters: Iterable[VariedConstant]) -> tuple[VariedConstant, ...]:
     """The parameters, if they can be varied together. Raises UsageError."""
     result = tuple(parameters)
     if not result:

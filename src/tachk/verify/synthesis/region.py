@@ -11,13 +11,13 @@ from math import prod
 from tachk.base.words import QueryKind
 from tachk.model.query import Query
 from tachk.verify.certificates import Proof
-from tachk.verify.synthesis.bounds_of_parameters import Bound, NoBound
+from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound
 from tachk.verify.synthesis.inequalities import Description
-from tachk.verify.synthesis.parameters import Parameter
+from tachk.verify.synthesis.parameters import VariedConstant
 from tachk.verify.verdict import Answer, Verdict
 
 
-class Evidence(StrEnum):
+class CellEvidence(StrEnum):
     """How the answer of a cell is known."""
 
     SEARCH = "search"
@@ -51,7 +51,7 @@ class RegionCell:
 
     values: tuple[int, ...]
     answer: Answer
-    evidence: Evidence
+    evidence: CellEvidence
     reason: str = ""
     verdict: Verdict | None = field(default=None, repr=False)
     certificate: Proof | None = field(default=None, repr=False)
@@ -76,8 +76,8 @@ class Region:
     model: str
     query: Query = field(repr=False)
     wanted: Answer
-    parameters: tuple[Parameter, ...]
-    bounds: tuple[Bound | NoBound, ...] = field(repr=False)
+    parameters: tuple[VariedConstant, ...]
+    bounds: tuple[ParameterBound | NoBound, ...] = field(repr=False)
     cells: tuple[RegionCell, ...] = field(repr=False)
     description: Description | None
     interrupted: bool = False
@@ -101,7 +101,7 @@ class Region:
     @property
     def searched(self) -> int:
         """How many cells were searched."""
-        return sum(cell.evidence is Evidence.SEARCH for cell in self.cells)
+        return sum(cell.evidence is CellEvidence.SEARCH for cell in self.cells)
 
     def at(self, **values: int) -> RegionCell:
         """The cell with these values. Raises KeyError if it is none of the region."""
@@ -131,7 +131,7 @@ class Region:
         assert prod(self.shape) == len(self.cells)
         for place, numbers in enumerate(product(*map(range, self.shape))):
             cell = self.cells[place]
-            if cell.evidence is Evidence.NONE or cell.evidence is Evidence.IMPLIED:
+            if cell.evidence is CellEvidence.NONE or cell.evidence is CellEvidence.IMPLIED:
                 continue
             differs = [self._changes(cell, numbers, axis) for axis in range(len(numbers))]
             if None not in differs and any(differs):
@@ -152,9 +152,9 @@ class Region:
     def _sides(self, cell: RegionCell, axis: int) -> tuple[int, ...]:
         reached = cell.answer is shown_by_a_run(self.query)
         match self.bounds[axis]:
-            case Bound.UPPER:
+            case ParameterBound.UPPER:
                 return (-1,) if reached else (1,)
-            case Bound.LOWER:
+            case ParameterBound.LOWER:
                 return (1,) if reached else (-1,)
             case _:
                 return -1, 1

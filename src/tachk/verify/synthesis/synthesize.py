@@ -17,19 +17,19 @@ from tachk.model.query import Query
 from tachk.verify.plan import Analysis, analysis_of
 from tachk.verify.questions import Questions
 from tachk.verify.scheduling.in_order import VerifyProgress
-from tachk.verify.synthesis.bounds_of_parameters import Bound, NoBound, bounds_of_parameters
-from tachk.verify.synthesis.cells import Cells
+from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound, bounds_of_parameters
+from tachk.verify.synthesis.cells import DecidedCells
 from tachk.verify.synthesis.inequalities import Description, describe
-from tachk.verify.synthesis.parameters import Parameter, checked_parameters
-from tachk.verify.synthesis.region import Evidence, Region, RegionCell, shown_by_a_run
-from tachk.verify.synthesis.walk import Axis, Status, walk
+from tachk.verify.synthesis.parameters import VariedConstant, checked_parameters
+from tachk.verify.synthesis.region import CellEvidence, Region, RegionCell, shown_by_a_run
+from tachk.verify.synthesis.walk import AxisKind, CellStatus, walk
 from tachk.verify.verdict import Answer
 
 
 def synthesize(
     model: LoadedModel,
     questions: Questions,
-    parameters: Sequence[Parameter],
+    parameters: Sequence[VariedConstant],
     wanted: Answer = Answer.HOLDS,
     options: Options = Options(),
     limits: Limits = Limits(),
@@ -57,8 +57,8 @@ def synthesize(
     began = monotonic()
     parameters = checked_parameters(parameters)
     query = _only_query(model, questions)
-    cells = Cells(model, questions, parameters, options, limits, progress, reuse, certify)
-    bounds: Mapping[str, Bound | NoBound] = {}
+    cells = DecidedCells(model, questions, parameters, options, limits, progress, reuse, certify)
+    bounds: Mapping[str, ParameterBound | NoBound] = {}
     if infer:
         try:
             with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
@@ -70,7 +70,7 @@ def synthesize(
     walk(statuses, [_axis(bound) for bound in known], cells.decide, cells.may_infer)
     if cells.wrong is not None and all(cell.reason.startswith("wrong model") for cell in cells.found.values()):
         raise cells.wrong
-    box = tuple(_cell(cells, query, place, Status(int(status))) for place, status in np.ndenumerate(statuses))
+    box = tuple(_cell(cells, query, place, CellStatus(int(status))) for place, status in np.ndenumerate(statuses))
     return Region(
         questions.path,
         query,
@@ -100,7 +100,9 @@ def _only_query(model: LoadedModel, questions: Questions) -> Query:
     return query
 
 
-def _bounds(model: LoadedModel, questions: Questions, parameters: Sequence[Parameter]) -> Mapping[str, Bound | NoBound]:
+def _bounds(
+    model: LoadedModel, questions: Questions, parameters: Sequence[VariedConstant]
+) -> Mapping[str, ParameterBound | NoBound]:
     """What each parameter bounds; nothing is known where the model cannot be elaborated with open constants."""
     names = [parameter.name for parameter in parameters]
     first = {parameter.name: parameter.low for parameter in parameters}
@@ -116,34 +118,34 @@ def _bounds(model: LoadedModel, questions: Questions, parameters: Sequence[Param
     return bounds_of_parameters(network, query, opened.context.open_constants, ranges)
 
 
-def _axis(bound: Bound | NoBound) -> Axis:
+def _axis(bound: ParameterBound | NoBound) -> AxisKind:
     match bound:
-        case Bound.UPPER:
-            return Axis.MORE
-        case Bound.LOWER:
-            return Axis.LESS
-        case Bound.ABSENT:
-            return Axis.SAME
+        case ParameterBound.UPPER:
+            return AxisKind.MORE
+        case ParameterBound.LOWER:
+            return AxisKind.LESS
+        case ParameterBound.ABSENT:
+            return AxisKind.SAME
         case NoBound():
-            return Axis.ANY
+            return AxisKind.ANY
 
 
-def _cell(cells: Cells, query: Query, place: tuple[int, ...], status: Status) -> RegionCell:
+def _cell(cells: DecidedCells, query: Query, place: tuple[int, ...], status: CellStatus) -> RegionCell:
     """What is known about a cell, by itself or by others."""
     known = cells.found.get(place)
-    if known is not None and (known.answer is not Answer.UNKNOWN or status is Status.UNKNOWN):
+    if known is not None and (known.answer is not Answer.UNKNOWN or status is CellStatus.UNKNOWN):
         return known
     values = tuple(p.values[number] for p, number in zip(cells.parameters, place, strict=True))
     reached = shown_by_a_run(query)
     match status:
-        case Status.REACHED:
+        case CellStatus.REACHED:
             answer = reached
-        case Status.UNREACHED:
+        case CellStatus.UNREACHED:
             answer = Answer.HOLDS if reached is Answer.FAILS else Answer.FAILS
-        case Status.OPEN | Status.UNKNOWN:
+        case CellStatus.OPEN | CellStatus.UNKNOWN:
             reason = INTERRUPTED if cells.interrupted else TIME_LIMIT
-            return RegionCell(values, Answer.UNKNOWN, Evidence.NONE, reason)
-    return RegionCell(values, answer, Evidence.IMPLIED)
+            return RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, reason)
+    return RegionCell(values, answer, CellEvidence.IMPLIED)
 
 
 def _description(cells: Sequence[RegionCell], wanted: Answer) -> Description | None:

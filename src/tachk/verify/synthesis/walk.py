@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tachk.base.records import dataclass
 
 
-class Status(IntEnum):
+class CellStatus(IntEnum):
     OPEN = 0
     """Nothing is known yet."""
     REACHED = 1
@@ -27,7 +27,7 @@ class Status(IntEnum):
     """It was tried without success."""
 
 
-class Axis(IntEnum):
+class AxisKind(IntEnum):
     """How the behaviour depends on a value."""
 
     LESS = -1
@@ -47,7 +47,7 @@ Statuses = NDArray[np.int8]
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class PendingCell:
     """Attributes:
     cell: what is to be decided.
     left: about how many more cells will be, this one included.
@@ -59,8 +59,8 @@ class Asked:
 
 def walk(
     statuses: Statuses,
-    axes: Sequence[Axis],
-    decide: Callable[[Asked], Status],
+    axes: Sequence[AxisKind],
+    decide: Callable[[PendingCell], CellStatus],
     may_infer: Callable[[Sequence[Cell]], bool],
 ) -> None:
     """Decides every cell, in place.
@@ -71,13 +71,13 @@ def walk(
         may_infer: whether in a box with these extreme cells one answer may stand for others; if not, each of its cells
             is decided by itself.
     """
-    free = [number for number, axis in enumerate(axes) if axis is Axis.ANY]
-    bound = [number for number, axis in enumerate(axes) if axis is not Axis.ANY]
+    free = [number for number, axis in enumerate(axes) if axis is AxisKind.ANY]
+    bound = [number for number, axis in enumerate(axes) if axis is not AxisKind.ANY]
     combinations = list(product(*(range(statuses.shape[number]) for number in free)))
     for done, values in enumerate(combinations):
         fixed = dict(zip(free, values, strict=True))
         infers = bool(bound) and may_infer(_extremes(statuses.shape, fixed))
-        box = _Box(statuses, tuple(axes) if infers else (Axis.ANY,) * len(axes), fixed, decide)
+        box = _Box(statuses, tuple(axes) if infers else (AxisKind.ANY,) * len(axes), fixed, decide)
         box.settle(len(combinations) - done)
 
 
@@ -96,9 +96,9 @@ class _Box:
     """
 
     statuses: Statuses
-    axes: tuple[Axis, ...]
+    axes: tuple[AxisKind, ...]
     fixed: dict[int, int]
-    decide: Callable[[Asked], Status]
+    decide: Callable[[PendingCell], CellStatus]
 
     def settle(self, boxes: int) -> None:
         """Decides the cells of the box, of which there are so many left."""
@@ -111,16 +111,18 @@ class _Box:
             while pending:
                 low, high = pending.pop()
                 cells = ((place, self._at(line, along, place)) for place in range(low, high))
-                undecided = [(place, cell) for place, cell in cells if self.statuses[cell] == Status.OPEN]
+                undecided = [(place, cell) for place, cell in cells if self.statuses[cell] == CellStatus.OPEN]
                 if undecided:
                     middle, cell = undecided[len(undecided) // 2]
-                    self._note(cell, self.decide(Asked(cell, left)))
+                    self._note(cell, self.decide(PendingCell(cell, left)))
                     # After an unknown answer both halves are open, else at most one is.
                     pending += [(middle + 1, high), (low, middle)]
 
     def _along(self) -> int | None:
         """The axis that is bisected: the longest of those that can be."""
-        usable = [n for n, axis in enumerate(self.axes) if n not in self.fixed and axis in (Axis.LESS, Axis.MORE)]
+        usable = [
+            n for n, axis in enumerate(self.axes) if n not in self.fixed and axis in (AxisKind.LESS, AxisKind.MORE)
+        ]
         return max(usable, key=lambda n: self.statuses.shape[n], default=None)
 
     def _lines(self) -> Iterator[Cell]:
@@ -130,7 +132,7 @@ class _Box:
         for number, (size, axis) in enumerate(zip(self.statuses.shape, self.axes, strict=True)):
             if number in self.fixed:
                 choices.append([self.fixed[number]])
-            elif number == along or axis is Axis.SAME:
+            elif number == along or axis is AxisKind.SAME:
                 choices.append([0])
             else:
                 choices.append(_middle_first(size))
@@ -139,20 +141,20 @@ class _Box:
     def _at(self, line: Cell, along: int | None, place: int) -> Cell:
         return tuple(place if number == along else value for number, value in enumerate(line))
 
-    def _note(self, cell: Cell, status: Status) -> None:
+    def _note(self, cell: Cell, status: CellStatus) -> None:
         where: list[int | slice] = []
         for number, (value, axis) in enumerate(zip(cell, self.axes, strict=True)):
-            upwards = (axis is Axis.MORE) is (status is Status.REACHED)
-            if number in self.fixed or axis is Axis.ANY:
+            upwards = (axis is AxisKind.MORE) is (status is CellStatus.REACHED)
+            if number in self.fixed or axis is AxisKind.ANY:
                 where.append(value)
-            elif axis is Axis.SAME:
+            elif axis is AxisKind.SAME:
                 where.append(slice(None))
-            elif status is Status.UNKNOWN:
+            elif status is CellStatus.UNKNOWN:
                 where.append(value)
             else:
                 where.append(slice(value, None) if upwards else slice(0, value + 1))
         part = self.statuses[tuple(where)]
-        new = (part == Status.OPEN) | (part == Status.UNKNOWN)
+        new = (part == CellStatus.OPEN) | (part == CellStatus.UNKNOWN)
         self.statuses[tuple(where)] = np.where(new, np.int8(status), part)
 
 

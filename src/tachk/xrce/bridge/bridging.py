@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.xrce.bridge.clock import Clock
-from tachk.xrce.bridge.packets import KINDS, Translator, Word
-from tachk.xrce.bridge.part import Part, Sent
+from tachk.xrce.bridge.packets import KINDS, ProtocolWord, Translator
+from tachk.xrce.bridge.part import BridgedPart, SentEvent
 from tachk.xrce.bridge.session import AgentSession, ClientSession
 
 _CHANNEL = re.compile(r"(?P<row>send|deliver)\[(?P<link>\d+)\]\[(?P<kind>\d+)\]")
@@ -25,7 +25,7 @@ class Bridge:
         ignored: packets that arrived and mean nothing to the model.
     """
 
-    def __init__(self, part: Part, clock: Clock, key: bytes = b"tchk", topic: str = "HelloWorldTopic") -> None:
+    def __init__(self, part: BridgedPart, clock: Clock, key: bytes = b"tchk", topic: str = "HelloWorldTopic") -> None:
         """Raises UsageError if the part has no such channels, or those of several clients."""
         self._part = part
         self._clock = clock
@@ -82,19 +82,21 @@ class Bridge:
             packets += self._packets(self._part.hear(channel, values))
         return packets
 
-    def _is_heard(self, word: Word) -> bool:
+    def _is_heard(self, word: ProtocolWord) -> bool:
         """Whether the model hears of it: what is older than the session's first message means nothing to it."""
         old = word.detail < 0 if KINDS[word.kind] == "HEARTBEAT" else word.number < 0
         return not old and f"deliver[{self._out ^ 1}][{word.kind}]" in self._part.hears
 
-    def _packets(self, sent: Iterable[Sent]) -> list[bytes]:
+    def _packets(self, sent: Iterable[SentEvent]) -> list[bytes]:
         return list(self._translated(sent))
 
-    def _translated(self, sent: Iterable[Sent]) -> Iterator[bytes]:
+    def _translated(self, sent: Iterable[SentEvent]) -> Iterator[bytes]:
         for one in sent:
             match = _CHANNEL.fullmatch(one.channel)
             if match is not None and match["row"] == "send" and not one.values.get("dropped", 0):
-                yield self._translator.packet(Word(int(match["kind"]), one.values["number"], one.values["detail"]))
+                yield self._translator.packet(
+                    ProtocolWord(int(match["kind"]), one.values["number"], one.values["detail"])
+                )
 
 
 def _links(channels: Iterable[str], row: str) -> set[int]:
@@ -102,6 +104,6 @@ def _links(channels: Iterable[str], row: str) -> set[int]:
     return {int(match["link"]) for match in found if match is not None and match["row"] == row}
 
 
-def _writes(part: Part) -> bool:
+def _writes(part: BridgedPart) -> bool:
     """Whether the part hears acknowledgements, as those who write do."""
     return any(name.endswith(f"[{KINDS.index('ACKNACK')}]") for name in part.hears if name.startswith("deliver"))

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 
 from tachk.base.records import dataclass
 from tachk.xrce import wire
-from tachk.xrce.events import Event, events
+from tachk.xrce.events import SubmessageEvent, events
 from tachk.xrce.messages import Endpoint, one_message
 from tachk.xrce.submessages import submessages
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING"
 """By the numbers that the models give them."""
@@ -25,7 +25,7 @@ _NUMBERS = 65536
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class ProtocolWord:
     """What an automaton says: ``kind`` is a place in `KINDS`."""
 
     kind: int
@@ -33,12 +33,12 @@ class Word:
     detail: int
 
 
-def message(kind: Kind, content: object, stream: int = 0, sequence: int = 0, session: int = SESSION) -> bytes:
+def message(kind: SubmessageKind, content: object, stream: int = 0, sequence: int = 0, session: int = SESSION) -> bytes:
     """A message with one submessage."""
     return _header(session, stream, sequence) + submessage(kind, content)
 
 
-def submessage(kind: Kind, content: object, flags: int = 0) -> bytes:
+def submessage(kind: SubmessageKind, content: object, flags: int = 0) -> bytes:
     payload: bytes = wire.payloads(True)[kind].build(content)
     return struct.pack("<BBH", kind, flags | wire.LITTLE_ENDIAN, len(payload)) + payload
 
@@ -68,7 +68,7 @@ class Translator:
     before: tuple[int, int] = (0, 0)
     requests: int = 16
 
-    def packet(self, word: Word) -> bytes:
+    def packet(self, word: ProtocolWord) -> bytes:
         """What a model says. Raises ValueError for a word that has no packet."""
         own, other = self.before
         match KINDS[word.kind]:
@@ -76,25 +76,25 @@ class Translator:
                 return _header(SESSION, STREAM, word.number + own) + self._carrier(word.detail)
             case "HEARTBEAT":
                 first, last = (word.number + own) % _NUMBERS, (word.detail - 1 + own) % _NUMBERS
-                return message(Kind.HEARTBEAT, {"first": first, "last": last, "subject": STREAM})
+                return message(SubmessageKind.HEARTBEAT, {"first": first, "last": last, "subject": STREAM})
             case "ACKNACK":
                 first = (word.number + other) % _NUMBERS
-                return message(Kind.ACKNACK, {"first": first, "bitmap": word.detail, "subject": STREAM})
+                return message(SubmessageKind.ACKNACK, {"first": first, "bitmap": word.detail, "subject": STREAM})
             case _:
-                return message(Kind.GET_INFO, {"base": self._base(b"\xff\xfd"), "mask": 1})
+                return message(SubmessageKind.GET_INFO, {"base": self._base(b"\xff\xfd"), "mask": 1})
 
     def _carrier(self, detail: int) -> bytes:
         sample = struct.pack("<I", detail) if detail >= 0 else b""
         if self.to_agent and detail >= 0:
-            return submessage(Kind.WRITE_DATA, {"base": self._base(WRITER), "sample": sample})
+            return submessage(SubmessageKind.WRITE_DATA, {"base": self._base(WRITER), "sample": sample})
         if self.to_agent and detail <= READ:
             count = UNLIMITED if detail == READ else READ - detail
-            return submessage(Kind.READ_DATA, self._reading(count))
+            return submessage(SubmessageKind.READ_DATA, self._reading(count))
         if not self.to_agent and detail >= 0:
-            return submessage(Kind.DATA, {"base": self._base(READER), "sample": sample})
+            return submessage(SubmessageKind.DATA, {"base": self._base(READER), "sample": sample})
         if not self.to_agent and detail == STATUS:
             result = {"status": 0, "implementation": 0}
-            return submessage(Kind.STATUS, {"base": self._base(b"\x00\x11"), "result": result})
+            return submessage(SubmessageKind.STATUS, {"base": self._base(b"\x00\x11"), "result": result})
         raise ValueError(f"a message that carries {detail} has no form on the wire here")
 
     def _reading(self, count: int) -> dict[str, object]:
@@ -113,33 +113,37 @@ class Translator:
         self.requests += 1
         return {"request": struct.pack(">H", self.requests % _NUMBERS), "object": target}
 
-    def words(self, octets: bytes) -> Iterator[Word]:
+    def words(self, octets: bytes) -> Iterator[ProtocolWord]:
         """What a packet of the other side says to a model. Nothing, where the model has no word for it."""
         own, other = self.before
         for event in submessages_of(octets):
             match event.kind:
-                case Kind.HEARTBEAT:
+                case SubmessageKind.HEARTBEAT:
                     last = _number(event, "last") + 1
-                    yield Word(1, _counted(_number(event, "first") - other), _counted(last - other))
-                case Kind.ACKNACK:
+                    yield ProtocolWord(1, _counted(_number(event, "first") - other), _counted(last - other))
+                case SubmessageKind.ACKNACK:
                     first, missing = _number(event, "first"), event.fields["missing"]
                     assert isinstance(missing, list)
-                    yield Word(2, _counted(first - own), sum(1 << (number - first) % _NUMBERS for number in missing))
-                case Kind.WRITE_DATA | Kind.DATA | Kind.READ_DATA | Kind.STATUS if event.is_reliable:
+                    yield ProtocolWord(
+                        2, _counted(first - own), sum(1 << (number - first) % _NUMBERS for number in missing)
+                    )
+                case (
+                    SubmessageKind.WRITE_DATA | SubmessageKind.DATA | SubmessageKind.READ_DATA | SubmessageKind.STATUS
+                ) if event.is_reliable:
                     assert event.sequence is not None
-                    yield Word(0, _counted(event.sequence - other), _carried(event))
-                case Kind.GET_INFO:
-                    yield Word(3, 0, 0)
+                    yield ProtocolWord(0, _counted(event.sequence - other), _carried(event))
+                case SubmessageKind.GET_INFO:
+                    yield ProtocolWord(3, 0, 0)
                 case _:
                     pass
 
 
-def submessages_of(octets: bytes) -> list[Event]:
+def submessages_of(octets: bytes) -> list[SubmessageEvent]:
     """The submessages of a datagram; what is none has no kind."""
     return list(events(submessages(one_message(octets)), [Endpoint("", 0)]))
 
 
-def _number(event: Event, name: str) -> int:
+def _number(event: SubmessageEvent, name: str) -> int:
     value = event.fields[name]
     assert isinstance(value, int)
     return value
@@ -151,11 +155,11 @@ def _counted(number: int) -> int:
     return wrapped - _NUMBERS if wrapped >= _NUMBERS // 2 else wrapped
 
 
-def _carried(event: Event) -> int:
+def _carried(event: SubmessageEvent) -> int:
     match event.kind:
-        case Kind.STATUS:
+        case SubmessageKind.STATUS:
             return STATUS
-        case Kind.READ_DATA:
+        case SubmessageKind.READ_DATA:
             count = event.fields["max_samples"]
             return READ if count == UNLIMITED else READ - (count if isinstance(count, int) else 1)
         case _:

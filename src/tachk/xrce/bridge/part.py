@@ -12,13 +12,13 @@ from tachk.engine.simulation.policy import Policy
 from tachk.model.network import Network
 from tachk.simulation.fmi.blueprint import blueprint
 from tachk.simulation.fmi.surroundings import OUTSIDE, SENT
-from tachk.simulation.fmi.unit import Kind, Role, Unit, Variable, open_unit
+from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVariable, open_unit
 
 _NANOSECONDS = 10**9
 
 
 @dataclass(frozen=True, slots=True)
-class Sent:
+class SentEvent:
     """Attributes:
     time: nanoseconds since the start of the run.
     channel: over which the part has sent.
@@ -30,7 +30,7 @@ class Sent:
     values: Mapping[str, int]
 
 
-class Part:
+class BridgedPart:
     """A run of some processes of a network, as the simulator draws it; the rest is somebody else.
 
     Attributes:
@@ -41,14 +41,14 @@ class Part:
         self, network: Network, names: Sequence[str], seed: int = 0, policy: Policy = Policy.STOCHASTIC
     ) -> None:
         """Raises UsageError for a part that cannot run on its own, UnsupportedError for what is not simulated."""
-        self._unit: Unit = open_unit(network, names, "part", clocks=True)
+        self._unit: CoSimulationUnit = open_unit(network, names, "part", clocks=True)
         self._course = _course(self._unit)
         self._places = {variable.name: place for place, variable in enumerate(self._unit.variables)}
         self.hears = self._channels(Role.HEARS)
         self.sends = self._channels(Role.SENDS)
         self._carried = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
-        self._course.set_number(self._places["seed"], Kind.NATURAL, seed)
-        self._course.set_number(self._places["policy"], Kind.ENUMERATION, list(Policy).index(policy))
+        self._course.set_number(self._places["seed"], FmiType.NATURAL, seed)
+        self._course.set_number(self._places["policy"], FmiType.ENUMERATION, list(Policy).index(policy))
         self._course.begin()
 
     @property
@@ -63,7 +63,7 @@ class Part:
             return None
         return -int(-event * _NANOSECONDS // self._unit.second)
 
-    def advance(self, until: int) -> Iterator[Sent]:
+    def advance(self, until: int) -> Iterator[SentEvent]:
         """What it sends up to a moment, in nanoseconds, if nobody says anything."""
         last = int(until * self._unit.second / _NANOSECONDS)
         while (event := self._course.next_event()) <= last and not self.is_over:
@@ -78,7 +78,7 @@ class Part:
         if last > self._course.now:
             self._course.wait_until(last)
 
-    def hear(self, channel: str, values: Mapping[str, int]) -> Iterator[Sent]:
+    def hear(self, channel: str, values: Mapping[str, int]) -> Iterator[SentEvent]:
         """What it sends at once when somebody sends over a channel. Raises ValueError for values out of range."""
         for name, value in values.items():
             place = self._places.get(OUTSIDE + name)
@@ -87,23 +87,23 @@ class Part:
         self._course.set_ticks(self._places[f"{channel}?"])
         yield from (sent for sent in self._reactions() if sent is not None)
 
-    def _reactions(self) -> Iterator[Sent | None]:
+    def _reactions(self) -> Iterator[SentEvent | None]:
         """One for each transition at this moment, and more for one that sends over several channels."""
         while self._course.react():
             yield None
             now = int(self._course.now * _NANOSECONDS / self._unit.second)
             for channel in self.sends:
                 if self._course.ticks(self._places[f"{channel}!"]):
-                    yield Sent(now, channel, {v.name.removeprefix(SENT): self._value(v) for v in self._carried})
+                    yield SentEvent(now, channel, {v.name.removeprefix(SENT): self._value(v) for v in self._carried})
 
-    def _value(self, variable: Variable) -> int:
+    def _value(self, variable: UnitVariable) -> int:
         return self._course.number(self._places[variable.name], variable.kind)
 
     def _channels(self, role: Role) -> tuple[str, ...]:
         return tuple(variable.name[:-1] for variable in self._unit.variables if variable.role is role)
 
 
-def _course(unit: Unit) -> _core.Course:
+def _course(unit: CoSimulationUnit) -> _core.Course:
     with NamedTemporaryFile(suffix=".bin", delete=False) as file:
         file.write(blueprint(unit).content)
     try:

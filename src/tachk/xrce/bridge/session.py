@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from tachk.xrce import wire
 from tachk.xrce.bridge.packets import READER, SESSION, STREAM, WRITER, joined, message, submessage, submessages_of
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 _VERSION, _VENDOR = b"\x01\x00", b"\x01\x0f"
 _REFERENCE, _XML = 1, 2
@@ -47,18 +47,20 @@ class ClientSession:
         """What is to be answered to a packet."""
         reply: list[bytes] = []
         for event in submessages_of(octets):
-            if event.kind is Kind.STATUS_AGENT and not self._created:
+            if event.kind is SubmessageKind.STATUS_AGENT and not self._created:
                 self._created, self._next = True, now
                 reply += self.due(now)
-            elif event.kind is Kind.STATUS and event.sequence is not None:
+            elif event.kind is SubmessageKind.STATUS and event.sequence is not None:
                 self._answers.add(event.sequence)
                 confirmed = next(n for n in range(5) if n not in self._answers)
-                reply.append(message(Kind.ACKNACK, {"first": confirmed, "bitmap": 0, "subject": STREAM}))
+                reply.append(message(SubmessageKind.ACKNACK, {"first": confirmed, "bitmap": 0, "subject": STREAM}))
                 self.is_open = confirmed == 4
-            elif event.kind is Kind.HEARTBEAT:
+            elif event.kind is SubmessageKind.HEARTBEAT:
                 confirmed = next(n for n in range(5) if n not in self._answers)
                 missing = sum(1 << n - confirmed for n in range(confirmed, 4) if n not in self._answers)
-                reply.append(message(Kind.ACKNACK, {"first": confirmed, "bitmap": missing, "subject": STREAM}))
+                reply.append(
+                    message(SubmessageKind.ACKNACK, {"first": confirmed, "bitmap": missing, "subject": STREAM})
+                )
         return reply
 
     def _client(self) -> bytes:
@@ -70,7 +72,7 @@ class ClientSession:
             "properties": None,
             "mtu": _MTU,
         }
-        return message(Kind.CREATE_CLIENT, content, session=0x80)
+        return message(SubmessageKind.CREATE_CLIENT, content, session=0x80)
 
     def _objects(self) -> bytes:
         end, owner = (READER, _SUBSCRIBER) if self._reads else (WRITER, _PUBLISHER)
@@ -87,7 +89,7 @@ class ClientSession:
             what |= {"domain": 0 if belongs is None else None, "owner": belongs}
             base = {"request": request.to_bytes(2, "big"), "object": name}
             content = {"base": base, "new": {"kind": kind, "what": what}}
-            parts.append(submessage(Kind.CREATE, content, wire.REUSE))
+            parts.append(submessage(SubmessageKind.CREATE, content, wire.REUSE))
         return joined(parts, STREAM, 0)
 
 
@@ -111,11 +113,11 @@ class AgentSession:
 
     def arrived(self, octets: bytes, now: int) -> list[bytes]:
         found = submessages_of(octets)
-        if any(event.kind is Kind.CREATE_CLIENT for event in found):
+        if any(event.kind is SubmessageKind.CREATE_CLIENT for event in found):
             peer = {"version": _VERSION, "vendor": _VENDOR}
             agent = {"peer": peer, "has_properties": False, "properties": None}
-            return [message(Kind.STATUS_AGENT, {"result": _FINE, "agent": agent})]
-        created = [event for event in found if event.kind is Kind.CREATE]
+            return [message(SubmessageKind.STATUS_AGENT, {"result": _FINE, "agent": agent})]
+        created = [event for event in found if event.kind is SubmessageKind.CREATE]
         if not created:
             return []
         self.is_open = True
@@ -124,8 +126,8 @@ class AgentSession:
             request, name = event.fields["request"], event.fields["object"]
             assert isinstance(request, int) and isinstance(name, str)
             base = {"request": request.to_bytes(2, "big"), "object": bytes.fromhex(name)}
-            reply.append(message(Kind.STATUS, {"base": base, "result": _FINE}, STREAM, sequence))
-        return [*reply, message(Kind.ACKNACK, {"first": 1, "bitmap": 0, "subject": STREAM})]
+            reply.append(message(SubmessageKind.STATUS, {"base": base, "result": _FINE}, STREAM, sequence))
+        return [*reply, message(SubmessageKind.ACKNACK, {"first": 1, "bitmap": 0, "subject": STREAM})]
 
 
 _FINE = {"status": 0, "implementation": 0}

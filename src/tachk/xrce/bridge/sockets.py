@@ -12,7 +12,7 @@ from typing import Final
 from tachk.xrce.bridge.bridging import Bridge
 from tachk.xrce.bridge.clock import WallClock
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.proxy.recording import Recording
+from tachk.xrce.proxy.recording import CaptureWriter
 
 _LARGEST: Final = 65535
 _LONGEST_WAIT: Final = 0.5
@@ -27,7 +27,7 @@ class BridgeSocket:
     """
 
     def __init__(
-        self, bridge: Bridge, listen: Endpoint | None, to: Endpoint | None, recording: Recording | None = None
+        self, bridge: Bridge, listen: Endpoint | None, to: Endpoint | None, recording: CaptureWriter | None = None
     ) -> None:
         """Args:
             listen: where it listens; None: at any free port.

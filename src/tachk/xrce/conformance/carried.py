@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from tachk.recordings.conformance.events import EventLog
-from tachk.xrce.events import Event, events
+from tachk.xrce.events import SubmessageEvent, events
 from tachk.xrce.messages import Endpoint, one_message
 from tachk.xrce.submessages import submessages
 from tachk.xrce.transmissions import Transmission
-from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
 BEST_EFFORT = "BEST_EFFORT"
 """The kind of a message of a best-effort stream."""
 _STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 65536
 _UNLIMITED = 65535
-_SAMPLES = (Kind.WRITE_DATA, Kind.DATA)
-_ANSWERED = (Kind.CREATE, Kind.DELETE)
+_SAMPLES = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
+_ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
 """What is answered by a STATUS."""
 _MOST_CREATED = 15
 _MOST_READ = _READ - _READ_BEST_EFFORT
@@ -28,7 +28,7 @@ class UnknownContentError(Exception):
     """The automata have no word for what a message carries; the text says what that is."""
 
 
-class Contents:
+class MessageContents:
     """What messages carry. Samples are numbered by the order in which they first appear, and known by their bytes.
 
     Pieces of a larger message are put together: the last one carries what the whole does.
@@ -46,7 +46,7 @@ class Contents:
         if not found:
             return _PIECE
         answered = sum(event.kind in _ANSWERED for event in found)
-        read = [event for event in found if event.kind is Kind.READ_DATA]
+        read = [event for event in found if event.kind is SubmessageKind.READ_DATA]
         samples = [event for event in found if event.kind in _SAMPLES]
         if (answered > 0) + (len(read) > 0) + (len(samples) > 0) > 1 or len(read) > 1 or answered > _MOST_CREATED:
             kinds = ", ".join(dict.fromkeys(event.kind.name for event in found if event.kind is not None))
@@ -62,7 +62,9 @@ class Contents:
             return _asked(read[0])
         if samples:
             return self._batch([str(event.fields["sample"]) for event in samples])
-        return _STATUS if any(event.kind is Kind.STATUS for event in found) else _PIECE if one.to_agent else None
+        return (
+            _STATUS if any(event.kind is SubmessageKind.STATUS for event in found) else _PIECE if one.to_agent else None
+        )
 
     def _batch(self, samples: Sequence[str]) -> int:
         numbers = [self._samples.setdefault(sample, len(self._samples)) for sample in samples]
@@ -70,12 +72,12 @@ class Contents:
             raise UnknownContentError("message carries several samples, of which some had been written before")
         return numbers[0] + _BATCH * (len(numbers) - 1)
 
-    def _whole(self, one: Transmission) -> Sequence[Event] | None:
+    def _whole(self, one: Transmission) -> Sequence[SubmessageEvent] | None:
         """The submessages that are complete with this message; None where earlier pieces were not captured."""
-        whole = [event for event in one.events if event.kind is not Kind.FRAGMENT]
+        whole = [event for event in one.events if event.kind is not SubmessageKind.FRAGMENT]
         number = one.events[0].sequence
         for event in one.events:
-            if event.kind is Kind.FRAGMENT and number is not None:
+            if event.kind is SubmessageKind.FRAGMENT and number is not None:
                 pieces = self._pieces.setdefault((one.link, one.to_agent), {})
                 pieces[number] = str(event.fields["piece"]), bool(event.fields["last"])
                 if event.fields["last"]:
@@ -86,7 +88,7 @@ class Contents:
         return whole
 
 
-def _asked(read: Event) -> int:
+def _asked(read: SubmessageEvent) -> int:
     """READ_DATA, by how many samples it asks for, and on which kind of stream. Raises UnknownContentError."""
     count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
     reliable = stream >= FIRST_RELIABLE_STREAM
@@ -108,14 +110,14 @@ def samples_in(detail: object) -> int:
     return detail // _BATCH + 1 if isinstance(detail, int) and detail >= 0 else 1
 
 
-def begins_sample(event: Event) -> bool:
+def begins_sample(event: SubmessageEvent) -> bool:
     """Whether a client writes a sample here, or the first piece of one."""
-    if event.kind is Kind.FRAGMENT:
-        return event.to_agent and str(event.fields["piece"]).startswith(f"{Kind.WRITE_DATA:02x}")
-    return event.kind is Kind.WRITE_DATA
+    if event.kind is SubmessageKind.FRAGMENT:
+        return event.to_agent and str(event.fields["piece"]).startswith(f"{SubmessageKind.WRITE_DATA:02x}")
+    return event.kind is SubmessageKind.WRITE_DATA
 
 
-def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[Event] | None:
+def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[SubmessageEvent] | None:
     """The submessage that ends with a piece."""
     text = pieces[last][0]
     number = (last - 1) % 65536

@@ -22,13 +22,13 @@ from typing import NamedTuple
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
-from tachk.recordings.conformance.events import Cell, Closing, Event, EventLog
-from tachk.xrce.conformance.carried import BEST_EFFORT, Contents, UnknownContentError, begins_sample
+from tachk.recordings.conformance.events import Cell, Closing, EventLog, RecordedEvent
+from tachk.xrce.conformance.carried import BEST_EFFORT, MessageContents, UnknownContentError, begins_sample
 from tachk.xrce.conformance.unspoken import Objects
-from tachk.xrce.events import Event as Submessage
+from tachk.xrce.events import SubmessageEvent as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Transmission, read_transmissions
-from tachk.xrce.wire import SESSIONS_OF_NOBODY, Kind
+from tachk.xrce.wire import SESSIONS_OF_NOBODY, SubmessageKind
 
 _CLIENT_OBJECT = "FFFE"
 _KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
@@ -43,7 +43,7 @@ class _Content:
     detail: int | None
 
 
-class _Row(NamedTuple):
+class _EventRow(NamedTuple):
     """An event before it is known how many come before it: `after` is the number of a row."""
 
     time: int
@@ -56,10 +56,10 @@ class _Row(NamedTuple):
     passes: int | None = None
 
 
-def _event(row: _Row, place: Sequence[int]) -> Event:
+def _event(row: _EventRow, place: Sequence[int]) -> RecordedEvent:
     time, packet, name, cells, after, optional, inferred, passes = row
     behind = None if after is None else place[after]
-    return Event(Fraction(time), name, cells, f"packet {packet}", behind, optional, inferred, passes)
+    return RecordedEvent(Fraction(time), name, cells, f"packet {packet}", behind, optional, inferred, passes)
 
 
 def read_capture(path: Path, ports: Iterable[int] = ()) -> EventLog:
@@ -76,17 +76,17 @@ def read_capture(path: Path, ports: Iterable[int] = ()) -> EventLog:
             f"{path} has no message of DDS-XRCE by UDP, TCP or on a serial line",
             "give the port of the Agent with --port",
         )
-    return _Reader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
+    return _CaptureEventReader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
 
 
-class _Reader:
+class _CaptureEventReader:
     def __init__(self, path: Path, transmissions: Sequence[Transmission], links: int) -> None:
         self.path = path
         self.transmissions = transmissions
         self.client = _numbered(transmissions, links)
-        self.contents = Contents()
+        self.contents = MessageContents()
         self.objects = Objects()
-        self.rows: list[_Row] = []
+        self.rows: list[_EventRow] = []
         self.written = [0] * links
         self.deleted: list[int | None] = [None] * links
         self.created = [0] * links
@@ -116,18 +116,18 @@ class _Reader:
         client = self.client[one.link]
         time = one.sent - begin
         kinds = [event.kind for event in one.events]
-        if Kind.DELETE in kinds and any(_deletes_client(event) for event in one.events):
+        if SubmessageKind.DELETE in kinds and any(_deletes_client(event) for event in one.events):
             self.deleted[one.link] = one.sent
             return
         # The leg of a client and that of the Agent: one and the same if there is no relay.
         here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
-        if Kind.CREATE_CLIENT in kinds:
+        if SubmessageKind.CREATE_CLIENT in kinds:
             for arrival in one.arrivals or ():
                 self.created[one.link] += 1
                 if self.created[one.link] > 1:
                     of_client: dict[str, Cell] = {"client": client}
                     self.rows.append(
-                        _Row(arrival.time - begin, arrival.packet, "created_again", of_client, passes=there)
+                        _EventRow(arrival.time - begin, arrival.packet, "created_again", of_client, passes=there)
                     )
             return
         if None in kinds:
@@ -146,14 +146,14 @@ class _Reader:
             if one.to_agent and self._is_new(one.link, content):
                 name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
                 offered: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
-                self.rows.append(_Row(time, one.packet, name, offered, inferred=True))
+                self.rows.append(_EventRow(time, one.packet, name, offered, inferred=True))
             sent = len(self.rows)
-            self.rows.append(_Row(time, one.packet, "sent", cells, passes=here))
+            self.rows.append(_EventRow(time, one.packet, "sent", cells, passes=here))
             if one.arrivals is None:
-                self.rows.append(_Row(time, one.packet, "arrived", cells, sent, True, False, there))
+                self.rows.append(_EventRow(time, one.packet, "arrived", cells, sent, True, False, there))
             for arrival in one.arrivals or ():
                 self.rows.append(
-                    _Row(arrival.time - begin, arrival.packet, "arrived", cells, sent, False, False, there)
+                    _EventRow(arrival.time - begin, arrival.packet, "arrived", cells, sent, False, False, there)
                 )
 
     def _is_new(self, link: int, content: _Content) -> bool:
@@ -171,13 +171,13 @@ class _Reader:
             return
         for event in one.events:
             fields = event.fields
-            if event.kind is Kind.HEARTBEAT:
+            if event.kind is SubmessageKind.HEARTBEAT:
                 yield _Content("HEARTBEAT", _integer(fields["first"]), _integer(fields["last"]) + 1)
-            elif event.kind is Kind.ACKNACK:
+            elif event.kind is SubmessageKind.ACKNACK:
                 start, missing = _integer(fields["first"]), fields["missing"]
                 assert isinstance(missing, list)
                 yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
-            elif event.kind is Kind.GET_INFO and one.to_agent and event.session not in SESSIONS_OF_NOBODY:
+            elif event.kind is SubmessageKind.GET_INFO and one.to_agent and event.session not in SESSIONS_OF_NOBODY:
                 yield _Content("PING", 0, 0)
 
     def _reject_damaged(self, one: Transmission) -> None:
@@ -198,7 +198,7 @@ class _Reader:
 
 
 def _deletes_client(event: Submessage) -> bool:
-    return event.kind is Kind.DELETE and event.fields.get("object") == _CLIENT_OBJECT
+    return event.kind is SubmessageKind.DELETE and event.fields.get("object") == _CLIENT_OBJECT
 
 
 def _of_client(number: int) -> Iterator[tuple[str, int]]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.xrce.events import Event
+from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.signals.samples import topic_of
 from tachk.xrce.transmissions import Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 _ENDS = ("data writer", "data reader")
 _LIMITS = (("max_elapsed_seconds", "max_elapsed_time"), ("max_bytes_per_second", "max_bytes_per_second"))
@@ -31,18 +31,18 @@ class Objects:
         """What a message has of which the automata do not speak, in words that go on ``this message``."""
         for event in one.events:
             match event.kind:
-                case Kind.CREATE if event.fields.get("object_kind") in _ENDS:
+                case SubmessageKind.CREATE if event.fields.get("object_kind") in _ENDS:
                     form = _REPRESENTATIONS.get(str(event.fields.get("representation")), 0)
                     topic = topic_of(form, event.fields.get("description")) if form else None
                     self._topics[one.link, event.fields["object"]] = topic
-                case Kind.READ_DATA:
+                case SubmessageKind.READ_DATA:
                     yield from self._read(one.link, event)
-                case Kind.WRITE_DATA | Kind.DATA:
+                case SubmessageKind.WRITE_DATA | SubmessageKind.DATA:
                     yield from self._sample(one.link, event)
                 case _:
                     pass
 
-    def _read(self, link: int, event: Event) -> Iterator[str]:
+    def _read(self, link: int, event: SubmessageEvent) -> Iterator[str]:
         for name, field in _LIMITS:
             if event.fields[name]:
                 yield f"READ_DATA has {field} {event.fields[name]}: the automata know READ_DATA with max_samples alone"
@@ -51,7 +51,7 @@ class Objects:
             before = self._readers[link]
             yield f"READ_DATA is for the data reader {reader}, one before for {before}: the automata know one a client"
 
-    def _sample(self, link: int, event: Event) -> Iterator[str]:
+    def _sample(self, link: int, event: SubmessageEvent) -> Iterator[str]:
         topic = self._topics.get((link, event.fields["object"]))
         if topic is None:
             return

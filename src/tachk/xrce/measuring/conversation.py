@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from tachk.base.records import dataclass
-from tachk.xrce.events import Event
-from tachk.xrce.measuring.quantity import Place
+from tachk.xrce.events import SubmessageEvent
+from tachk.xrce.measuring.quantity import PacketPlace
 from tachk.xrce.streams import near
-from tachk.xrce.transmissions import Recording, Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.wire import SubmessageKind
 
 
 @dataclass(frozen=True, slots=True)
-class Sent:
+class SentMessage:
     """A message of the stream leaves. ``number`` goes on at 65536; ``again``: it left before."""
 
     time: int
@@ -49,7 +49,7 @@ class Came:
     transmission: Transmission
 
 
-Moment = Sent | Beat | Came
+Moment = SentMessage | Beat | Came
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,11 +70,11 @@ class Conversation:
     moments: tuple[Moment, ...]
     end: int
 
-    def place(self, moment: Moment) -> Place:
-        return Place(self.file, moment.transmission.packet)
+    def place(self, moment: Moment) -> PacketPlace:
+        return PacketPlace(self.file, moment.transmission.packet)
 
 
-def conversations(file: str, recording: Recording) -> Iterator[Conversation]:
+def conversations(file: str, recording: Capture) -> Iterator[Conversation]:
     """Every stream of a capture in each direction in which messages of it are sent."""
     for link in range(len(recording.links)):
         ours = [one for one in recording.transmissions if one.link == link]
@@ -120,14 +120,14 @@ class _Follower:
 
     def left(self, time: int, one: Transmission) -> Iterator[Moment]:
         first = one.events[0]
-        if any(event.kind is Kind.CREATE_CLIENT for event in one.events):
+        if any(event.kind is SubmessageKind.CREATE_CLIENT for event in one.events):
             self._sent = self._acknowledged = 0
         if first.stream == self._stream and first.sequence is not None:
             number = near(first.sequence, self._sent)
             again = number < self._sent
             self._sent = max(self._sent, number + 1)
-            yield Sent(time, number, again, self._outstanding, one)
-        if any(self._is_about(event, Kind.HEARTBEAT) for event in one.events):
+            yield SentMessage(time, number, again, self._outstanding, one)
+        if any(self._is_about(event, SubmessageKind.HEARTBEAT) for event in one.events):
             yield Beat(time, self._outstanding, one)
 
     def came(self, time: int, one: Transmission) -> Iterator[Moment]:
@@ -135,23 +135,23 @@ class _Follower:
         first: int | None = None
         missing: tuple[int, ...] = ()
         for event in one.events:
-            if self._is_about(event, Kind.ACKNACK):
+            if self._is_about(event, SubmessageKind.ACKNACK):
                 first = near(_number(event, "first"), self._sent)
                 missing = tuple(near(number, self._sent) for number in _numbers(event, "missing"))
                 self._acknowledged = max(self._acknowledged, min(first, self._sent))
         yield Came(time, first, missing, before, self._outstanding, one)
 
-    def _is_about(self, event: Event, kind: Kind) -> bool:
+    def _is_about(self, event: SubmessageEvent, kind: SubmessageKind) -> bool:
         return event.kind is kind and event.fields["subject"] == self._stream
 
 
-def _number(event: Event, name: str) -> int:
+def _number(event: SubmessageEvent, name: str) -> int:
     value = event.fields[name]
     assert isinstance(value, int)
     return value
 
 
-def _numbers(event: Event, name: str) -> list[int]:
+def _numbers(event: SubmessageEvent, name: str) -> list[int]:
     value = event.fields[name]
     assert isinstance(value, list)
     return value

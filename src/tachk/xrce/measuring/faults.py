@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 from tachk.base.records import dataclass
-from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, seen
-from tachk.xrce.transmissions import Recording, Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
+from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
 _FEWEST: Final = 3
@@ -19,7 +19,7 @@ _SHORTEST: Final = 250e6
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class StreamStop:
     """From some packet to the end nothing of the streams comes through on a way, or is answered there.
 
     Attributes:
@@ -35,7 +35,7 @@ class Stop:
     is_unanswered: bool
 
 
-def stops(recording: Recording, is_expected: Callable[[Transmission], bool]) -> Iterator[Stop]:
+def stops(recording: Capture, is_expected: Callable[[Transmission], bool]) -> Iterator[StreamStop]:
     """The ways that stop for good.
 
     Args:
@@ -47,12 +47,12 @@ def stops(recording: Recording, is_expected: Callable[[Transmission], bool]) -> 
             ours = [one for one in sent if _is_of_streams(one) and not is_expected(one)]
             lost = _tail(ours, lambda one: one.is_lost)
             if _is_long(lost):
-                yield Stop(link, to_agent, lost, False)
+                yield StreamStop(link, to_agent, lost, False)
             elif to_agent:
                 last = _last_answer(recording, link)
                 silent = tuple(one for one in ours if one.sent > last and _wants_answer(one))
                 if _is_long(silent):
-                    yield Stop(link, to_agent, silent, True)
+                    yield StreamStop(link, to_agent, silent, True)
 
 
 def _tail(messages: Sequence[Transmission], belongs: Callable[[Transmission], bool]) -> tuple[Transmission, ...]:
@@ -66,7 +66,7 @@ def _is_long(found: Sequence[Transmission]) -> bool:
     return len(found) >= _FEWEST and found[-1].sent - found[0].sent >= _SHORTEST
 
 
-def _last_answer(recording: Recording, link: int) -> int:
+def _last_answer(recording: Capture, link: int) -> int:
     return max(
         (one.sent for one in recording.transmissions if one.link == link and not one.to_agent and _is_of_streams(one)),
         default=recording.begin,
@@ -74,20 +74,20 @@ def _last_answer(recording: Recording, link: int) -> int:
 
 
 def _is_of_streams(one: Transmission) -> bool:
-    kinds = Kind.HEARTBEAT, Kind.ACKNACK
+    kinds = SubmessageKind.HEARTBEAT, SubmessageKind.ACKNACK
     return any(event.is_reliable or event.kind in kinds for event in one.events)
 
 
 def _wants_answer(one: Transmission) -> bool:
-    return any(event.is_reliable or event.kind is Kind.HEARTBEAT for event in one.events)
+    return any(event.is_reliable or event.kind is SubmessageKind.HEARTBEAT for event in one.events)
 
 
-def stops_quantity(found: Sequence[tuple[str, Stop]]) -> Quantity:
+def stops_quantity(found: Sequence[tuple[str, StreamStop]]) -> Quantity:
     """How long nothing came through, to the end."""
     samples = [
-        Sample(
+        Observation(
             (stop.messages[-1].sent - stop.messages[0].sent) / _MILLISECOND,
-            tuple(Place(file, one.packet) for one in stop.messages),
+            tuple(PacketPlace(file, one.packet) for one in stop.messages),
         )
         for file, stop in found
     ]
@@ -97,10 +97,10 @@ def stops_quantity(found: Sequence[tuple[str, Stop]]) -> Quantity:
     ways = sorted({_words(stop) for _, stop in found})
     longest = max(sample.value for sample in samples)
     how = f"the longest; {', '.join(ways)}"
-    return Quantity(name, title, Unit.MILLISECONDS, tuple(samples), longest, Confidence.MEASURED, how)
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(samples), longest, Confidence.MEASURED, how)
 
 
-def _words(stop: Stop) -> str:
+def _words(stop: StreamStop) -> str:
     if stop.is_unanswered:
         return "the Agent answers a client no more"
     return "messages to the Agent are lost" if stop.to_agent else "messages to a client are lost"

@@ -15,8 +15,17 @@ from itertools import pairwise
 from typing import Final
 
 from tachk.base.records import dataclass
-from tachk.xrce.measuring.conversation import Beat, Came, Conversation, Moment, Sent
-from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, punctual, roundest, seen
+from tachk.xrce.measuring.conversation import Beat, Came, Conversation, Moment, SentMessage
+from tachk.xrce.measuring.quantity import (
+    Confidence,
+    Observation,
+    PacketPlace,
+    Quantity,
+    QuantityUnit,
+    punctual,
+    roundest,
+    seen,
+)
 
 
 class HeartbeatLaw(StrEnum):
@@ -46,7 +55,7 @@ _CLEARLY: Final = 1.25
 
 
 @dataclass(frozen=True, slots=True)
-class Wait:
+class HeartbeatWait:
     """How long a client's HEARTBEAT had been awaited, in milliseconds.
 
     Attributes:
@@ -59,7 +68,7 @@ class Wait:
     activity: float
     beat: float
     previous: float | None
-    places: tuple[Place, ...]
+    places: tuple[PacketPlace, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +85,10 @@ class Starving:
     length: float
     gap: float
     traffic: tuple[float, ...]
-    places: tuple[Place, ...]
+    places: tuple[PacketPlace, ...]
 
 
-def waits(conversation: Conversation) -> Iterator[Wait]:
+def waits(conversation: Conversation) -> Iterator[HeartbeatWait]:
     """Those of all HEARTBEATs that a client sends about a stream."""
     activity: Moment | None = None
     anchor: Moment | None = None
@@ -91,10 +100,10 @@ def waits(conversation: Conversation) -> Iterator[Wait]:
                 if awaited and activity is not None and anchor is not None:
                     places = tuple(dict.fromkeys(map(conversation.place, (anchor, activity, moment))))
                     beat = _between(anchor, moment)
-                    yield Wait(_between(activity, moment), beat, previous, places)
+                    yield HeartbeatWait(_between(activity, moment), beat, previous, places)
                     previous = beat
                 activity = anchor = moment
-            case Sent():
+            case SentMessage():
                 activity = moment
                 if anchor is None or (moment.unacknowledged == 1 and not moment.again):
                     anchor, previous = moment, None
@@ -108,17 +117,22 @@ def _overdue(activity: Moment, beat: Beat) -> bool:
     """Whether the timer had run out while the client was in no run function: then HEARTBEAT follows at once what the
     next call sends first. Where nothing but that is unacknowledged, and HEARTBEAT does not follow at once but a tick
     of the clock later, it is the first one of an old client."""
-    if not isinstance(activity, Sent) or _between(activity, beat) >= _AT_ONCE:
+    if not isinstance(activity, SentMessage) or _between(activity, beat) >= _AT_ONCE:
         return False
     return beat.unacknowledged > 1 or not _FIRST_OF_OLD[0] < _between(activity, beat) < _FIRST_OF_OLD[1]
 
 
-def overdue(conversation: Conversation) -> Iterator[Sample]:
+def overdue(conversation: Conversation) -> Iterator[Observation]:
     """From a message to the HEARTBEAT that follows it at once: the client was in no run function when it was due."""
     before: Moment | None = None
     for moment in conversation.moments:
-        if isinstance(moment, Beat) and isinstance(before, Sent) and moment.unacknowledged and _overdue(before, moment):
-            yield Sample(_between(before, moment), (conversation.place(before), conversation.place(moment)))
+        if (
+            isinstance(moment, Beat)
+            and isinstance(before, SentMessage)
+            and moment.unacknowledged
+            and _overdue(before, moment)
+        ):
+            yield Observation(_between(before, moment), (conversation.place(before), conversation.place(moment)))
         before = moment
 
 
@@ -147,7 +161,7 @@ def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
             start = moment
 
 
-def client_law(found: Sequence[Wait]) -> tuple[HeartbeatLaw | None, tuple[Wait, ...], int]:
+def client_law(found: Sequence[HeartbeatWait]) -> tuple[HeartbeatLaw | None, tuple[HeartbeatWait, ...], int]:
     """The law that most HEARTBEATs follow that tell laws apart, those that do, and how many follow another one."""
     votes = [(_vote(wait, found), wait) for wait in found]
     counted = Counter(law for law, _ in votes if law is not None)
@@ -159,7 +173,7 @@ def client_law(found: Sequence[Wait]) -> tuple[HeartbeatLaw | None, tuple[Wait, 
     return law, tuple(wait for vote, wait in votes if vote is law), counted.total() - counted[law]
 
 
-def _vote(wait: Wait, found: Sequence[Wait]) -> HeartbeatLaw | None:
+def _vote(wait: HeartbeatWait, found: Sequence[HeartbeatWait]) -> HeartbeatLaw | None:
     """The only law by which a HEARTBEAT comes on time. Where several periods are possible, the usual one counts."""
     if wait.previous and 1.8 < wait.beat / wait.previous < 2.2 and wait.activity == wait.beat:
         return HeartbeatLaw.DOUBLING
@@ -179,7 +193,7 @@ def _is_near(time: float, period: float) -> bool:
 
 
 def law_quantity(
-    found: Sequence[Wait], starved: Sequence[Starving], period: float
+    found: Sequence[HeartbeatWait], starved: Sequence[Starving], period: float
 ) -> tuple[HeartbeatLaw | None, Quantity]:
     """The law of a client, and what says so: HEARTBEATs, or that none came for longer than any other law allows."""
     law, following, against = client_law(found)
@@ -187,22 +201,22 @@ def law_quantity(
     name, title = "client_heartbeat_law", "waits that tell the law of the client's HEARTBEATs"
     if law is None and not silent:
         missing = "no HEARTBEAT tells the laws apart: that takes other packets shortly before one"
-        return None, Quantity(name, title, Unit.MILLISECONDS, (), None, Confidence.NOT_ENOUGH, missing)
+        return None, Quantity(name, title, QuantityUnit.MILLISECONDS, (), None, Confidence.NOT_ENOUGH, missing)
     law = law or HeartbeatLaw.REARMED
     how = f"{law.value}; HEARTBEATs that tell so: {len(following)}, that tell another law: {against}"
-    samples = [Sample(wait.activity, wait.places) for wait in following]
+    samples = [Observation(wait.activity, wait.places) for wait in following]
     if silent and law is HeartbeatLaw.REARMED:
         longest = max(one.length for one in silent)
         how += f"; messages were unacknowledged for up to {longest:.0f} ms, and none came"
-        samples += [Sample(one.length, one.places) for one in silent]
+        samples += [Observation(one.length, one.places) for one in silent]
     confidence = Confidence.MEASURED if len(samples) > 1 else Confidence.ONE_SAMPLE
-    return law, Quantity(name, title, Unit.MILLISECONDS, tuple(samples), None, confidence, how)
+    return law, Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(samples), None, confidence, how)
 
 
-def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
+def client_period(found: Sequence[HeartbeatWait], law: HeartbeatLaw | None) -> Quantity:
     """How long a client waits for an ACKNACK."""
     name, title = "client_heartbeat", "period of the client's HEARTBEATs"
-    since = [Sample(wait.beat if law is HeartbeatLaw.STEADY else wait.activity, wait.places) for wait in found]
+    since = [Observation(wait.beat if law is HeartbeatLaw.STEADY else wait.activity, wait.places) for wait in found]
     if law is HeartbeatLaw.DOUBLING:
         since = [sample for sample, wait in zip(since, found, strict=True) if wait.previous is None]
         title = "first wait of the client's HEARTBEATs"
@@ -212,17 +226,17 @@ def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
     if len(since) == 1 and not _fits_usual(since[0].value) and law is not HeartbeatLaw.DOUBLING:
         how = f"at most {since[0].value:.0f} ms: one HEARTBEAT came so late, and something may have put it off"
         least = since[0].value if since[0].value < USUAL_PERIOD else None
-        return Quantity(name, title, Unit.MILLISECONDS, tuple(since), least, Confidence.BOUND, how)
+        return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), least, Confidence.BOUND, how)
     confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
     shortest = min(s.value for s in prompt)
     fitting = [s for s in since if _fits_usual(s.value)]
     if len(prompt) < _FEW and law is not HeartbeatLaw.DOUBLING and fitting:
         how = f"the usual period, which {len(fitting)} of {len(since)} fit"
         confidence = Confidence.MEASURED if len(fitting) > 1 else Confidence.ONE_SAMPLE
-        return Quantity(name, title, Unit.MILLISECONDS, tuple(since), USUAL_PERIOD, confidence, how)
+        return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), USUAL_PERIOD, confidence, how)
     value = roundest(shortest - _TICK, max(_middle(prompt), shortest), len(prompt))
     how = f"the roundest number near the shortest waits, {len(prompt)} of {len(since)}"
-    return Quantity(name, title, Unit.MILLISECONDS, tuple(since), value, confidence, how)
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), value, confidence, how)
 
 
 def _fits_usual(wait: float) -> bool:
@@ -231,18 +245,18 @@ def _fits_usual(wait: float) -> bool:
     return 0.85 * USUAL_PERIOD < wait < 1.2 * USUAL_PERIOD
 
 
-def agent_rounds(conversation: Conversation) -> tuple[list[Sample], list[Sample]]:
+def agent_rounds(conversation: Conversation) -> tuple[list[Observation], list[Observation]]:
     """Of the Agent's HEARTBEATs about a stream: the times between two with messages unacknowledged all the time, and
     those from the first unacknowledged message to the first HEARTBEAT."""
-    between: list[Sample] = []
-    first: list[Sample] = []
+    between: list[Observation] = []
+    first: list[Observation] = []
     anchor: Moment | None = None
     for moment in conversation.moments:
         if moment.unacknowledged == 0:
             anchor = None
         elif isinstance(moment, Beat):
             if anchor is not None:
-                sample = Sample(_between(anchor, moment), (conversation.place(anchor), conversation.place(moment)))
+                sample = Observation(_between(anchor, moment), (conversation.place(anchor), conversation.place(moment)))
                 (between if isinstance(anchor, Beat) else first).append(sample)
             anchor = moment
         elif anchor is None:
@@ -253,7 +267,7 @@ def agent_rounds(conversation: Conversation) -> tuple[list[Sample], list[Sample]
 _LEFT_OUT: Final = 2.5
 
 
-def agent_period(between: Sequence[Sample], first: Sequence[Sample]) -> tuple[Quantity, Quantity]:
+def agent_period(between: Sequence[Observation], first: Sequence[Observation]) -> tuple[Quantity, Quantity]:
     """The period of the Agent's HEARTBEATs, and how long the first one waits: anything up to a period, because one
     thread goes round all clients, whatever they do."""
     name, title = "agent_heartbeat", "period of the Agent's HEARTBEATs"
@@ -271,15 +285,15 @@ def agent_period(between: Sequence[Sample], first: Sequence[Sample]) -> tuple[Qu
     regular = [one for one in between if abs(one.value - middle) < middle / 10]
     if 2 * len(regular) <= len(between):
         how = f"only {len(regular)} of {len(between)} are near their median: something delays them"
-        return Quantity(name, title, Unit.MILLISECONDS, tuple(between), None, Confidence.BOUND, how), phase
+        return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(between), None, Confidence.BOUND, how), phase
     middle = sorted(s.value for s in regular)[(len(regular) - 1) // 2]
     value = roundest(min(s.value for s in regular), middle, len(regular))
     how = f"the roundest number up to the median of the regular ones, {len(regular)} of {len(between)}"
     confidence = Confidence.MEASURED if len(regular) > 1 else Confidence.ONE_SAMPLE
-    return Quantity(name, title, Unit.MILLISECONDS, tuple(between), value, confidence, how), phase
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(between), value, confidence, how), phase
 
 
-def _middle(samples: Sequence[Sample]) -> float:
+def _middle(samples: Sequence[Observation]) -> float:
     values = sorted(sample.value for sample in samples)
     return values[len(values) // 2]
 

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from tachk.base.records import dataclass
-from tachk.xrce.events import Event
+from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.quantity import Confidence
 from tachk.xrce.measuring.settings import Setting
 from tachk.xrce.streams import near
-from tachk.xrce.transmissions import Recording
-from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
+from tachk.xrce.transmissions import Capture
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
 _SIZES: Final = (2, 4, 8, 16, 32)
 _USUAL: Final = 16
@@ -25,7 +25,7 @@ _ASLEEP: Final = 100_000_000
 """Nanoseconds after which a packet without answer is gone, where a client does not answer all of them."""
 
 
-def unanswered(recording: Recording) -> int:
+def unanswered(recording: Capture) -> int:
     """How many packets came to clients that did not read them. A client answers each that it reads, in their order."""
     return sum(_unanswered(_at_client(recording, link)) for link in range(len(recording.links)))
 
@@ -36,7 +36,7 @@ def _unanswered(stream: Sequence[_Said | _Heard]) -> int:
     return max(sum(not each.begins for each in heard) - len(answers), 0)
 
 
-def input_history(recordings: Iterable[Recording]) -> Iterator[Setting]:
+def input_history(recordings: Iterable[Capture]) -> Iterator[Setting]:
     """The setting, if ACKNACKs tell the numbers of slots apart."""
     streams = [_at_client(recording, link) for recording in recordings for link in range(len(recording.links))]
     wrong = {size: sum(_differences(stream, size) for stream in streams) for size in _SIZES}
@@ -70,7 +70,7 @@ class _Heard:
     begins: bool = False
 
 
-def _at_client(recording: Recording, link: int) -> list[_Said | _Heard]:
+def _at_client(recording: Capture, link: int) -> list[_Said | _Heard]:
     """In the order of times; empty where nobody has seen what arrived."""
     found: list[tuple[int, int, _Said | _Heard]] = []
     for one in recording.transmissions:
@@ -81,26 +81,26 @@ def _at_client(recording: Recording, link: int) -> list[_Said | _Heard]:
     return [each for _, _, each in sorted(found, key=lambda row: row[:2])]
 
 
-def _of(time: int, event: Event) -> Iterator[_Said | _Heard]:
+def _of(time: int, event: SubmessageEvent) -> Iterator[_Said | _Heard]:
     fields = event.fields
-    if event.kind is Kind.CREATE_CLIENT:
+    if event.kind is SubmessageKind.CREATE_CLIENT:
         yield _Heard(time, 0, False, False, begins=True)
     elif event.to_agent:
         if (
-            event.kind is Kind.ACKNACK
+            event.kind is SubmessageKind.ACKNACK
             and fields["subject"] == FIRST_RELIABLE_STREAM
             and isinstance(fields["missing"], list)
         ):
             yield _Said(time, int(str(fields["first"])), frozenset(fields["missing"]))
-    elif event.kind is Kind.HEARTBEAT and fields["subject"] == FIRST_RELIABLE_STREAM:
+    elif event.kind is SubmessageKind.HEARTBEAT and fields["subject"] == FIRST_RELIABLE_STREAM:
         yield _Heard(time, int(str(fields["last"])), False, False)
     elif event.stream == FIRST_RELIABLE_STREAM and event.sequence is not None and event.place == 0:
-        yield _Heard(time, event.sequence, True, event.kind is Kind.FRAGMENT and not fields["last"])
+        yield _Heard(time, event.sequence, True, event.kind is SubmessageKind.FRAGMENT and not fields["last"])
 
 
 def _differences(stream: Sequence[_Said | _Heard], size: int) -> int:
     """How many ACKNACKs are not what a client with so many slots would have said."""
-    client, waiting, wrong = _Client(size), deque[_Heard](), 0
+    client, waiting, wrong = _InputStream(size), deque[_Heard](), 0
     sleeps = _unanswered(stream) > 0
     for each in stream:
         if isinstance(each, _Heard):
@@ -108,14 +108,14 @@ def _differences(stream: Sequence[_Said | _Heard], size: int) -> int:
             continue
         while waiting and (waiting[0].begins or (sleeps and each.time - waiting[0].time > _ASLEEP)):
             if waiting.popleft().begins:
-                client = _Client(size)
+                client = _InputStream(size)
         if waiting:
             client.hear(waiting.popleft())
             wrong += (each.first, each.missing) != client.acknack()
     return wrong
 
 
-class _Client:
+class _InputStream:
     """The input stream of a client (uxr_receive_reliable_message, uxr_compute_acknack)."""
 
     def __init__(self, size: int) -> None:

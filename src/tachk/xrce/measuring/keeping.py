@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from tachk.base.records import dataclass
-from tachk.xrce.events import Event
-from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, seen
-from tachk.xrce.transmissions import Recording
-from tachk.xrce.wire import Kind
+from tachk.xrce.events import SubmessageEvent
+from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
+from tachk.xrce.transmissions import Capture
+from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
 
@@ -33,33 +33,34 @@ class LateReading:
     wanted: int | None
 
 
-def late_readings(recording: Recording) -> Iterator[LateReading]:
+def late_readings(recording: Capture) -> Iterator[LateReading]:
     """Those of every client, as far as samples can be told apart by their content."""
     for link in range(len(recording.links)):
         asked = next(
-            (one for one in recording.transmissions if one.link == link and _of(one.events, Kind.READ_DATA)), None
+            (one for one in recording.transmissions if one.link == link and _of(one.events, SubmessageKind.READ_DATA)),
+            None,
         )
         if asked is None:
             continue
         before: dict[str, int] = {}
         for one in recording.transmissions:
-            for event in _of(one.events, Kind.WRITE_DATA):
+            for event in _of(one.events, SubmessageKind.WRITE_DATA):
                 if one.to_agent and not one.is_lost and one.arrived < asked.sent:
                     before.setdefault(str(event.fields["sample"]), one.arrived)
         got = {
             str(event.fields["sample"])
             for one in recording.transmissions
             if one.link == link and not one.to_agent and one.sent >= asked.sent
-            for event in _of(one.events, Kind.DATA)
+            for event in _of(one.events, SubmessageKind.DATA)
         }
         kept = len(got & set(before))
         if kept:
             waited = (asked.sent - min(before.values())) / _MILLISECOND
-            wanted = _of(asked.events, Kind.READ_DATA)[0].fields["max_samples"]
+            wanted = _of(asked.events, SubmessageKind.READ_DATA)[0].fields["max_samples"]
             yield LateReading(len(before), kept, waited, asked.packet, wanted if isinstance(wanted, int) else None)
 
 
-def _of(events: Sequence[Event], kind: Kind) -> list[Event]:
+def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[SubmessageEvent]:
     return [event for event in events if event.kind is kind]
 
 
@@ -68,13 +69,15 @@ def kept_quantity(found: Sequence[tuple[str, LateReading]]) -> Quantity:
     no more."""
     name, title = "kept", "samples that the Agent keeps for a client that asks late"
     fewer = [(file, one) for file, one in found if one.kept < one.written and one.kept != (one.wanted or 1)]
-    samples = tuple(Sample(one.kept, (Place(file, one.packet),)) for file, one in fewer or found)
+    samples = tuple(Observation(one.kept, (PacketPlace(file, one.packet),)) for file, one in fewer or found)
     if not samples:
-        return seen(name, title, (), "no client asks for samples that have been written before", Unit.COUNT)
+        return seen(name, title, (), "no client asks for samples that have been written before", QuantityUnit.COUNT)
     most = max(sample.value for sample in samples)
     if not fewer:
         how = f"at least {most:g}: the client gets all that had been written"
-        return Quantity(name, title, Unit.COUNT, samples, most, Confidence.BOUND, how)
+        return Quantity(name, title, QuantityUnit.COUNT, samples, most, Confidence.BOUND, how)
     confidence = Confidence.MEASURED if len(samples) > 1 else Confidence.ONE_SAMPLE
     written = max(one.written for _, one in fewer)
-    return Quantity(name, title, Unit.COUNT, samples, most, confidence, f"of up to {written} that had been written")
+    return Quantity(
+        name, title, QuantityUnit.COUNT, samples, most, confidence, f"of up to {written} that had been written"
+    )

@@ -9,15 +9,15 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
-from tachk.xrce.measuring.conversation import Beat, Conversation, Sent, conversations
+from tachk.xrce.measuring.conversation import Beat, Conversation, SentMessage, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
 from tachk.xrce.measuring.input_windows import input_history, unanswered
-from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
-from tachk.xrce.measuring.recorded_settings import Recorded, recorded_settings
-from tachk.xrce.measuring.settings import Findings, Setting, Way, settings
+from tachk.xrce.measuring.quantity import Confidence, Observation, Quantity, QuantityUnit, seen
+from tachk.xrce.measuring.recorded_settings import SettingsEvidence, recorded_settings
+from tachk.xrce.measuring.settings import LinkDirection, Setting, SettingsFindings, settings
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.transmissions import Recording, Transmission, read_transmissions
-from tachk.xrce.wire import Kind
+from tachk.xrce.transmissions import Capture, Transmission, read_transmissions
+from tachk.xrce.wire import SubmessageKind
 
 _LATE_READING = 2000.0
 """Milliseconds from the first sample to READ_DATA; what is shorter is set-up."""
@@ -72,7 +72,7 @@ def measure(*files: str | Path, ports: Iterable[int] = ()) -> Measurement:
     return _Measuring(recordings).measured(tuple(map(str, files)))
 
 
-def _read(file: Path, ports: tuple[int, ...]) -> Recording:
+def _read(file: Path, ports: tuple[int, ...]) -> Capture:
     try:
         return read_transmissions(file, ports)
     except CaptureError as error:
@@ -82,7 +82,7 @@ def _read(file: Path, ports: tuple[int, ...]) -> Recording:
 class _Measuring:
     """The captures, cut into streams."""
 
-    def __init__(self, recordings: Sequence[tuple[str, Recording]]) -> None:
+    def __init__(self, recordings: Sequence[tuple[str, Capture]]) -> None:
         self.recordings = recordings
         found = [(c, recording) for file, recording in recordings for c in conversations(file, recording)]
         self.of_clients = [conversation for conversation, _ in found if conversation.from_client]
@@ -121,7 +121,7 @@ class _Measuring:
         again = sum(_created_again(recording) for _, recording in self.recordings)
         ways = tuple(dict.fromkeys(self._way(file, stop) for file, stop in stopped))
         reading_late = tuple(one for _, one in late if one.waited > _LATE_READING)
-        findings = Findings(
+        findings = SettingsFindings(
             known, law, dozing, tuple(readings), reading_late, ways, written, pace, again, self._lost(asleep, stopped)
         )
         problems = tuple(
@@ -136,13 +136,13 @@ class _Measuring:
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
         unheard += sum(unanswered(recording) for _, recording in self.recordings)
-        counted = Recorded(known, by_name, self._samples(), self._longest(), clients, unheard, self._rounds())
+        counted = SettingsEvidence(known, by_name, self._samples(), self._longest(), clients, unheard, self._rounds())
         recorded = recorded_settings(counted)
         recorded += tuple(input_history(recording for _, recording in self.recordings))
         return Measurement(files, quantities, chosen, recorded, problems)
 
     def _samples(self) -> int:
-        kinds = Kind.WRITE_DATA, Kind.DATA
+        kinds = SubmessageKind.WRITE_DATA, SubmessageKind.DATA
         return max(
             len({str(e.fields["sample"]) for one in recording.transmissions for e in one.events if e.kind in kinds})
             for _, recording in self.recordings
@@ -150,7 +150,7 @@ class _Measuring:
 
     def _longest(self) -> int:
         everybody = [*self.of_clients, *(conversation for conversation, _ in self.of_agents)]
-        numbers = [moment.number for c in everybody for moment in c.moments if isinstance(moment, Sent)]
+        numbers = [moment.number for c in everybody for moment in c.moments if isinstance(moment, SentMessage)]
         sent = (event for _, recording in self.recordings for one in recording.transmissions for event in one.events)
         numbers += [event.sequence for event in sent if event.is_best_effort and event.sequence is not None]
         return max(numbers, default=0) + 1
@@ -200,17 +200,25 @@ class _Measuring:
     def _network(self) -> Iterator[Quantity]:
         for to_agent, way, words in ((True, "to_agent", "to the Agent"), (False, "to_client", "to clients")):
             samples = [s for file, recording in self.recordings for s in traffic.losses(file, recording, to_agent)]
-            loss = seen(f"loss_{way}", f"lost packets {words}, of each client", samples, _NO_RELAY, Unit.PERCENT)
+            loss = seen(
+                f"loss_{way}", f"lost packets {words}, of each client", samples, _NO_RELAY, QuantityUnit.PERCENT
+            )
             yield self._together(loss, to_agent)
         none = "no packet arrives {}" if any(link.relay for _, r in self.recordings for link in r.links) else _NO_RELAY
         overtaking = "how much earlier a packet arrives than one that was sent before it"
         answering = "from a message that comes to a client to its next ACKNACK"
         never = none.format("before an older one")
         for name, title, function, unit, missing in (
-            ("delay", "delay of a packet", traffic.delays, Unit.MILLISECONDS, _NO_RELAY),
-            ("client_reaction", answering, traffic.reactions, Unit.MILLISECONDS, _NO_RELAY),
-            ("copies", "arrivals of a packet that was copied", traffic.copies, Unit.COUNT, none.format("twice")),
-            ("overtaking", overtaking, traffic.overtakings, Unit.MILLISECONDS, never),
+            ("delay", "delay of a packet", traffic.delays, QuantityUnit.MILLISECONDS, _NO_RELAY),
+            ("client_reaction", answering, traffic.reactions, QuantityUnit.MILLISECONDS, _NO_RELAY),
+            (
+                "copies",
+                "arrivals of a packet that was copied",
+                traffic.copies,
+                QuantityUnit.COUNT,
+                none.format("twice"),
+            ),
+            ("overtaking", overtaking, traffic.overtakings, QuantityUnit.MILLISECONDS, never),
         ):
             samples = [sample for file, recording in self.recordings for sample in function(file, recording)]
             yield seen(name, title, samples, missing, unit)
@@ -226,18 +234,18 @@ class _Measuring:
         return replace(loss, value=100 * lost / len(known), confidence=Confidence.MEASURED, how=how)
 
     def _stops(
-        self, file: str, recording: Recording, asleep: Sequence[tuple[str, sleeps.Sleep]]
-    ) -> Iterator[faults.Stop]:
+        self, file: str, recording: Capture, asleep: Sequence[tuple[str, sleeps.Sleep]]
+    ) -> Iterator[faults.StreamStop]:
         """Ways that stop for good while both ends are awake."""
         silent = [sleep for name, sleep in asleep if name == file]
         return faults.stops(recording, lambda one: any(sleep.covers(one) for sleep in silent))
 
-    def _way(self, file: str, stop: faults.Stop) -> Way:
+    def _way(self, file: str, stop: faults.StreamStop) -> LinkDirection:
         writes = any(c.file == file and c.link == stop.link and traffic.writes(c) for c in self.of_clients)
-        return Way(writes, stop.to_agent)
+        return LinkDirection(writes, stop.to_agent)
 
     def _lost(
-        self, asleep: Sequence[tuple[str, sleeps.Sleep]], stopped: Sequence[tuple[str, faults.Stop]]
+        self, asleep: Sequence[tuple[str, sleeps.Sleep]], stopped: Sequence[tuple[str, faults.StreamStop]]
     ) -> int | None:
         """How many packets were lost on their way to somebody who was awake, on a way that did not stop for good; None
         where that was not recorded."""
@@ -252,7 +260,7 @@ class _Measuring:
         )
 
 
-def _problems(recording: Recording) -> Iterator[str]:
+def _problems(recording: Capture) -> Iterator[str]:
     if recording.problem:
         yield recording.problem
     for number, link in enumerate(recording.links):
@@ -277,7 +285,7 @@ def _twice(ours: Sequence[Transmission]) -> int:
     return count
 
 
-def _created_again(recording: Recording) -> int:
+def _created_again(recording: Capture) -> int:
     """How often CREATE_CLIENT came to the Agent behind messages of the client's streams."""
     times: dict[int, int] = {}
     for one in recording.transmissions:
@@ -286,7 +294,7 @@ def _created_again(recording: Recording) -> int:
     return sum(
         time > times[one.link]
         for one in recording.transmissions
-        if one.to_agent and one.link in times and any(e.kind is Kind.CREATE_CLIENT for e in one.events)
+        if one.to_agent and one.link in times and any(e.kind is SubmessageKind.CREATE_CLIENT for e in one.events)
         for time in ([one.sent] if one.arrivals is None else [arrival.time for arrival in one.arrivals])
     )
 
@@ -295,7 +303,7 @@ def _of(
     name: str,
     title: str,
     found: Sequence[Conversation],
-    function: Callable[[Conversation], Iterator[Sample]],
+    function: Callable[[Conversation], Iterator[Observation]],
     missing: str,
 ) -> Quantity:
     return seen(name, title, [sample for conversation in found for sample in function(conversation)], missing)
@@ -308,17 +316,17 @@ def _run_slices(starved: Sequence[Starving], period: Quantity) -> tuple[Quantity
     busy = [one for one in starved if one.gap <= 3 * known and one.length > 3 * known and len(one.traffic) > 2]
     name, title = "run_slice", "length of the calls of the run function"
     if silent:
-        samples = tuple(Sample(one.gap, one.places) for one in silent)
+        samples = tuple(Observation(one.gap, one.places) for one in silent)
         how = (
             f"shorter than {known:g} ms: for up to {max(s.value for s in samples):.0f} ms messages were "
             "unacknowledged, nothing left or came in, and no HEARTBEAT was sent"
         )
-        slices = Quantity(name, title, Unit.MILLISECONDS, samples, None, Confidence.BOUND, how)
+        slices = Quantity(name, title, QuantityUnit.MILLISECONDS, samples, None, Confidence.BOUND, how)
     elif period.value is not None:
         how = f"at least {known:g} ms: HEARTBEATs came in time"
-        slices = Quantity(name, title, Unit.MILLISECONDS, period.samples, None, Confidence.BOUND, how)
+        slices = Quantity(name, title, QuantityUnit.MILLISECONDS, period.samples, None, Confidence.BOUND, how)
     else:
         slices = seen(name, title, (), "no message was unacknowledged for long enough to tell")
-    inbound = [Sample(gap, one.places) for one in busy for gap in one.traffic]
+    inbound = [Observation(gap, one.places) for one in busy for gap in one.traffic]
     missing = "no packets of other streams kept HEARTBEATs from being sent"
     return slices, seen("traffic", "between packets that kept HEARTBEATs from being sent", inbound, missing)

@@ -21,14 +21,14 @@ class Confidence(StrEnum):
     NOT_ENOUGH = "not enough evidence"
 
 
-class Unit(StrEnum):
+class QuantityUnit(StrEnum):
     MILLISECONDS = "ms"
     PERCENT = "%"
     COUNT = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PacketPlace:
     """A packet of a file; a number from 1."""
 
     file: str
@@ -36,11 +36,11 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Sample:
+class Observation:
     """One observation and the packets that it came from."""
 
     value: float
-    places: tuple[Place, ...]
+    places: tuple[PacketPlace, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +57,8 @@ class Quantity:
 
     name: str
     title: str
-    unit: Unit
-    samples: tuple[Sample, ...]
+    unit: QuantityUnit
+    samples: tuple[Observation, ...]
     value: float | None
     confidence: Confidence
     how: str
@@ -76,12 +76,14 @@ class Quantity:
         return max((sample.value for sample in self.samples), default=None)
 
     @property
-    def places(self) -> tuple[Place, ...]:
+    def places(self) -> tuple[PacketPlace, ...]:
         """Every packet that a sample came from, each once."""
         return tuple(dict.fromkeys(place for sample in self.samples for place in sample.places))
 
 
-def seen(name: str, title: str, samples: Iterable[Sample], missing: str, unit: Unit = Unit.MILLISECONDS) -> Quantity:
+def seen(
+    name: str, title: str, samples: Iterable[Observation], missing: str, unit: QuantityUnit = QuantityUnit.MILLISECONDS
+) -> Quantity:
     """A quantity whose value is the median of what was seen.
 
     Args:
@@ -121,7 +123,7 @@ def roundest(low: float, high: float, samples: int) -> float:
 _LATE: Final = 1.1
 
 
-def punctual(samples: Sequence[Sample]) -> list[Sample]:
+def punctual(samples: Sequence[Observation]) -> list[Observation]:
     """Those that are hardly longer than the shortest: the others waited for something else as well."""
     shortest = min((sample.value for sample in samples), default=0.0)
     return [sample for sample in samples if sample.value <= shortest * _LATE]

@@ -27,7 +27,7 @@ _USUAL_JITTER = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class SettingsEvidence:
     """What such settings are made of.
 
     Attributes:
@@ -49,12 +49,12 @@ class Recorded:
     rounds: Sequence[int]
 
 
-def recorded_settings(found: Recorded) -> tuple[Setting, ...]:
+def recorded_settings(found: SettingsEvidence) -> tuple[Setting, ...]:
     """The constants that captures say something about."""
     return tuple(_settings(found))
 
 
-def _settings(found: Recorded) -> Iterator[Setting]:
+def _settings(found: SettingsEvidence) -> Iterator[Setting]:
     # a stream of the models has room for 2 * MESSAGES + 16 messages
     messages = max(found.samples, (found.longest - 15) // 2, 1)
     how = f"different samples: {found.samples}; messages in the longest stream: {found.longest}"
@@ -82,7 +82,7 @@ def _is_doubtful(setting: Setting) -> bool:
     return setting.name == "HEARTBEAT_LAW" and setting.value == 0 and setting.confidence is Confidence.ONE_SAMPLE
 
 
-def _client(found: Recorded) -> Iterator[Setting]:
+def _client(found: SettingsEvidence) -> Iterator[Setting]:
     """The HEARTBEATs of clients: since 2.1 they wait for a tenth of a second, and before that for a millisecond, twice
     as long each time."""
     waits = [sample.value for sample in found.quantities["client_heartbeat"].samples]
@@ -110,7 +110,7 @@ def _jitter(name: str, period: Quantity) -> Setting:
     return Setting(name, max(math.ceil(late), _USUAL_JITTER), True, Confidence.MEASURED, how)
 
 
-def _delay(found: Recorded) -> Iterator[Setting]:
+def _delay(found: SettingsEvidence) -> Iterator[Setting]:
     """How much later than due a round of the Agent's heartbeat thread comes at most, by HEARTBEATs that are some rounds
     apart: the thread waits for a period after each round, so it is never early."""
     period = found.quantities["agent_heartbeat"].value

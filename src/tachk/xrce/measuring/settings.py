@@ -12,7 +12,7 @@ from tachk.base.records import dataclass
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw
 from tachk.xrce.measuring.keeping import LateReading
 from tachk.xrce.measuring.quantity import Confidence, Quantity
-from tachk.xrce.measuring.sleeps import UNLIMITED, Asking, Sleep
+from tachk.xrce.measuring.sleeps import UNLIMITED, ReadRequest, Sleep
 
 _LAWS: Final = {HeartbeatLaw.STEADY: 0, HeartbeatLaw.REARMED: 1, HeartbeatLaw.DOUBLING: 2}
 _PUSH, _PULL, _PUSH_PING, _READ_LATE = 0, 1, 2, 4
@@ -51,7 +51,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class LinkDirection:
     """One way of a link: of a client that writes samples, or of one that does not."""
 
     of_writer: bool
@@ -64,7 +64,7 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Findings:
+class SettingsFindings:
     """What settings are made of.
 
     Attributes:
@@ -83,21 +83,21 @@ class Findings:
     quantities: Mapping[str, Quantity]
     law: HeartbeatLaw | None
     sleeps: tuple[Sleep, ...]
-    readings: tuple[Asking, ...]
+    readings: tuple[ReadRequest, ...]
     late_readings: tuple[LateReading, ...]
-    stopped: tuple[Way, ...]
+    stopped: tuple[LinkDirection, ...]
     written: int
     pace: Quantity
     created_again: int
     lost: int | None
 
 
-def settings(found: Findings) -> tuple[Setting, ...]:
+def settings(found: SettingsFindings) -> tuple[Setting, ...]:
     """The constants that captures say something about; what they say nothing about is left to the model."""
     return (*_client(found), *_agent(found), *_network(found), *_subscriber(found))
 
 
-def _client(found: Findings) -> Iterator[Setting]:
+def _client(found: SettingsFindings) -> Iterator[Setting]:
     if found.written:
         how = "samples of the client that waits longest for an ACKNACK"
         yield Setting("MESSAGES", found.written, False, Confidence.MEASURED, how)
@@ -133,13 +133,13 @@ def _spin(slices: Quantity, period: float) -> Setting:
     return Setting("SPIN", period, True, Confidence.ASSUMED, _NO_STARVATION)
 
 
-def _agent(found: Findings) -> Iterator[Setting]:
+def _agent(found: SettingsFindings) -> Iterator[Setting]:
     yield from _time("AGENT_HEARTBEAT", found.quantities["agent_heartbeat"])
     yield from _time("DEAD", found.quantities["dead_time"])
     yield from _count("AGENT_WINDOW", found.quantities["agent_window"])
 
 
-def _network(found: Findings) -> Iterator[Setting]:
+def _network(found: SettingsFindings) -> Iterator[Setting]:
     if found.lost is not None:
         how = f"lost on the way to somebody awake: {found.lost}"
         how += "; one, whichever it is, is what the model tries" if found.lost > 1 else ""
@@ -154,7 +154,7 @@ def _network(found: Findings) -> Iterator[Setting]:
         yield Setting("BREAKS", bits, False, stopped.confidence, stopped.how)
 
 
-def _subscriber(found: Findings) -> Iterator[Setting]:
+def _subscriber(found: SettingsFindings) -> Iterator[Setting]:
     limited = [asking for asking in found.readings if asking.samples not in (UNLIMITED, 0)]
     kept = found.quantities["kept"]
     if kept.value is not None and kept.confidence is not Confidence.BOUND:
@@ -191,7 +191,7 @@ def _reading_late(found: tuple[LateReading, ...]) -> Iterator[Setting]:
     yield Setting("SLEEP", longest, True, Confidence.ONE_SAMPLE, "from the first sample to READ_DATA")
 
 
-def _pulling(limited: list[Asking]) -> Iterator[Setting]:
+def _pulling(limited: list[ReadRequest]) -> Iterator[Setting]:
     """A client that asks again and again sleeps between two READ_DATA."""
     first = {(asking.link, asking.number): asking.time for asking in reversed(limited)}
     times = [time for (link, _), time in reversed(first.items()) if link == limited[0].link]

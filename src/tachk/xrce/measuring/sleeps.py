@@ -6,17 +6,17 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from tachk.base.records import dataclass
-from tachk.xrce.events import Event
+from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.conversation import Beat, Conversation
-from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, roundest, seen
-from tachk.xrce.transmissions import Recording, Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, roundest, seen
+from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
 _SHORTEST_SLEEP: Final = 2e9
 """Nanoseconds; a shorter silence is an outage of the link."""
 
-_ANSWERS: Final = frozenset({Kind.ACKNACK, Kind.DELETE})
+_ANSWERS: Final = frozenset({SubmessageKind.ACKNACK, SubmessageKind.DELETE})
 
 _AT_ONCE: Final = 20e6
 """Nanoseconds within which a client that is awake answers."""
@@ -51,7 +51,7 @@ class Sleep:
         return one.link == self.link and not one.to_agent and self.begin <= one.sent <= self.end
 
 
-def sleeps(recording: Recording) -> Iterator[Sleep]:
+def sleeps(recording: Capture) -> Iterator[Sleep]:
     """The sleeping times of all clients, as far as their silence shows them."""
     for link in range(len(recording.links)):
         ours = [one for one in recording.transmissions if one.link == link]
@@ -84,14 +84,14 @@ def _sleep(
 
 
 def _wants_answer(one: Transmission) -> bool:
-    return any(event.is_reliable or event.kind is Kind.HEARTBEAT for event in one.events)
+    return any(event.is_reliable or event.kind is SubmessageKind.HEARTBEAT for event in one.events)
 
 
 def sleep_quantity(found: Sequence[tuple[str, Sleep]]) -> Quantity:
     samples = tuple(
-        Sample(
+        Observation(
             (sleep.end - sleep.begin) / _MILLISECOND,
-            tuple(Place(file, packet) for packet in (sleep.first, sleep.waking) if packet is not None),
+            tuple(PacketPlace(file, packet) for packet in (sleep.first, sleep.waking) if packet is not None),
         )
         for file, sleep in found
     )
@@ -103,10 +103,10 @@ def sleep_quantity(found: Sequence[tuple[str, Sleep]]) -> Quantity:
     value = roundest(length / _MILLISECOND, (length + longest.before) / _MILLISECOND, 100)
     how = "asleep or out of reach from the first packet without an answer to the next one of the client; the longest"
     confidence = Confidence.MEASURED if len(samples) > 1 else Confidence.ONE_SAMPLE
-    return Quantity(name, title, Unit.MILLISECONDS, samples, value, confidence, how)
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, samples, value, confidence, how)
 
 
-def dead_time(found: Sequence[tuple[Conversation, Recording]], period: float | None) -> Quantity:
+def dead_time(found: Sequence[tuple[Conversation, Capture]], period: float | None) -> Quantity:
     """After how long a silence of the client the Agent sends it no more HEARTBEATs."""
     name, title = "dead_time", "silence after which the Agent gives up a client"
     if period is None:
@@ -118,7 +118,7 @@ def dead_time(found: Sequence[tuple[Conversation, Recording]], period: float | N
             return seen(name, title, (), "no client was silent with messages of the Agent unacknowledged")
         most = max(longest, key=lambda sample: sample.value)
         how = f"more than {most.value:.0f} ms: the Agent still sent a HEARTBEAT then"
-        return Quantity(name, title, Unit.MILLISECONDS, (most,), None, Confidence.BOUND, how)
+        return Quantity(name, title, QuantityUnit.MILLISECONDS, (most,), None, Confidence.BOUND, how)
     low, high = max(low.value for low, _ in bounds), min(high.value for _, high in bounds)
     if high < low:
         how = f"one capture says more than {low:.0f} ms, another one less than {high:.0f} ms"
@@ -126,10 +126,12 @@ def dead_time(found: Sequence[tuple[Conversation, Recording]], period: float | N
     how = f"the roundest number from the last HEARTBEAT ({low:.0f} ms) to the next that did not come ({high:.0f} ms)"
     samples = tuple(sample for pair in bounds for sample in pair)
     value = roundest(low, high, 100)
-    return Quantity(name, title, Unit.MILLISECONDS, samples, value, Confidence.MEASURED, how)
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, samples, value, Confidence.MEASURED, how)
 
 
-def _given_up(conversation: Conversation, recording: Recording, period: float) -> Iterator[tuple[Sample, Sample]]:
+def _given_up(
+    conversation: Conversation, recording: Capture, period: float
+) -> Iterator[tuple[Observation, Observation]]:
     """Silences at the last HEARTBEAT and at the one that should have been next."""
     heard = _heard(conversation, recording)
     beats = [moment for moment in conversation.moments if isinstance(moment, Beat) and moment.unacknowledged]
@@ -141,18 +143,18 @@ def _given_up(conversation: Conversation, recording: Recording, period: float) -
         if before and missed > 3 * period * _MILLISECOND and beat.time - before[-1] > 10 * period * _MILLISECOND:
             silence = (beat.time - before[-1]) / _MILLISECOND
             place = (conversation.place(beat),)
-            yield Sample(silence, place), Sample(silence + period, place)
+            yield Observation(silence, place), Observation(silence + period, place)
 
 
-def _longest_silence(conversation: Conversation, recording: Recording) -> Iterator[Sample]:
+def _longest_silence(conversation: Conversation, recording: Capture) -> Iterator[Observation]:
     heard = _heard(conversation, recording)
     for moment in conversation.moments:
         before = [time for time, _ in heard if time <= moment.time]
         if isinstance(moment, Beat) and moment.unacknowledged and before:
-            yield Sample((moment.time - before[-1]) / _MILLISECOND, (conversation.place(moment),))
+            yield Observation((moment.time - before[-1]) / _MILLISECOND, (conversation.place(moment),))
 
 
-def _heard(conversation: Conversation, recording: Recording) -> list[tuple[int, Transmission]]:
+def _heard(conversation: Conversation, recording: Capture) -> list[tuple[int, Transmission]]:
     """When the Agent heard the client."""
     found = [
         (one.arrived, one)
@@ -163,7 +165,7 @@ def _heard(conversation: Conversation, recording: Recording) -> list[tuple[int, 
 
 
 @dataclass(frozen=True, slots=True)
-class Asking:
+class ReadRequest:
     """A READ_DATA for at most so many samples, UNLIMITED or None for one.
 
     Attributes:
@@ -177,14 +179,14 @@ class Asking:
     time: int
 
 
-def readings(recording: Recording) -> Iterator[Asking]:
+def readings(recording: Capture) -> Iterator[ReadRequest]:
     """Every READ_DATA that a client sends, repetitions too."""
     for one in recording.transmissions:
         for event in one.events:
-            if one.to_agent and event.kind is Kind.READ_DATA:
-                yield Asking(one.link, _samples(event), event.sequence, one.sent)
+            if one.to_agent and event.kind is SubmessageKind.READ_DATA:
+                yield ReadRequest(one.link, _samples(event), event.sequence, one.sent)
 
 
-def _samples(event: Event) -> int | None:
+def _samples(event: SubmessageEvent) -> int | None:
     value = event.fields["max_samples"]
     return value if isinstance(value, int) else None

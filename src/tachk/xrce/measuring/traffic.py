@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
-from tachk.xrce.measuring.conversation import Came, Conversation, Sent
-from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, seen
-from tachk.xrce.transmissions import Recording, Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.measuring.conversation import Came, Conversation, SentMessage
+from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
+from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
 _SMALLEST_HISTORY: Final = 4
@@ -18,75 +18,77 @@ _AT_ONCE: Final = 5e6
 """Nanoseconds within which a sender that has waited for room sends on."""
 
 
-def round_trips(conversation: Conversation) -> Iterator[Sample]:
+def round_trips(conversation: Conversation) -> Iterator[Observation]:
     """From a message that is sent once to the first ACKNACK that says that it has arrived."""
-    repeated = {moment.number for moment in conversation.moments if isinstance(moment, Sent) and moment.again}
-    waiting: list[Sent] = []
+    repeated = {moment.number for moment in conversation.moments if isinstance(moment, SentMessage) and moment.again}
+    waiting: list[SentMessage] = []
     for moment in conversation.moments:
-        if isinstance(moment, Sent) and moment.number not in repeated:
+        if isinstance(moment, SentMessage) and moment.number not in repeated:
             waiting.append(moment)
         elif isinstance(moment, Came) and moment.first is not None:
             for sent in [each for each in waiting if each.number < moment.first]:
                 waiting.remove(sent)
                 places = conversation.place(sent), conversation.place(moment)
-                yield Sample((moment.time - sent.time) / _MILLISECOND, places)
+                yield Observation((moment.time - sent.time) / _MILLISECOND, places)
 
 
-def reactions(file: str, recording: Recording) -> Iterator[Sample]:
+def reactions(file: str, recording: Capture) -> Iterator[Observation]:
     """From a message that comes to a client to its next ACKNACK: it answers everything."""
     for link in range(len(recording.links)):
         ours = [one for one in recording.transmissions if one.link == link]
-        answers = [one for one in ours if one.to_agent and any(event.kind is Kind.ACKNACK for event in one.events)]
+        answers = [
+            one for one in ours if one.to_agent and any(event.kind is SubmessageKind.ACKNACK for event in one.events)
+        ]
         times = [one.sent for one in answers]
         for one in ours:
             if one.to_agent or not one.arrivals or not _wants_answer(one):
                 continue
             place = bisect_left(times, one.arrived)
             if place < len(answers):
-                places = Place(file, one.arrivals[0].packet), Place(file, answers[place].packet)
-                yield Sample((times[place] - one.arrived) / _MILLISECOND, places)
+                places = PacketPlace(file, one.arrivals[0].packet), PacketPlace(file, answers[place].packet)
+                yield Observation((times[place] - one.arrived) / _MILLISECOND, places)
 
 
 def _wants_answer(one: Transmission) -> bool:
-    return any(event.is_reliable or event.kind is Kind.HEARTBEAT for event in one.events)
+    return any(event.is_reliable or event.kind is SubmessageKind.HEARTBEAT for event in one.events)
 
 
-def repairs(conversation: Conversation) -> Iterator[Sample]:
+def repairs(conversation: Conversation) -> Iterator[Observation]:
     """From a message that is lost to its first arrival; without a recording behind the loss, from a message that is
     repeated to the ACKNACK that says that it has arrived."""
-    first: dict[int, Sent] = {}
-    unseen: dict[int, Sent] = {}
-    repeated = {each.number for each in conversation.moments if isinstance(each, Sent) and each.again}
+    first: dict[int, SentMessage] = {}
+    unseen: dict[int, SentMessage] = {}
+    repeated = {each.number for each in conversation.moments if isinstance(each, SentMessage) and each.again}
     for moment in conversation.moments:
-        if isinstance(moment, Sent):
+        if isinstance(moment, SentMessage):
             if not moment.again:
                 (unseen if moment.transmission.arrivals is None else first)[moment.number] = moment
             elif moment.number in first and moment.transmission.arrivals and first[moment.number].transmission.is_lost:
                 lost = first.pop(moment.number)
                 places = conversation.place(lost), conversation.place(moment)
-                yield Sample((moment.transmission.arrived - lost.time) / _MILLISECOND, places)
+                yield Observation((moment.transmission.arrived - lost.time) / _MILLISECOND, places)
         elif isinstance(moment, Came) and moment.first is not None:
             for number in [each for each in unseen if each < moment.first]:
                 sent = unseen.pop(number)
                 if number in repeated:
                     places = conversation.place(sent), conversation.place(moment)
-                    yield Sample((moment.time - sent.time) / _MILLISECOND, places)
+                    yield Observation((moment.time - sent.time) / _MILLISECOND, places)
 
 
-def paces(conversation: Conversation) -> Iterator[Sample]:
+def paces(conversation: Conversation) -> Iterator[Observation]:
     """Between two samples that are written one after the other."""
     for before, after in pairwise(writes(conversation)):
         places = conversation.place(before), conversation.place(after)
-        yield Sample((after.time - before.time) / _MILLISECOND, places)
+        yield Observation((after.time - before.time) / _MILLISECOND, places)
 
 
-def writes(conversation: Conversation) -> list[Sent]:
+def writes(conversation: Conversation) -> list[SentMessage]:
     """Messages with WRITE_DATA or DATA, each when it is sent first."""
-    kinds = Kind.WRITE_DATA, Kind.DATA
+    kinds = SubmessageKind.WRITE_DATA, SubmessageKind.DATA
     return [
         moment
         for moment in conversation.moments
-        if isinstance(moment, Sent)
+        if isinstance(moment, SentMessage)
         and not moment.again
         and any(event.kind in kinds for event in moment.transmission.events)
     ]
@@ -109,28 +111,28 @@ def longest_unacknowledged(conversation: Conversation) -> int:
 def window(name: str, title: str, found: Sequence[Conversation]) -> Quantity:
     """The most unacknowledged messages. That there may not be more shows where room is used as soon as it is there, and
     by the number, which is a power of two."""
-    most = max((m.unacknowledged for c in found for m in c.moments if isinstance(m, Sent)), default=0)
+    most = max((m.unacknowledged for c in found for m in c.moments if isinstance(m, SentMessage)), default=0)
     if not most:
-        return seen(name, title, (), "no message is sent", Unit.COUNT)
+        return seen(name, title, (), "no message is sent", QuantityUnit.COUNT)
     at_most = [
-        Sample(most, (c.place(m),))
+        Observation(most, (c.place(m),))
         for c in found
         for m in c.moments
-        if isinstance(m, Sent) and m.unacknowledged == most
+        if isinstance(m, SentMessage) and m.unacknowledged == most
     ]
-    full = [Sample(most, (c.place(a), c.place(b))) for c in found for a, b in _waited(c, most)]
+    full = [Observation(most, (c.place(a), c.place(b))) for c in found for a, b in _waited(c, most)]
     if len(full) > 1 and most >= _SMALLEST_HISTORY and most & (most - 1) == 0:
         how = f"{len(full)} times a new message left at once when an ACKNACK had made room"
-        return Quantity(name, title, Unit.COUNT, tuple(full), most, Confidence.MEASURED, how)
+        return Quantity(name, title, QuantityUnit.COUNT, tuple(full), most, Confidence.MEASURED, how)
     how = f"at least {most}: no sender was seen to wait for room again and again"
-    return Quantity(name, title, Unit.COUNT, tuple(at_most[:1]), most, Confidence.BOUND, how)
+    return Quantity(name, title, QuantityUnit.COUNT, tuple(at_most[:1]), most, Confidence.BOUND, how)
 
 
-def _waited(conversation: Conversation, most: int) -> Iterator[tuple[Came, Sent]]:
+def _waited(conversation: Conversation, most: int) -> Iterator[tuple[Came, SentMessage]]:
     for before, after in pairwise(conversation.moments):
         if (
             isinstance(before, Came)
-            and isinstance(after, Sent)
+            and isinstance(after, SentMessage)
             and not after.again
             and before.before == most > before.unacknowledged
             and after.time - before.time < _AT_ONCE
@@ -138,39 +140,39 @@ def _waited(conversation: Conversation, most: int) -> Iterator[tuple[Came, Sent]
             yield before, after
 
 
-def losses(file: str, recording: Recording, to_agent: bool) -> Iterator[Sample]:
+def losses(file: str, recording: Capture, to_agent: bool) -> Iterator[Observation]:
     """The part of the messages that are lost, in percent, for each link; the packets are those that are."""
     for link in range(len(recording.links)):
         sent = [t for t in recording.transmissions if (t.link, t.to_agent) == (link, to_agent)]
         known = [t for t in sent if t.arrivals is not None]
         if known:
             lost = [t for t in known if t.is_lost]
-            yield Sample(100 * len(lost) / len(known), tuple(Place(file, t.packet) for t in lost))
+            yield Observation(100 * len(lost) / len(known), tuple(PacketPlace(file, t.packet) for t in lost))
 
 
-def delays(file: str, recording: Recording) -> Iterator[Sample]:
+def delays(file: str, recording: Capture) -> Iterator[Observation]:
     """From one side of a relay to the other."""
     for one in recording.transmissions:
         for arrival in one.arrivals or ():
-            places = Place(file, one.packet), Place(file, arrival.packet)
-            yield Sample((arrival.time - one.sent) / _MILLISECOND, places)
+            places = PacketPlace(file, one.packet), PacketPlace(file, arrival.packet)
+            yield Observation((arrival.time - one.sent) / _MILLISECOND, places)
 
 
-def copies(file: str, recording: Recording) -> Iterator[Sample]:
+def copies(file: str, recording: Capture) -> Iterator[Observation]:
     """Messages that arrive more than once, with how often."""
     for one in recording.transmissions:
         if one.arrivals is not None and len(one.arrivals) > 1:
-            yield Sample(len(one.arrivals), tuple(Place(file, arrival.packet) for arrival in one.arrivals))
+            yield Observation(len(one.arrivals), tuple(PacketPlace(file, arrival.packet) for arrival in one.arrivals))
 
 
-def overtakings(file: str, recording: Recording) -> Iterator[Sample]:
+def overtakings(file: str, recording: Capture) -> Iterator[Observation]:
     """Messages that arrive before one that was sent before them; how many milliseconds before.
 
     Of messages with the same content that one counts which makes it the least surprising.
     """
     for one, late in _overtaken(recording.transmissions):
-        places = Place(file, one.packet), Place(file, late.packet)
-        yield Sample((late.arrived - one.arrived) / _MILLISECOND, places)
+        places = PacketPlace(file, one.packet), PacketPlace(file, late.packet)
+        yield Observation((late.arrived - one.arrived) / _MILLISECOND, places)
 
 
 def _overtaken(transmissions: Sequence[Transmission]) -> Iterator[tuple[Transmission, Transmission]]:

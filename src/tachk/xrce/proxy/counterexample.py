@@ -14,14 +14,17 @@ from typing import Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.span import Source, Span
-from tachk.xrce.proxy.rules import Chosen, Deed, Packets, Rule, Wait, Way
-from tachk.xrce.proxy.run_of_model import Happening, Message, ModelRun
-from tachk.xrce.wire import Kind
+from tachk.xrce.proxy.rules import Chosen, ChosenPackets, Deed, PacketDirection, RelayRule, RuleWindow
+from tachk.xrce.proxy.run_of_model import Happening, ModelMessage, ModelRun
+from tachk.xrce.wire import SubmessageKind
 
-_OTHER: Final = {Way.TO_AGENT: Way.TO_CLIENT, Way.TO_CLIENT: Way.TO_AGENT}
+_OTHER: Final = {
+    PacketDirection.TO_AGENT: PacketDirection.TO_CLIENT,
+    PacketDirection.TO_CLIENT: PacketDirection.TO_AGENT,
+}
 
 
-def rules_of(run: ModelRun, ports: Sequence[int], name: str) -> tuple[Rule, ...]:
+def rules_of(run: ModelRun, ports: Sequence[int], name: str) -> tuple[RelayRule, ...]:
     """Rules that make a network lose, hold and duplicate what the run does.
 
     Args:
@@ -32,11 +35,11 @@ def rules_of(run: ModelRun, ports: Sequence[int], name: str) -> tuple[Rule, ...]
 
     Raises UsageError for too few ports.
     """
-    rules: list[Rule] = []
+    rules: list[RelayRule] = []
     nowhere = Source(name, "")
     for client, port in _ports(run, ports).items():
         own = [happening for happening in run.happenings if happening.message.client == client]
-        rules += _Client(own, port if len(ports) > 1 else None, Span(nowhere, 0, 0)).rules()
+        rules += _ClientMessages(own, port if len(ports) > 1 else None, Span(nowhere, 0, 0)).rules()
     return tuple(rules)
 
 
@@ -52,7 +55,7 @@ def _ports(run: ModelRun, ports: Sequence[int]) -> Mapping[int, int]:
     )
 
 
-class _Client:
+class _ClientMessages:
     """What happens to the messages of one client.
 
     Attributes:
@@ -65,21 +68,23 @@ class _Client:
         self.port = port
         self.span = span
         self.before: list[set[int]] = []
-        self.held: set[Message] = set()
+        self.held: set[ModelMessage] = set()
         self.sent_at = {one.message: index for index, one in enumerate(happenings) if one.sent}
-        samples = [one.message for one in happenings if one.message.kind in (Kind.WRITE_DATA, Kind.DATA)]
-        writes = any(message.kind is Kind.WRITE_DATA for message in samples)
-        self.since = Packets(Kind.WRITE_DATA if writes else Kind.DATA) if samples else None
+        samples = [
+            one.message for one in happenings if one.message.kind in (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
+        ]
+        writes = any(message.kind is SubmessageKind.WRITE_DATA for message in samples)
+        self.since = ChosenPackets(SubmessageKind.WRITE_DATA if writes else SubmessageKind.DATA) if samples else None
 
-    def rules(self) -> list[Rule]:
+    def rules(self) -> list[RelayRule]:
         drops, waits = [], []
-        under_way: dict[Message, None] = {}
-        copied: set[Message] = set()
+        under_way: dict[ModelMessage, None] = {}
+        copied: set[ModelMessage] = set()
         for index, happening in enumerate(self.happenings):
             message = happening.message
             self.before.append(self.certain(index))
             if happening.lost:
-                drops.append(Rule(Deed.DROP, self.chosen(message, self.port), self.span))
+                drops.append(RelayRule(Deed.DROP, self.chosen(message, self.port), self.span))
             elif happening.sent:
                 under_way[message] = None
             else:
@@ -104,7 +109,7 @@ class _Client:
             causes += [self.sent_at[message]] if message in self.sent_at else []
         else:
             causes += [self.sent_at[one] for one in [_one_before(message)] if one in self.sent_at]
-            if message.kind is Kind.ACKNACK:
+            if message.kind is SubmessageKind.ACKNACK:
                 causes += self.answered(index)
         return {found for cause in causes for found in (cause, *self.before[cause])}
 
@@ -119,7 +124,7 @@ class _Client:
                 return [earlier]
         return []
 
-    def wait(self, index: int, message: Message, deed: Deed, before: set[int]) -> list[Rule]:
+    def wait(self, index: int, message: ModelMessage, deed: Deed, before: set[int]) -> list[RelayRule]:
         """Holds a message until all has passed that its receiver sends and gets before this index.
 
         Args:
@@ -133,11 +138,11 @@ class _Client:
                 return []
             self.held.add(message)
         events = tuple(self.chosen(self.happenings[other].message) for other in needed)
-        return [Rule(deed, self.chosen(message, self.port), self.span, wait=Wait(events=events))]
+        return [RelayRule(deed, self.chosen(message, self.port), self.span, wait=RuleWindow(events=events))]
 
-    def needed(self, index: int, message: Message, before: set[int]) -> list[int]:
+    def needed(self, index: int, message: ModelMessage, before: set[int]) -> list[int]:
         """What has to be waited for: of everything before the index what is neither certain nor implied."""
-        last: dict[tuple[bool, Kind], int] = {}
+        last: dict[tuple[bool, SubmessageKind], int] = {}
         for earlier, one in enumerate(self.happenings[:index]):
             if one.sent and one.message.way is _OTHER[message.way]:
                 last[(True, one.message.kind)] = earlier
@@ -148,7 +153,7 @@ class _Client:
         implied = {found for earlier in wanted for found in self.before[earlier]}
         return [earlier for earlier in wanted if earlier not in implied]
 
-    def is_natural(self, earlier: int, message: Message) -> bool:
+    def is_natural(self, earlier: int, message: ModelMessage) -> bool:
         """Whether a delivery comes before that of the message because it was sent before it and is not held."""
         one = self.happenings[earlier]
         sent = self.sent_at.get(one.message)
@@ -156,18 +161,23 @@ class _Client:
             return False
         return one.message not in self.held and sent < self.sent_at[message]
 
-    def chosen(self, message: Message, port: int | None = None) -> Chosen:
-        packets = Packets(message.kind, way=message.way, port=port)
-        if message.kind is Kind.CREATE_CLIENT:
+    def chosen(self, message: ModelMessage, port: int | None = None) -> Chosen:
+        packets = ChosenPackets(message.kind, way=message.way, port=port)
+        if message.kind is SubmessageKind.CREATE_CLIENT:
             return Chosen(packets)
         return Chosen(packets, message.count, message.count, self.since)
 
 
-def _one_before(message: Message) -> Message:
-    return Message(message.client, message.way, message.kind, message.count - 1)
+def _one_before(message: ModelMessage) -> ModelMessage:
+    return ModelMessage(message.client, message.way, message.kind, message.count - 1)
 
 
-def _is_delivery_before(one: Happening, message: Message) -> bool:
+def _is_delivery_before(one: Happening, message: ModelMessage) -> bool:
     """Whether a packet waits for this delivery. A second CREATE_CLIENT waits for the same as what comes after it."""
     other = one.message
-    return not one.sent and other.way is message.way and other != message and other.kind is not Kind.CREATE_CLIENT
+    return (
+        not one.sent
+        and other.way is message.way
+        and other != message
+        and other.kind is not SubmessageKind.CREATE_CLIENT
+    )

@@ -13,12 +13,12 @@ from typing import Final
 
 from tachk.base.records import dataclass
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.proxy.rules import Chosen, Deed, Packets, Rule, Way
+from tachk.xrce.proxy.rules import Chosen, ChosenPackets, Deed, PacketDirection, RelayRule
 from tachk.xrce.proxy.sightings import Said, are_among, said
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
+class RelayArrival:
     """A datagram reaches the relay.
 
     Attributes:
@@ -31,7 +31,7 @@ class Arrival:
 
     port: int
     client: Endpoint
-    way: Way
+    way: PacketDirection
     octets: bytes
     time: int
 
@@ -43,13 +43,13 @@ class Departure:
     arrival: int
     port: int
     client: Endpoint
-    way: Way
+    way: PacketDirection
     octets: bytes
     copy: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class RelayDecision:
     """What follows from an event.
 
     Attributes:
@@ -82,15 +82,15 @@ class Decisions:
     applied: for each rule, how many packets it applied to.
     """
 
-    def __init__(self, rules: Iterable[Rule], seed: int = 0) -> None:
+    def __init__(self, rules: Iterable[RelayRule], seed: int = 0) -> None:
         self.rules: Final = tuple(rules)
         self.applied = [0] * len(self.rules)
         self._seed = seed
-        self._chances: dict[tuple[int, int, Way], Random] = {}
+        self._chances: dict[tuple[int, int, PacketDirection], Random] = {}
         self._awaited = tuple({event for rule in self.rules for event in rule.wait.events})
         self._counts: dict[tuple[int, object], int] = {}
-        self._begun: set[tuple[int, Packets]] = set()
-        self._came: dict[_EventKey, tuple[int, Way]] = {}
+        self._begun: set[tuple[int, ChosenPackets]] = set()
+        self._came: dict[_EventKey, tuple[int, PacketDirection]] = {}
         self._left: set[int] = set()
         self._started: dict[int, int] = {}
         self._held: list[_Held] = []
@@ -102,7 +102,7 @@ class Decisions:
         """What is in the relay."""
         return tuple(one.departure for one in self._held)
 
-    def arrived(self, arrival: Arrival) -> Answer:
+    def arrived(self, arrival: RelayArrival) -> RelayDecision:
         """What follows from an arrival."""
         number = self._arrivals
         self._arrivals += 1
@@ -118,16 +118,16 @@ class Decisions:
             self.applied[index] += 1
         self._take(number, arrival, [(index, self.rules[index]) for index in applied])
         answer = self.due(arrival.time)
-        return Answer(answer.departures, answer.wake, applied)
+        return RelayDecision(answer.departures, answer.wake, applied)
 
-    def _note(self, number: int, arrival: Arrival, sayings: tuple[Said, ...]) -> None:
+    def _note(self, number: int, arrival: RelayArrival, sayings: tuple[Said, ...]) -> None:
         """Counts for those who wait for this packet."""
         for event in self._awaited:
             count = self._count(("event", event), event, arrival, sayings)
             if count == event.first:
                 self._came[(arrival.port, event)] = (number, arrival.way)
 
-    def _count(self, key: object, chosen: Chosen, arrival: Arrival, sayings: tuple[Said, ...]) -> int:
+    def _count(self, key: object, chosen: Chosen, arrival: RelayArrival, sayings: tuple[Said, ...]) -> int:
         """Which one it is among the packets that are counted; 0 if it is none of them."""
         port, way, since = arrival.port, arrival.way, chosen.since
         if since is not None and (port, since) not in self._begun:
@@ -140,19 +140,19 @@ class Decisions:
         self._counts[(port, key)] = count
         return count
 
-    def _applies(self, index: int, rule: Rule, arrival: Arrival, sayings: tuple[Said, ...]) -> bool:
+    def _applies(self, index: int, rule: RelayRule, arrival: RelayArrival, sayings: tuple[Said, ...]) -> bool:
         count = self._count(index, rule.chosen, arrival, sayings)
         if not rule.chosen.first <= count <= rule.chosen.last:
             return False
         return rule.share is None or self._chance(index, arrival).random() < rule.share
 
-    def _chance(self, index: int, arrival: Arrival) -> Random:
+    def _chance(self, index: int, arrival: RelayArrival) -> Random:
         key = (index, arrival.port, arrival.way)
         if key not in self._chances:
             self._chances[key] = Random(f"{self._seed} {index} {arrival.port} {arrival.way.value}")
         return self._chances[key]
 
-    def _take(self, number: int, arrival: Arrival, rules: list[tuple[int, Rule]]) -> None:
+    def _take(self, number: int, arrival: RelayArrival, rules: list[tuple[int, RelayRule]]) -> None:
         """Puts the packet and its copies among those that leave, unless it is dropped."""
         due, needs, lost = arrival.time, list[_EventKey](), False
         for index, rule in rules:
@@ -170,18 +170,18 @@ class Decisions:
         else:
             self._hold(number, arrival, False, due, needs)
 
-    def _drawn(self, index: int, rule: Rule, arrival: Arrival) -> int:
+    def _drawn(self, index: int, rule: RelayRule, arrival: RelayArrival) -> int:
         wait = rule.wait
         if wait.shortest == wait.longest:
             return wait.shortest
         return self._chance(index, arrival).randint(wait.shortest, wait.longest)
 
-    def _hold(self, number: int, arrival: Arrival, copy: bool, due: int, needs: list[_EventKey]) -> None:
+    def _hold(self, number: int, arrival: RelayArrival, copy: bool, due: int, needs: list[_EventKey]) -> None:
         departure = Departure(number, arrival.port, arrival.client, arrival.way, arrival.octets, copy)
         self._held.append(_Held(departure, due, needs, self._places))
         self._places += 1
 
-    def due(self, time: int) -> Answer:
+    def due(self, time: int) -> RelayDecision:
         """What leaves at a time."""
         departures: list[Departure] = []
         while ready := [one for one in self._held if one.due <= time and self._may_leave(one)]:
@@ -191,7 +191,7 @@ class Decisions:
             if not first.departure.copy:
                 self._left.add(first.departure.arrival)
         wakes = [one.due for one in self._held if one.due > time]
-        return Answer(tuple(departures), min(wakes, default=None))
+        return RelayDecision(tuple(departures), min(wakes, default=None))
 
     def _may_leave(self, held: _Held) -> bool:
         return all(self._has_passed(held.departure, need) for need in held.needs)

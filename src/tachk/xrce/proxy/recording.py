@@ -16,7 +16,7 @@ _UDP: Final = 17
 _LARGEST_DATAGRAM: Final = 65507
 
 
-class Recording:
+class CaptureWriter:
     """Writes a capture as packets come. Checksums of UDP are left out, as IPv4 allows."""
 
     def __init__(self, file: BinaryIO) -> None:
@@ -49,13 +49,13 @@ class Recording:
 class Sorted:
     """Packets in the order of their times, of some of which one hears later than of others that passed behind them."""
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: CaptureWriter) -> None:
         self._recording = recording
         self._waiting: list[tuple[int, int, Endpoint, Endpoint, bytes]] = []
         self._packets = 0
 
     def packet(self, time: int, source: Endpoint, destination: Endpoint, octets: bytes) -> None:
-        """As `Recording.packet`. Packets of one time stay in the order of these calls."""
+        """As `CaptureWriter.packet`. Packets of one time stay in the order of these calls."""
         heapq.heappush(self._waiting, (time, self._packets, source, destination, octets))
         self._packets += 1
 

@@ -16,9 +16,9 @@ from typing import Final
 from tachk.base.records import dataclass
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.proxy.arrivals import Received, made_socket, received
-from tachk.xrce.proxy.decisions import Answer, Arrival, Decisions, Departure
-from tachk.xrce.proxy.recording import Recording, Sorted
-from tachk.xrce.proxy.rules import Way
+from tachk.xrce.proxy.decisions import Decisions, Departure, RelayArrival, RelayDecision
+from tachk.xrce.proxy.recording import CaptureWriter, Sorted
+from tachk.xrce.proxy.rules import PacketDirection
 
 _AT_ONCE: Final = 64
 _SETTLED: Final = 0.02
@@ -50,8 +50,8 @@ class Relay:
         self,
         plan: Plan,
         decisions: Decisions,
-        recording: Recording | None,
-        tell: Callable[[Arrival, Answer], None] = lambda _arrival, _answer: None,
+        recording: CaptureWriter | None,
+        tell: Callable[[RelayArrival, RelayDecision], None] = lambda _arrival, _answer: None,
     ) -> None:
         self._plan = plan
         self._decisions = decisions
@@ -112,7 +112,7 @@ class Relay:
                 self._from_client(each, port)
             else:
                 self._record(each.time, self._plan.agent, _name(self._towards_agent[port, client]), each.octets)
-                self._arrived(Arrival(port, client, Way.TO_CLIENT, each.octets, each.time))
+                self._arrived(RelayArrival(port, client, PacketDirection.TO_CLIENT, each.octets, each.time))
         if self._recording is not None:
             self._recording.write(known + self._offset)
 
@@ -120,7 +120,7 @@ class Relay:
         if (port, each.source) not in self._towards_agent:
             self._towards_agent[port, each.source] = self._connected()
         self._record(each.time, each.source, _name(self._listening[port]), each.octets)
-        self._arrived(Arrival(port, each.source, Way.TO_AGENT, each.octets, each.time))
+        self._arrived(RelayArrival(port, each.source, PacketDirection.TO_AGENT, each.octets, each.time))
 
     def _connected(self) -> socket.socket:
         found = made_socket()
@@ -128,7 +128,7 @@ class Relay:
         asyncio.get_running_loop().add_reader(found, self._take)
         return found
 
-    def _arrived(self, arrival: Arrival) -> None:
+    def _arrived(self, arrival: RelayArrival) -> None:
         answer = self._decisions.arrived(arrival)
         self._tell(arrival, answer)
         self._follow(answer)
@@ -139,7 +139,7 @@ class Relay:
 
     # ---- what leaves -------------------------------------------------------------------------------------------------
 
-    def _follow(self, answer: Answer) -> None:
+    def _follow(self, answer: RelayDecision) -> None:
         for departure in answer.departures:
             self._send(departure)
         if self._timer is not None:
@@ -156,7 +156,7 @@ class Relay:
     def _send(self, departure: Departure) -> None:
         now, octets, client = time.monotonic_ns(), departure.octets, departure.client
         try:
-            if departure.way is Way.TO_AGENT:
+            if departure.way is PacketDirection.TO_AGENT:
                 at = self._towards_agent[(departure.port, client)]
                 self._record(now, _name(at), self._plan.agent, octets)
                 at.send(octets)

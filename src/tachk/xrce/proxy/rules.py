@@ -9,13 +9,13 @@ from typing import Final
 from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.base.time_units import NANOSECONDS
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 EVERY: Final = 1 << 62
 """As the last of a range of packets: no end."""
 
 
-class Way(Enum):
+class PacketDirection(Enum):
     """Which way a packet goes."""
 
     TO_AGENT = "client->agent"
@@ -23,21 +23,42 @@ class Way(Enum):
 
 
 ONE_WAY: Final = {
-    **dict.fromkeys((Kind.CREATE_CLIENT, Kind.CREATE, Kind.DELETE, Kind.WRITE_DATA, Kind.READ_DATA), Way.TO_AGENT),
-    **dict.fromkeys((Kind.RESET, Kind.TIMESTAMP), Way.TO_AGENT),
-    **dict.fromkeys((Kind.STATUS_AGENT, Kind.STATUS, Kind.DATA, Kind.TIMESTAMP_REPLY), Way.TO_CLIENT),
+    **dict.fromkeys(
+        (
+            SubmessageKind.CREATE_CLIENT,
+            SubmessageKind.CREATE,
+            SubmessageKind.DELETE,
+            SubmessageKind.WRITE_DATA,
+            SubmessageKind.READ_DATA,
+        ),
+        PacketDirection.TO_AGENT,
+    ),
+    **dict.fromkeys((SubmessageKind.RESET, SubmessageKind.TIMESTAMP), PacketDirection.TO_AGENT),
+    **dict.fromkeys(
+        (SubmessageKind.STATUS_AGENT, SubmessageKind.STATUS, SubmessageKind.DATA, SubmessageKind.TIMESTAMP_REPLY),
+        PacketDirection.TO_CLIENT,
+    ),
 }
 """The kinds of submessages that go one way only."""
 
 NUMBERED: Final = frozenset(
-    {Kind.CREATE, Kind.DELETE, Kind.STATUS, Kind.INFO, Kind.GET_INFO, Kind.WRITE_DATA, Kind.READ_DATA, Kind.DATA}
-    | {Kind.FRAGMENT, Kind.ACKNACK, Kind.HEARTBEAT}
+    {
+        SubmessageKind.CREATE,
+        SubmessageKind.DELETE,
+        SubmessageKind.STATUS,
+        SubmessageKind.INFO,
+        SubmessageKind.GET_INFO,
+        SubmessageKind.WRITE_DATA,
+        SubmessageKind.READ_DATA,
+        SubmessageKind.DATA,
+    }
+    | {SubmessageKind.FRAGMENT, SubmessageKind.ACKNACK, SubmessageKind.HEARTBEAT}
 )
 """The kinds of submessages that have a number: that of their message, or the first that they speak of."""
 
 
 @dataclass(frozen=True, slots=True)
-class Packets:
+class ChosenPackets:
     """Some packets.
 
     Attributes:
@@ -48,10 +69,10 @@ class Packets:
         port: where the relay listens for the client; None for every client.
     """
 
-    kind: Kind | None = None
+    kind: SubmessageKind | None = None
     names_missing: bool = False
     number: int | None = None
-    way: Way | None = None
+    way: PacketDirection | None = None
     port: int | None = None
 
     def __str__(self) -> str:
@@ -76,10 +97,10 @@ class Chosen:
         since: counting begins with the first of these; None: at once.
     """
 
-    packets: Packets
+    packets: ChosenPackets
     first: int = 1
     last: int = 1
-    since: Packets | None = None
+    since: ChosenPackets | None = None
 
     def __str__(self) -> str:
         if self.last == EVERY:
@@ -92,7 +113,7 @@ class Chosen:
 
 
 @dataclass(frozen=True, slots=True)
-class Wait:
+class RuleWindow:
     """Between two times in nanoseconds, or until each of some packets has passed.
 
     A packet that goes the same way has passed when it has left the relay or is lost, one that goes the other way when
@@ -118,7 +139,7 @@ class Deed(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class RelayRule:
     """What is done with which packets.
 
     Attributes:
@@ -134,7 +155,7 @@ class Rule:
     chosen: Chosen
     span: Span
     share: Fraction | None = None
-    wait: Wait = Wait()
+    wait: RuleWindow = RuleWindow()
     begin: int = 0
     end: int = EVERY
 

@@ -15,16 +15,16 @@ from typing import Any, Final
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import is_whole
 from tachk.base.records import dataclass
-from tachk.xrce.proxy.rules import Way
-from tachk.xrce.wire import Kind
+from tachk.xrce.proxy.rules import PacketDirection
+from tachk.xrce.wire import SubmessageKind
 
 _CHANNEL: Final = re.compile(r"(send|deliver)\[(\w+)\]\[(\w+)\]")
 _AGAIN: Final = re.compile(r"created_again\[(\w+)\]")
 _KINDS: Final = {
-    "DATA": (Kind.WRITE_DATA, Kind.DATA),
-    "HEARTBEAT": (Kind.HEARTBEAT, Kind.HEARTBEAT),
-    "ACKNACK": (Kind.ACKNACK, Kind.ACKNACK),
-    "PING": (Kind.GET_INFO, None),
+    "DATA": (SubmessageKind.WRITE_DATA, SubmessageKind.DATA),
+    "HEARTBEAT": (SubmessageKind.HEARTBEAT, SubmessageKind.HEARTBEAT),
+    "ACKNACK": (SubmessageKind.ACKNACK, SubmessageKind.ACKNACK),
+    "PING": (SubmessageKind.GET_INFO, None),
 }
 """What the kinds of messages of `models/micro_xrce_dds/protocol.ta` are on the wire: to the Agent, to the client."""
 
@@ -33,7 +33,7 @@ REPORT_WITH_RUN = "tachk verify MODEL --property NAME --format json -o TRACE.jso
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class ModelMessage:
     """A message of a run.
 
     Attributes:
@@ -44,8 +44,8 @@ class Message:
     """
 
     client: int
-    way: Way
-    kind: Kind
+    way: PacketDirection
+    kind: SubmessageKind
     count: int
 
 
@@ -53,7 +53,7 @@ class Message:
 class Happening:
     """A message is sent, lost at once, or delivered; a copy of it may stay under way."""
 
-    message: Message
+    message: ModelMessage
     sent: bool
     lost: bool = False
     stays: bool = False
@@ -87,7 +87,7 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
         reading.values.update({key: changes[key] for key in ("losses", "copies") if key in changes})
     if not reading.happenings:
         raise UsageError(f"{name}: no message is sent in the run", "it should be a run of a model that uses models/lib")
-    readers = {one.message.client for one in reading.happenings if one.message.kind is Kind.DATA}
+    readers = {one.message.client for one in reading.happenings if one.message.kind is SubmessageKind.DATA}
     return ModelRun(reading.clients, tuple(_as_read(one, readers) for one in reading.happenings))
 
 
@@ -119,9 +119,9 @@ def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, 
 def _as_read(happening: Happening, readers: Collection[int]) -> Happening:
     """What a client that gets samples sends are requests for them."""
     message = happening.message
-    if message.client not in readers or message.kind is not Kind.WRITE_DATA:
+    if message.client not in readers or message.kind is not SubmessageKind.WRITE_DATA:
         return happening
-    message = Message(message.client, message.way, Kind.READ_DATA, message.count)
+    message = ModelMessage(message.client, message.way, SubmessageKind.READ_DATA, message.count)
     return Happening(message, happening.sent, happening.lost, happening.stays)
 
 
@@ -132,14 +132,16 @@ class _Reading:
         self.clients = constants.get("LINKS", 0) // 2
         self.values: dict[str, int] = {}
         self.happenings: list[Happening] = []
-        self.counts: dict[tuple[int, Way, Kind], int] = {}
-        self.carried: dict[int, dict[Message, set[str]]] = {}
+        self.counts: dict[tuple[int, PacketDirection, SubmessageKind], int] = {}
+        self.carried: dict[int, dict[ModelMessage, set[str]]] = {}
         """What is under way in a link, and which processes listened when it was sent."""
 
     def step(self, transition: Mapping[str, Any], changes: Mapping[str, int]) -> None:
         channel = str(transition["channel"])
         if again := _AGAIN.fullmatch(channel):
-            message = self.message(self.number(again[1], channel), Way.TO_AGENT, Kind.CREATE_CLIENT)
+            message = self.message(
+                self.number(again[1], channel), PacketDirection.TO_AGENT, SubmessageKind.CREATE_CLIENT
+            )
             self.happenings.append(Happening(message, False))
         elif found := _CHANNEL.fullmatch(channel):
             link, name = self.number(found[2], channel), self.kinds.get(found[3], found[3])
@@ -160,19 +162,19 @@ class _Reading:
             raise UsageError(f"{channel}: {name} is no constant of the model")
         return int(name) if is_whole(name) else self.constants[name]
 
-    def message(self, client: int, way: Way, kind: Kind) -> Message:
+    def message(self, client: int, way: PacketDirection, kind: SubmessageKind) -> ModelMessage:
         key = (client, way, kind)
         self.counts[key] = self.counts.get(key, 0) + 1
-        return Message(client, way, kind, self.counts[key])
+        return ModelMessage(client, way, kind, self.counts[key])
 
-    def sent(self, kind: Kind, link: int, listeners: set[str], changes: Mapping[str, int]) -> None:
-        message = self.message(link // 2, Way.TO_CLIENT if link % 2 else Way.TO_AGENT, kind)
+    def sent(self, kind: SubmessageKind, link: int, listeners: set[str], changes: Mapping[str, int]) -> None:
+        message = self.message(link // 2, PacketDirection.TO_CLIENT if link % 2 else PacketDirection.TO_AGENT, kind)
         lost = self.grows("losses", changes)
         self.happenings.append(Happening(message, True, lost))
         if not lost:
             self.carried.setdefault(link, {})[message] = listeners
 
-    def delivered(self, kind: Kind, link: int, carriers: set[str], changes: Mapping[str, int]) -> None:
+    def delivered(self, kind: SubmessageKind, link: int, carriers: set[str], changes: Mapping[str, int]) -> None:
         """The message that the carrier has taken first leaves; a model may hide which one carries it."""
         under_way = self.carried.get(link, {})
         fitting = (one for one in under_way if one.kind is kind and under_way[one] >= carriers)

@@ -24,21 +24,31 @@ from tachk.base.diagnostics.suggestion import closest
 from tachk.base.exact_numbers import DIGITS, is_whole
 from tachk.base.span import Source, Span
 from tachk.base.time_units import NANOSECONDS, SPELLINGS
-from tachk.xrce.proxy.rules import EVERY, NUMBERED, ONE_WAY, Chosen, Deed, Packets, Rule, Wait, Way
-from tachk.xrce.wire import Kind
+from tachk.xrce.proxy.rules import (
+    EVERY,
+    NUMBERED,
+    ONE_WAY,
+    Chosen,
+    ChosenPackets,
+    Deed,
+    PacketDirection,
+    RelayRule,
+    RuleWindow,
+)
+from tachk.xrce.wire import SubmessageKind
 
 _TOKEN: Final = re.compile(r"\d+(?:st|nd|rd|th)\b|\d+(?:\.\d+)?|[A-Za-z_]+(?:->[A-Za-z]+)?|\S")
 _NUMBER: Final = re.compile(rf"{DIGITS}(?:\.{DIGITS})?")
 _ORDINAL: Final = re.compile(rf"({DIGITS})(?:st|nd|rd|th)")
 _DEEDS: Final = {deed.value: deed for deed in Deed}
-_WAYS: Final = {way.value: way for way in Way}
-_KINDS: Final = ("packet", "NACK", *(kind.name for kind in Kind))
+_WAYS: Final = {way.value: way for way in PacketDirection}
+_KINDS: Final = ("packet", "NACK", *(kind.name for kind in SubmessageKind))
 _PLURALS: Final = {"packets": "packet"}
 _WAITS: Final = {Deed.DELAY: ("by", "until"), Deed.DUPLICATE: ("after", "after")}
 _LAST_NUMBER: Final = 65535
 
 
-def parse_script(source: Source, ports: Collection[int] = ()) -> tuple[Rule, ...]:
+def parse_script(source: Source, ports: Collection[int] = ()) -> tuple[RelayRule, ...]:
     """The rules of a script, in its order.
 
     Args:
@@ -47,7 +57,7 @@ def parse_script(source: Source, ports: Collection[int] = ()) -> tuple[Rule, ...
 
     Raises InputError with a diagnostic for each line that is no rule.
     """
-    rules: list[Rule] = []
+    rules: list[RelayRule] = []
     problems: list[Diagnostic] = []
     start = 0
     for line in source.text.splitlines(keepends=True):
@@ -112,7 +122,7 @@ class _Line:
 
     # ---- rules -------------------------------------------------------------------------------------------------------
 
-    def rule(self) -> Rule:
+    def rule(self) -> RelayRule:
         verb = self.take()
         if verb.text not in _DEEDS:
             close = closest(verb.text, _DEEDS)
@@ -124,11 +134,11 @@ class _Line:
         deed = _DEEDS[verb.text]
         share = self.share()
         chosen = self.chosen(all_of_them=share is not None)
-        wait = Wait() if deed is Deed.DROP else self.wait(deed)
+        wait = RuleWindow() if deed is Deed.DROP else self.wait(deed)
         begin, end = self.window()
         if self.next < len(self.tokens):
             raise self.wrong(f"expected the end of the line{self.found}")
-        return Rule(deed, chosen, self.whole, share, wait, begin, end)
+        return RelayRule(deed, chosen, self.whole, share, wait, begin, end)
 
     def share(self) -> Fraction | None:
         if self.following != "%":
@@ -177,7 +187,7 @@ class _Line:
         self.take()
         return int(found[1])
 
-    def packets(self) -> Packets:
+    def packets(self) -> ChosenPackets:
         kind, names_missing = self.kind()
         number, number_place = None, self.place
         if is_whole(self.place.text) and self.following.lower() not in SPELLINGS:
@@ -190,12 +200,12 @@ class _Line:
             reason = f"numbers end at {_LAST_NUMBER}" if kind in NUMBERED else f"{told} has no number"
             raise self.wrong(reason, None, number_place, "E0953")
         if kind in ONE_WAY and way not in (None, ONE_WAY[kind]):
-            help = "the samples that clients write are WRITE_DATA" if kind is Kind.DATA else None
-            help = "the samples that the Agent sends are DATA" if kind is Kind.WRITE_DATA else help
+            help = "the samples that clients write are WRITE_DATA" if kind is SubmessageKind.DATA else None
+            help = "the samples that the Agent sends are DATA" if kind is SubmessageKind.WRITE_DATA else help
             raise self.wrong(f"{kind.name} goes {ONE_WAY[kind].value} only", help, way_place, "E0953")
-        return Packets(kind, names_missing, number, way, port)
+        return ChosenPackets(kind, names_missing, number, way, port)
 
-    def kind(self) -> tuple[Kind | None, bool]:
+    def kind(self) -> tuple[SubmessageKind | None, bool]:
         name = _PLURALS.get(self.place.text, self.place.text)
         if name not in _KINDS:
             if self.next == len(self.tokens):
@@ -206,7 +216,7 @@ class _Line:
         self.take()
         if name == "packet":
             return None, False
-        return (Kind.ACKNACK, True) if name == "NACK" else (Kind[name], False)
+        return (SubmessageKind.ACKNACK, True) if name == "NACK" else (SubmessageKind[name], False)
 
     def port(self) -> int:
         place = self.place
@@ -218,7 +228,7 @@ class _Line:
             raise self.wrong(f"the relay does not listen on port {port}", f"it listens on {known}", place, "E0953")
         return port
 
-    def wait(self, deed: Deed) -> Wait:
+    def wait(self, deed: Deed) -> RuleWindow:
         for_time, for_packets = _WAITS[deed]
         if self.skip(for_time):
             if for_time != for_packets or _NUMBER.fullmatch(self.place.text):
@@ -228,7 +238,7 @@ class _Line:
         events = [self.awaited()]
         while self.skip("and"):
             events.append(self.awaited())
-        return Wait(events=tuple(events))
+        return RuleWindow(events=tuple(events))
 
     def awaited(self) -> Chosen:
         place = self.place
@@ -237,13 +247,13 @@ class _Line:
             raise self.wrong("a packet waits for one packet, not for several", None, place, "E0953")
         return chosen
 
-    def interval(self) -> Wait:
+    def interval(self) -> RuleWindow:
         place = self.place
         shortest = self.time()
         longest = self.time() if self.skip("to") else shortest
         if longest < shortest:
             raise self.wrong("the first time is the longer one", None, place, "E0953")
-        return Wait(shortest, longest)
+        return RuleWindow(shortest, longest)
 
     def window(self) -> tuple[int, int]:
         if not self.skip("between"):

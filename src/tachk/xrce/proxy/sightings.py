@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from tachk.base.records import dataclass
 from tachk.xrce.messages import one_message
-from tachk.xrce.proxy.rules import Packets, Way
+from tachk.xrce.proxy.rules import ChosenPackets, PacketDirection
 from tachk.xrce.submessages import MALFORMED, NOTHING, submessages
-from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """A submessage. ``number``: as in `Packets`; None where there is none."""
+    """A submessage. ``number``: as in `ChosenPackets`; None where there is none."""
 
-    kind: Kind
+    kind: SubmessageKind
     number: int | None
     names_missing: bool
 
@@ -28,11 +28,11 @@ def said(octets: bytes) -> tuple[Said, ...]:
             continue
         reliable = int(found.stream[entry]) >= FIRST_RELIABLE_STREAM
         number = first if first != NOTHING else int(found.sequence[entry]) if reliable else None
-        sayings.append(Said(Kind(kind), number, int(found.bitmap[entry]) > 0))
+        sayings.append(Said(SubmessageKind(kind), number, int(found.bitmap[entry]) > 0))
     return tuple(sayings)
 
 
-def are_among(sayings: tuple[Said, ...], way: Way, port: int, packets: Packets) -> bool:
+def are_among(sayings: tuple[Said, ...], way: PacketDirection, port: int, packets: ChosenPackets) -> bool:
     """Whether a packet that says this, goes this way and belongs to the client of this port is one of them."""
     if packets.way not in (None, way) or packets.port not in (None, port):
         return False

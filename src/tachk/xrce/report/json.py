@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from tachk.xrce.events import Event
+from tachk.xrce.events import SubmessageEvent
 
 
-def event_to_json(event: Event) -> dict[str, Any]:
+def event_to_json(event: SubmessageEvent) -> dict[str, Any]:
     """The event as a dictionary for `json.dumps`."""
     return {
         "packet": event.packet,

@@ -7,7 +7,7 @@ from typing import Any
 
 from tachk.base.records import dataclass
 from tachk.xrce.measuring.measure import Measurement
-from tachk.xrce.measuring.quantity import Place, Quantity
+from tachk.xrce.measuring.quantity import PacketPlace, Quantity
 from tachk.xrce.measuring.settings import Setting
 
 _PLACES = 6
@@ -125,7 +125,7 @@ def _quantity_lines(quantity: Quantity, several: bool) -> Iterator[str]:
     yield f"      {quantity.confidence.value}: {quantity.how}{f'; {places}' if places else ''}"
 
 
-def _places(places: Sequence[Place], several: bool) -> str:
+def _places(places: Sequence[PacketPlace], several: bool) -> str:
     if not places:
         return ""
     told = [f"{place.file}:{place.packet}" if several else str(place.packet) for place in places[:_PLACES]]

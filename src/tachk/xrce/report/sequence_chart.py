@@ -8,29 +8,29 @@ from fractions import Fraction
 
 from tachk.model.quantity import ranges
 from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Phase
-from tachk.xrce.events import Event
+from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.sleeps import sleeps
 from tachk.xrce.report.text import event_to_text
-from tachk.xrce.transmissions import Recording, Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.wire import SubmessageKind
 
 _CATEGORIES = {
-    Kind.WRITE_DATA: Category.DATA,
-    Kind.DATA: Category.DATA,
-    Kind.FRAGMENT: Category.DATA,
-    Kind.ACKNACK: Category.ANSWER,
-    Kind.HEARTBEAT: Category.HEARTBEAT,
+    SubmessageKind.WRITE_DATA: Category.DATA,
+    SubmessageKind.DATA: Category.DATA,
+    SubmessageKind.FRAGMENT: Category.DATA,
+    SubmessageKind.ACKNACK: Category.ANSWER,
+    SubmessageKind.HEARTBEAT: Category.HEARTBEAT,
 }
 
 
-def chart_of_capture(recording: Recording, name: str) -> Chart:
+def chart_of_capture(recording: Capture, name: str) -> Chart:
     """Clients on both sides of their Agent, those that write on the left, and milliseconds since the first message.
 
     Args:
         name: of the capture.
     """
     lifelines, clients, agents = _lifelines(recording)
-    told = _Teller(recording.begin)
+    told = _CaptureChart(recording.begin)
     events = []
     for one in recording.transmissions:
         ends = clients[one.link], agents[one.link]
@@ -52,7 +52,7 @@ def chart_of_capture(recording: Recording, name: str) -> Chart:
     return Chart(name, description, "ms", lifelines, tuple(events), phases)
 
 
-def _lifelines(recording: Recording) -> tuple[tuple[str, ...], list[int], list[int]]:
+def _lifelines(recording: Capture) -> tuple[tuple[str, ...], list[int], list[int]]:
     """Names from left to right, and where the client and the Agent of each link stand."""
     writing = [_writes(recording, number) for number in range(len(recording.links))]
     left = [number for number, writes in enumerate(writing) if writes] or [0][: len(writing)]
@@ -76,13 +76,16 @@ def _told_apart(names: Sequence[str]) -> Iterator[str]:
         yield f"{name} ({seen[name]})" if often[name] > 1 else name
 
 
-def _writes(recording: Recording, link: int) -> bool:
+def _writes(recording: Capture, link: int) -> bool:
     return any(
-        event.kind is Kind.WRITE_DATA for one in recording.transmissions if one.link == link for event in one.events
+        event.kind is SubmessageKind.WRITE_DATA
+        for one in recording.transmissions
+        if one.link == link
+        for event in one.events
     )
 
 
-class _Teller:
+class _CaptureChart:
     """Makes messages of a chart from those of a capture."""
 
     def __init__(self, begin: int) -> None:
@@ -113,8 +116,8 @@ class _Teller:
             one.is_lost,
         )
 
-    def _is_repeated(self, one: Transmission, first: Event) -> bool:
-        if first.kind is Kind.CREATE_CLIENT:
+    def _is_repeated(self, one: Transmission, first: SubmessageEvent) -> bool:
+        if first.kind is SubmessageKind.CREATE_CLIENT:
             self._sent = {sent for sent in self._sent if sent[0] != one.link}
         if not first.is_reliable or first.stream is None or first.sequence is None:
             return False
@@ -124,16 +127,16 @@ class _Teller:
         return known
 
 
-def label_of(events: Sequence[Event]) -> str:
+def label_of(events: Sequence[SubmessageEvent]) -> str:
     """A message in a few words: kinds, the number, what is missing or held."""
     first = events[0]
     if first.kind is None:
         return "malformed"
-    if first.kind is Kind.ACKNACK and len(events) == 1:
+    if first.kind is SubmessageKind.ACKNACK and len(events) == 1:
         missing = first.fields["missing"]
         told = f" missing {ranges(missing)}" if isinstance(missing, list) and missing else ""
         return f"ACKNACK {first.fields['first']}{told}"
-    if first.kind is Kind.HEARTBEAT and len(events) == 1:
+    if first.kind is SubmessageKind.HEARTBEAT and len(events) == 1:
         return f"HEARTBEAT {first.fields['first']}..{first.fields['last']}"
     kinds = Counter("malformed" if event.kind is None else event.kind.name for event in events)
     words = ", ".join(name if count == 1 else f"{name} ×{count}" for name, count in kinds.items())

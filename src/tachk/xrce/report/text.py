@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tachk.xrce.events import Event
+from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 _WIDEST_SAMPLE = 16
 """How many bytes of a sample are shown."""
@@ -15,7 +15,7 @@ _WIDEST_SAMPLE = 16
 UNLIMITED = 0xFFFF
 
 
-def event_to_text(event: Event, start: int) -> str:
+def event_to_text(event: SubmessageEvent, start: int) -> str:
     """A line: when, in which packet, between whom, and what.
 
     Args:
@@ -30,14 +30,14 @@ def _name(endpoint: Endpoint | None) -> str:
     return "?" if endpoint is None else str(endpoint)
 
 
-def _number(event: Event) -> str:
+def _number(event: SubmessageEvent) -> str:
     """The number of the message in its stream, where it has one."""
     if not event.stream:
         return ""
     return f"{event.stream:02X}:{event.sequence}"
 
 
-def _said(event: Event) -> str:
+def _said(event: SubmessageEvent) -> str:
     if event.kind is None:
         return f"malformed: {event.problem}"
     words = _WORDS[event.kind](event.fields)
@@ -124,22 +124,22 @@ def _fragment(fields: Fields) -> str:
     return f"{len(fields['piece']) // 2} bytes{', the last' if fields['last'] else ''}"
 
 
-_WORDS: Mapping[Kind, Callable[[Fields], str]] = {
-    Kind.CREATE_CLIENT: _client,
-    Kind.CREATE: _create,
-    Kind.GET_INFO: _asked,
-    Kind.DELETE: _deleted,
-    Kind.STATUS_AGENT: lambda fields: fields["status"] + _properties(fields),
-    Kind.STATUS: _status,
-    Kind.INFO: _status,
-    Kind.WRITE_DATA: _sample,
-    Kind.READ_DATA: _read,
-    Kind.DATA: _sample,
-    Kind.ACKNACK: _acknack,
-    Kind.HEARTBEAT: _heartbeat,
-    Kind.RESET: lambda fields: "",
-    Kind.FRAGMENT: _fragment,
-    Kind.TIMESTAMP: lambda fields: f"sent at {fields['transmitted_ns']} ns",
-    Kind.TIMESTAMP_REPLY: lambda fields: f"to what was sent at {fields['originated_ns']} ns",
-    Kind.PERFORMANCE: lambda fields: f"{len(fields['octets']) // 2} bytes",
+_WORDS: Mapping[SubmessageKind, Callable[[Fields], str]] = {
+    SubmessageKind.CREATE_CLIENT: _client,
+    SubmessageKind.CREATE: _create,
+    SubmessageKind.GET_INFO: _asked,
+    SubmessageKind.DELETE: _deleted,
+    SubmessageKind.STATUS_AGENT: lambda fields: fields["status"] + _properties(fields),
+    SubmessageKind.STATUS: _status,
+    SubmessageKind.INFO: _status,
+    SubmessageKind.WRITE_DATA: _sample,
+    SubmessageKind.READ_DATA: _read,
+    SubmessageKind.DATA: _sample,
+    SubmessageKind.ACKNACK: _acknack,
+    SubmessageKind.HEARTBEAT: _heartbeat,
+    SubmessageKind.RESET: lambda fields: "",
+    SubmessageKind.FRAGMENT: _fragment,
+    SubmessageKind.TIMESTAMP: lambda fields: f"sent at {fields['transmitted_ns']} ns",
+    SubmessageKind.TIMESTAMP_REPLY: lambda fields: f"to what was sent at {fields['originated_ns']} ns",
+    SubmessageKind.PERFORMANCE: lambda fields: f"{len(fields['octets']) // 2} bytes",
 }

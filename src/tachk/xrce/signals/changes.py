@@ -12,7 +12,7 @@ Table = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
-class Changes:
+class SignalChanges:
     """``rows``: ascending; ``values``: what several signals are from each of these rows on, a line for each."""
 
     rows: Numbers
@@ -51,13 +51,13 @@ class ChangeLog:
     def __bool__(self) -> bool:
         return bool(self._rows)
 
-    def take(self, first: int) -> Changes:
+    def take(self, first: int) -> SignalChanges:
         """What has been collected; nothing of it is kept.
 
         Args:
             first: the row that is the first one of the block.
         """
         rows = np.array(self._rows, np.int64) - first
-        changes = Changes(rows, np.array(self._values, np.int64).reshape(-1, self._width))
+        changes = SignalChanges(rows, np.array(self._values, np.int64).reshape(-1, self._width))
         self._rows, self._values = [], []
         return changes

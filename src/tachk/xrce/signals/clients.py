@@ -107,7 +107,7 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True)
-class Wait:
+class MessageWait:
     """``number``: of the first message that waits; it was sent in this row, at this time."""
 
     number: int
@@ -133,14 +133,14 @@ class Transfer:
         self.sender, self.receiver, self.to_agent = sender, receiver, to_agent
         self.reached = 0
         self.open = self.lost = self.unheard = False
-        self.waiting: deque[tuple[int, Wait]] = deque()
+        self.waiting: deque[tuple[int, MessageWait]] = deque()
 
     def restart(self) -> None:
         """The sender begins anew."""
         self.reached = 0
         self.waiting.clear()
 
-    def confirmed(self, row: int, time: int) -> Wait | None:
+    def confirmed(self, row: int, time: int) -> MessageWait | None:
         """Notes when the Agent's messages were sent. Returns the longest wait that has ended now."""
         sent, arrived = self.sender.sent, self.sender.arrived
         longest = None
@@ -150,12 +150,12 @@ class Transfer:
             wait = self.waiting[0][1]
             longest = longest or wait
             if self.waiting[0][0] > arrived:
-                self.waiting[0] = (self.waiting[0][0], Wait(arrived, wait.row, wait.time))
+                self.waiting[0] = (self.waiting[0][0], MessageWait(arrived, wait.row, wait.time))
                 break
             self.waiting.popleft()
         known = max(self.waiting[-1][0] if self.waiting else 0, arrived)
         if sent > known:
-            self.waiting.append((sent, Wait(known, row, time)))
+            self.waiting.append((sent, MessageWait(known, row, time)))
         return longest
 
     def look(self) -> None:

@@ -9,12 +9,12 @@ import numpy as np
 from tachk.base.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.packets import Numbers
-from tachk.xrce.signals.changes import ChangeLog, Changes
-from tachk.xrce.signals.clients import NEVER, Client, Side, Stream, Wait, Way
-from tachk.xrce.signals.samples import Exchange, topic_of
+from tachk.xrce.signals.changes import ChangeLog, SignalChanges
+from tachk.xrce.signals.clients import NEVER, Client, MessageWait, Side, Stream, Way
+from tachk.xrce.signals.samples import SampleExchange, topic_of
 from tachk.xrce.streams import Item
 from tachk.xrce.submessages import Submessages
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 SILENCE: Final = 2_000_000_000
 """After so many nanoseconds without a message a client counts as asleep: ten heartbeats of the Agent."""
@@ -58,14 +58,14 @@ _WRITER, _READER = 0x5, 0x6
 _ENDS: Final = (_WRITER, _READER)
 
 # Kinds as plain numbers: each message is compared with some of them.
-_ACKNACK: Final = int(Kind.ACKNACK)
-_HEARTBEAT: Final = int(Kind.HEARTBEAT)
-_CREATE_CLIENT: Final = int(Kind.CREATE_CLIENT)
-_CREATE: Final = int(Kind.CREATE)
-_DELETE: Final = int(Kind.DELETE)
-_FRAGMENT: Final = int(Kind.FRAGMENT)
-_WRITE_DATA: Final = int(Kind.WRITE_DATA)
-_DATA: Final = int(Kind.DATA)
+_ACKNACK: Final = int(SubmessageKind.ACKNACK)
+_HEARTBEAT: Final = int(SubmessageKind.HEARTBEAT)
+_CREATE_CLIENT: Final = int(SubmessageKind.CREATE_CLIENT)
+_CREATE: Final = int(SubmessageKind.CREATE)
+_DELETE: Final = int(SubmessageKind.DELETE)
+_FRAGMENT: Final = int(SubmessageKind.FRAGMENT)
+_WRITE_DATA: Final = int(SubmessageKind.WRITE_DATA)
+_DATA: Final = int(SubmessageKind.DATA)
 
 _CARRYING: Final = (_WRITE_DATA, _DATA, _CREATE, _DELETE, _FRAGMENT)
 _TELLING: Final = (*_CARRYING, _ACKNACK, _HEARTBEAT, _CREATE_CLIENT)
@@ -79,11 +79,11 @@ class StreamChanges:
 
     side: Side
     way: Way
-    changes: Changes
+    changes: SignalChanges
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class RowBlock:
     """Rows that follow one another: one for each message, and one where a client begins to count as asleep.
 
     Attributes:
@@ -96,9 +96,9 @@ class Block:
 
     times: Numbers
     packets: Numbers
-    situation: Changes
+    situation: SignalChanges
     streams: tuple[StreamChanges, ...]
-    sleeps: tuple[tuple[Side, Changes], ...]
+    sleeps: tuple[tuple[Side, SignalChanges], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ class Waited:
 
 
 class Follower:
-    """Takes messages, and gives what they say as `Block`.
+    """Takes messages, and gives what they say as `RowBlock`.
 
     Attributes:
         sides: of all clients, in the order in which they were seen.
@@ -129,7 +129,7 @@ class Follower:
         self.sides: list[Side] = []
         self._by_endpoints: dict[tuple[int, int], Side] = {}
         self._clients: dict[str, Client] = {}
-        self._exchange = Exchange()
+        self._exchange = SampleExchange()
         self._situation_log = ChangeLog(len(SITUATION))
         self._times: list[Numbers] = []
         self._packets: list[Numbers] = []
@@ -260,7 +260,7 @@ class Follower:
             self._look(self._rows)
             self._rows += 1
 
-    def waiting(self) -> Wait | None:
+    def waiting(self) -> MessageWait | None:
         """For what the Agent waits still, and longest."""
         transfers = (transfer for client in self._owners() for transfer in client.transfers.values())
         waits = [transfer.waiting[0][1] for transfer in transfers if transfer.waiting]
@@ -269,7 +269,7 @@ class Follower:
     def _owners(self) -> set[Client]:
         return {side.owner for side in self.sides}
 
-    def take(self) -> Block:
+    def take(self) -> RowBlock:
         """The rows since the last call. Of what they say nothing is kept but where it has led to."""
         nothing = np.zeros(0, np.int64)
         times, packets = np.concatenate([nothing, *self._times]), np.concatenate([nothing, *self._packets])
@@ -285,7 +285,7 @@ class Follower:
             if stream.log
         )
         sleeps = tuple((side, side.sleep_log.take(first)) for side in self.sides if side.sleep_log)
-        block = Block(times, packets, self._situation_log.take(first), streams, sleeps)
+        block = RowBlock(times, packets, self._situation_log.take(first), streams, sleeps)
         self._times, self._packets, self._inserted = [], [], []
         return block
 
@@ -434,17 +434,17 @@ class Follower:
 
     def _delivered(self, client: Client, way: Way, item: Item) -> None:
         match item:
-            case (Kind.WRITE_DATA, int(number), int(sample)):
+            case (SubmessageKind.WRITE_DATA, int(number), int(sample)):
                 self._exchange.written((client, number), sample)
-            case (Kind.DATA, int(number), int(sample)):
+            case (SubmessageKind.DATA, int(number), int(sample)):
                 self._exchange.got((client, number), sample)
-            case (Kind.CREATE, int(number), 0x5, str() | None as topic):
+            case (SubmessageKind.CREATE, int(number), 0x5, str() | None as topic):
                 self._exchange.new_writer((client, number), topic)
-            case (Kind.CREATE, int(number), 0x6, str() | None as topic):
+            case (SubmessageKind.CREATE, int(number), 0x6, str() | None as topic):
                 self._exchange.new_reader((client, number), topic)
-            case (Kind.DELETE, int(number)):
+            case (SubmessageKind.DELETE, int(number)):
                 self._exchange.close(client, number)
-            case (Kind.FRAGMENT, bytes(piece), is_last):
+            case (SubmessageKind.FRAGMENT, bytes(piece), is_last):
                 whole = client.pieces.setdefault(way, bytearray())
                 whole += piece
                 if is_last:
@@ -454,9 +454,9 @@ class Follower:
 
     def _whole(self, client: Client, way: Way, submessage: bytes) -> None:
         """Fragments have become a submessage."""
-        if len(submessage) >= 8 and submessage[0] in (Kind.WRITE_DATA, Kind.DATA):
+        if len(submessage) >= 8 and submessage[0] in (SubmessageKind.WRITE_DATA, SubmessageKind.DATA):
             number = int.from_bytes(submessage[6:8], "big")
-            self._delivered(client, way, (Kind(submessage[0]), number, hash(submessage[8:])))
+            self._delivered(client, way, (SubmessageKind(submessage[0]), number, hash(submessage[8:])))
 
     # ---- all of it ----
 

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from tachk.xrce.packets import Numbers
-from tachk.xrce.signals.changes import ChangeLog, Changes
-from tachk.xrce.transmissions import Recording, Transmission
+from tachk.xrce.signals.changes import ChangeLog, SignalChanges
+from tachk.xrce.transmissions import Capture, Transmission
 
 HOP_SIGNALS: Final = ("lost", "copies", "overtaken", "delay_ms")
 """Of all messages of a client, or of the Agent to it, so far: how many were lost, counted when they were sent; how many
@@ -20,7 +20,7 @@ Direction = tuple[str, bool]
 """The key of a client, and whether it sends."""
 
 
-def hop_changes(recording: Recording, packets: Numbers) -> Mapping[Direction, Changes]:
+def hop_changes(recording: Capture, packets: Numbers) -> Mapping[Direction, SignalChanges]:
     """The `HOP_SIGNALS` of each client whose relay was recorded on both sides.
 
     Args:
@@ -36,7 +36,7 @@ def hop_changes(recording: Recording, packets: Numbers) -> Mapping[Direction, Ch
     return {direction: _changes(ones, rows) for direction, ones in sent.items()}
 
 
-def _changes(sent: Iterable[Transmission], rows: Mapping[int, int]) -> Changes:
+def _changes(sent: Iterable[Transmission], rows: Mapping[int, int]) -> SignalChanges:
     happened: list[tuple[int, int, int, int]] = []  # row, lost, place in order of sending, delay
     for place, one in enumerate(sorted(sent, key=lambda transmission: transmission.packet)):
         if one.is_lost:

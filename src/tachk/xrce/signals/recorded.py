@@ -13,9 +13,9 @@ from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import Numbers
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import SerialReading
-from tachk.xrce.signals.changes import Changes
+from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.clients import Side, Way
-from tachk.xrce.signals.following import SITUATION, Block, Follower
+from tachk.xrce.signals.following import SITUATION, Follower, RowBlock
 from tachk.xrce.streams import SIGNALS
 
 
@@ -36,7 +36,7 @@ class StreamHistory:
     key: str
     to_agent: bool
     stream: int
-    changes: Changes
+    changes: SignalChanges
 
     def signal(self, name: str, count: int) -> Numbers:
         """One of the `SIGNALS` in each of so many rows; 0 before anything is known."""
@@ -50,11 +50,11 @@ class ClientHistory:
     client: Endpoint
     agent: Endpoint
     key: str
-    changes: Changes
+    changes: SignalChanges
 
 
 @dataclass(frozen=True, slots=True)
-class Observed:
+class LongestWaits:
     """The messages of the Agent that waited longest for their confirmation: if these are in time, all are.
 
     Attributes:
@@ -84,7 +84,7 @@ class Observed:
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class CaptureSignals:
     """Attributes:
     times: nanoseconds since the epoch, one for each message to or from an Agent and for each client that counts as
         asleep from then on, not decreasing.
@@ -98,14 +98,14 @@ class Recorded:
 
     times: Numbers
     packets: Numbers
-    situation: Changes
+    situation: SignalChanges
     streams: tuple[StreamHistory, ...]
     clients: tuple[ClientHistory, ...]
-    observed: Observed
+    observed: LongestWaits
     problem: str = ""
 
 
-def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) -> Recorded:
+def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) -> CaptureSignals:
     """What a capture says. Raises CaptureError for what is no capture.
 
     Args:
@@ -115,13 +115,13 @@ def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) 
     return _recorded(CaptureReading(stream, ports), signals)
 
 
-def read_recorded_serial(stream: BinaryIO, signals: bool = True) -> Recorded:
+def read_recorded_serial(stream: BinaryIO, signals: bool = True) -> CaptureSignals:
     """What a capture of a serial line says; frames that a receiver would drop are left out. Raises CaptureError for a
     file without bytes."""
     return _recorded(SerialReading(stream, damaged=False), signals)
 
 
-def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> Recorded:
+def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> CaptureSignals:
     follower = Follower(streams=signals)
     blocks = []
     for found in reading.pieces():
@@ -151,14 +151,14 @@ def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> Recorde
         for side in follower.sides
     )
     observed = _observed(follower, joined.times)
-    return Recorded(joined.times, joined.packets, joined.situation, streams, clients, observed, reading.problem)
+    return CaptureSignals(joined.times, joined.packets, joined.situation, streams, clients, observed, reading.problem)
 
 
-def _observed(follower: Follower, times: Numbers) -> Observed:
+def _observed(follower: Follower, times: Numbers) -> LongestWaits:
     waiting, waited = follower.waiting(), follower.longest
     if waiting is not None and (waited is None or int(times[-1]) - waiting.time >= waited.duration):
         waited = None
-    return Observed(
+    return LongestWaits(
         None if waited is None else (waited.sent, waited.confirmed), None if waiting is None else waiting.row
     )
 
@@ -166,13 +166,13 @@ def _observed(follower: Follower, times: Numbers) -> Observed:
 class _Joined:
     """Blocks one behind the other."""
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
+    def __init__(self, blocks: Sequence[RowBlock]) -> None:
         nothing = np.zeros(0, np.int64)
         self.times = np.concatenate([nothing, *(block.times for block in blocks)])
         self.packets = np.concatenate([nothing, *(block.packets for block in blocks)])
-        situation: list[Changes] = []
-        streams: dict[tuple[Side, Way], list[Changes]] = {}
-        sleeps: dict[Side, list[Changes]] = {}
+        situation: list[SignalChanges] = []
+        streams: dict[tuple[Side, Way], list[SignalChanges]] = {}
+        sleeps: dict[Side, list[SignalChanges]] = {}
         first = 0
         for block in blocks:
             situation.append(_behind(first, block.situation))
@@ -186,13 +186,13 @@ class _Joined:
         self.sleeps = {side: _joined(parts) for side, parts in sleeps.items()}
 
 
-def _nothing(width: int) -> Changes:
-    return Changes(np.zeros(0, np.int64), np.zeros((0, width), np.int64))
+def _nothing(width: int) -> SignalChanges:
+    return SignalChanges(np.zeros(0, np.int64), np.zeros((0, width), np.int64))
 
 
-def _behind(first: int, changes: Changes) -> Changes:
-    return Changes(changes.rows + first, changes.values)
+def _behind(first: int, changes: SignalChanges) -> SignalChanges:
+    return SignalChanges(changes.rows + first, changes.values)
 
 
-def _joined(parts: Sequence[Changes]) -> Changes:
-    return Changes(np.concatenate([part.rows for part in parts]), np.concatenate([part.values for part in parts]))
+def _joined(parts: Sequence[SignalChanges]) -> SignalChanges:
+    return SignalChanges(np.concatenate([part.rows for part in parts]), np.concatenate([part.values for part in parts]))

@@ -62,7 +62,7 @@ Owner = tuple[object, int]
 """A client and an object of it."""
 
 
-class Reader:
+class DataReader:
     """A data reader, and what it is owed.
 
     Attributes:
@@ -118,12 +118,12 @@ class Standing(NamedTuple):
     ordered: bool
 
 
-class Exchange:
+class SampleExchange:
     """All writers and readers."""
 
     def __init__(self) -> None:
         self._writers: dict[Owner, Topic] = {}
-        self._readers: dict[Owner, Reader] = {}
+        self._readers: dict[Owner, DataReader] = {}
         self._creations: Counter[Topic] = Counter()
         self._disordered = False
 
@@ -135,7 +135,7 @@ class Exchange:
         """A reader that is there already goes on; one that had been deleted begins anew."""
         known = self._readers.get(reader)
         if known is None or known.closed:
-            self._readers[reader] = Reader(topic)
+            self._readers[reader] = DataReader(topic)
 
     def close(self, client: object, number: int | None) -> None:
         """Nobody owes an object of a client, or all of them, anything new."""
@@ -166,7 +166,7 @@ class Exchange:
 
     def got(self, reader: Owner, sample: int) -> None:
         if reader not in self._readers:
-            self._readers[reader] = Reader(None)
+            self._readers[reader] = DataReader(None)
         topic = self._readers[reader].topic
         self._readers[reader].got(
             sample, sum(n for t, n in self._creations.items() if topic is None or t in (None, topic))

@@ -22,9 +22,9 @@ from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import PCAP_HEADER, USER_LINKS, CaptureError, is_capture, link_of_pcap
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import Peeked, SerialReading
-from tachk.xrce.signals.changes import Changes
+from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.clients import Side, Way
-from tachk.xrce.signals.following import GONE, SITUATION, Block, Follower
+from tachk.xrce.signals.following import GONE, SITUATION, Follower, RowBlock
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
 from tachk.xrce.traces.trace_packets import PROPERTIES
@@ -60,7 +60,7 @@ def needs_hindsight(columns: Collection[str]) -> bool:
 
 
 @dataclass(slots=True, eq=False)
-class _Column:
+class _LiveColumn:
     """A column that is wanted, and its value in the last row.
 
     Attributes:
@@ -77,7 +77,7 @@ class _Column:
     side: Side | None = None
     value: int = 0
 
-    def spread(self, changes: Changes | None, count: int) -> Values:
+    def spread(self, changes: SignalChanges | None, count: int) -> Values:
         """Its values in a block."""
         index, negated = (self.signal, False) if self.situation is None else self.situation
         if changes is None or not len(changes.rows):
@@ -163,7 +163,7 @@ class LivePackets:
         found = self._kept[:, np.maximum(places, 0)] if self._kept.size else np.zeros((2, len(times)), np.int64)
         return np.where((places >= 0) & (found[0] == times), found[1], 0)
 
-    def _rows(self, block: Block, wanted: dict[str, _Column], waited: int) -> Rows:
+    def _rows(self, block: RowBlock, wanted: dict[str, _LiveColumn], waited: int) -> Rows:
         """The rows of a block, and one that says that nothing has changed until now."""
         times, count = block.times, len(block.times)
         is_later = not count or waited > int(times[-1])
@@ -177,14 +177,14 @@ class LivePackets:
         self._kept = np.concatenate([self._kept, rows], axis=1)[:, -_MOST_KEPT:]
         return Rows(times - self._start, values, _DECIMALS)
 
-    def _values(self, name: str, column: _Column, block: Block, count: int) -> Values:
+    def _values(self, name: str, column: _LiveColumn, block: RowBlock, count: int) -> Values:
         if not count:
             return _last(column)[:0]
         if column.situation is not None:
             return column.spread(block.situation, count)
-        found: Changes | None = None
+        found: SignalChanges | None = None
         if column.way is None:
-            candidates: list[tuple[Side, Changes]] = list(block.sleeps)
+            candidates: list[tuple[Side, SignalChanges]] = list(block.sleeps)
         else:
             candidates = [(one.side, one.changes) for one in block.streams if one.way == column.way]
         for side, changes in candidates:
@@ -196,7 +196,7 @@ class LivePackets:
                 column.side, found = side, changes
         return column.spread(found, count)
 
-    def _belongs(self, column: _Column, side: Side) -> bool:
+    def _belongs(self, column: _LiveColumn, side: Side) -> bool:
         client, agent = (self._endpoint(number) for number in (side.client_endpoint, side.agent_endpoint))
         return column.client == f"client_{side.owner.key or client.port}" and column.port in (None, agent.port)
 
@@ -210,17 +210,17 @@ def _longer(values: Values, more: Values) -> Values:
     return longer
 
 
-def _last(column: _Column) -> Values:
+def _last(column: _LiveColumn) -> Values:
     """The value of a column in the last row."""
-    none: Any = Changes(np.zeros(0, np.int64), np.zeros((0, 1), np.int64))
+    none: Any = SignalChanges(np.zeros(0, np.int64), np.zeros((0, 1), np.int64))
     return column.spread(none, 1)
 
 
-def _column(name: str) -> _Column:
+def _column(name: str) -> _LiveColumn:
     """What a name stands for. Raises UsageError."""
     if name in PROPERTIES:
         signal, negated = PROPERTIES[name]
-        return _Column(situation=(SITUATION.index(signal), negated))
+        return _LiveColumn(situation=(SITUATION.index(signal), negated))
     match = _OF_STREAM.fullmatch(name)
     if match is None:
         if name in _WITH_HINDSIGHT:
@@ -229,8 +229,8 @@ def _column(name: str) -> _Column:
         raise UsageError(f"captures have no column {name!r}", help_)
     port = None if match["port"] is None else int(match["port"])
     if match["way"] is None:
-        return _Column(client=match["client"], port=port)
+        return _LiveColumn(client=match["client"], port=port)
     stream = FIRST_RELIABLE_STREAM if match["stream"] is None else int(match["stream"], 16)
-    return _Column(
+    return _LiveColumn(
         client=match["client"], port=port, way=(match["way"] == "to", stream), signal=SIGNALS.index(match["signal"])
     )

@@ -25,19 +25,19 @@ from tachk.recordings.traces.trace import Trace, Values, cut_off_warning
 from tachk.recordings.traces.trace_header import no_such_column
 from tachk.xrce.events import DEFAULT_PORT
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.signals.changes import Changes
+from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.following import SITUATION
 from tachk.xrce.signals.hops import HOP_SIGNALS, Direction, hop_changes
 from tachk.xrce.signals.recorded import (
+    CaptureSignals,
     ClientHistory,
-    Recorded,
     StreamHistory,
     read_recorded,
     read_recorded_serial,
 )
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
-from tachk.xrce.transmissions import Recording, read_transmissions
+from tachk.xrce.transmissions import Capture, read_transmissions
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
 
 _UNIT = "s"
@@ -62,7 +62,7 @@ class PacketRecording:
     """
 
     name: str
-    recorded: Recorded
+    recorded: CaptureSignals
     signals: dict[str, Callable[[], Values]]
     unit: str = _UNIT
     warnings: tuple[str, ...] = ()
@@ -129,13 +129,13 @@ class _Again:
     def __init__(self, path: Path, ports: Sequence[int], serial: bool = False) -> None:
         self._path, self._ports, self._serial = path, ports, serial
 
-    def recorded(self, signals: bool) -> Recorded:
+    def recorded(self, signals: bool) -> CaptureSignals:
         with self._path.open("rb") as stream:
             if self._serial:
                 return read_recorded_serial(stream, signals)
             return read_recorded(stream, self._ports, signals)
 
-    def transmissions(self) -> Recording:
+    def transmissions(self) -> Capture:
         """What a lossy hop did to messages."""
         return read_transmissions(self._path, self._ports)
 
@@ -145,7 +145,7 @@ class _Again:
         return self.recorded(signals=True).streams
 
 
-def _signals(recorded: Recorded, again: _Again) -> Iterator[tuple[str, Callable[[], Values]]]:
+def _signals(recorded: CaptureSignals, again: _Again) -> Iterator[tuple[str, Callable[[], Values]]]:
     count = len(recorded.times)
     seen = Counter(name for name, _ in {(_name(one), one.agent.port) for one in recorded.clients})
 
@@ -183,13 +183,13 @@ def _values(again: _Again, number: int, signal: str, count: int) -> Values:
     return again.streams[number].signal(signal, count).astype(np.uint8 if signal == "confirmed" else float)
 
 
-def _hop(hops: Callable[[], Mapping[Direction, Changes]], of: Direction, number: int, count: int) -> Values:
+def _hop(hops: Callable[[], Mapping[Direction, SignalChanges]], of: Direction, number: int, count: int) -> Values:
     changes = hops().get(of)
     values = np.zeros(count) if changes is None else changes.spread(number, count).astype(float)
     return values / 1e6 if HOP_SIGNALS[number] == "delay_ms" else values
 
 
-def _flag(changes: Changes, signal: int, count: int, negated: bool) -> Values:
+def _flag(changes: SignalChanges, signal: int, count: int, negated: bool) -> Values:
     return changes.spread(signal, count).astype(np.uint8) ^ np.uint8(negated)
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tachk.analysis.failures import can_fail, edge_can_fail
 from tachk.analysis.fold import known_values
-from tachk.base.operators import BinaryOperator, Group, UnaryOperator
+from tachk.base.operators import BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.span import Source, Span
 from tachk.engine.compiler.codegen import CodeGenerator
 from tachk.engine.compiler.lower import lower
@@ -153,9 +153,9 @@ def compare_updates(updates: Sequence[Expression]) -> None:
 
 # ---- random expressions ---------------------------------------------------------------------------------------------
 
-ARITHMETIC = [each for each in BinaryOperator if each.group is Group.ARITHMETIC]
-COMPARISONS = [each for each in BinaryOperator if each.group is Group.COMPARISON]
-LOGIC = [each for each in BinaryOperator if each.group is Group.CONNECTIVE]
+ARITHMETIC = [each for each in BinaryOperator if each.group is OperandGroup.ARITHMETIC]
+COMPARISONS = [each for each in BinaryOperator if each.group is OperandGroup.COMPARISON]
+LOGIC = [each for each in BinaryOperator if each.group is OperandGroup.CONNECTIVE]
 
 
 class Drawer:

@@ -7,7 +7,13 @@ from collections.abc import Iterator
 
 from tachk.base.resources import data_root
 from tachk.engine.options import Options
-from tachk.meaning.judge.certificate import Block, CertificateReader, CertificateWriter, Objection, read_certificates
+from tachk.meaning.judge.certificate import (
+    CertificateReader,
+    CertificateWriter,
+    Objection,
+    StateBlock,
+    read_certificates,
+)
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.verify.certificates import Checker, Proof, check_proof, find_proof
@@ -25,7 +31,7 @@ def proved(network: Network, query: Query, options: Options = Options()) -> Proo
     return proof
 
 
-def written(proof: Proof, blocks: Iterator[Block] | None = None) -> CertificateReader:
+def written(proof: Proof, blocks: Iterator[StateBlock] | None = None) -> CertificateReader:
     stream = io.BytesIO()
     CertificateWriter(stream).write(proof.header, proof.blocks() if blocks is None else blocks)
     stream.seek(0)

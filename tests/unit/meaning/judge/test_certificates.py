@@ -19,16 +19,16 @@ from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.words import QueryKind
 from tachk.cli.actions.certificates.checking import Submitted, run_certify
 from tachk.cli.actions.run_report import RunReporting
-from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.engine.options import Limits
 from tachk.meaning.judge.certificate import (
-    Block,
     CertificateWriter,
     Columns,
     MalformedCertificateError,
     Shapes,
+    StateBlock,
     decoded,
     encoded,
     read_certificates,
@@ -46,7 +46,7 @@ from tests.unit.meaning.judge.proofs import MODELS, PLAIN, judged, proved, writt
 SCHEMA = Path(__file__).parents[4] / "docs" / "schema" / "certify.schema.json"
 
 
-def tightened(random: Random, proof: Proof) -> Iterator[Block]:
+def tightened(random: Random, proof: Proof) -> Iterator[StateBlock]:
     """The blocks with some of the constraints a bit tighter."""
     for block in proof.blocks():
         changes = np.array([random.choice([0, 0, 0, 1, 2]) for _ in block.bounds], np.int64)
@@ -274,14 +274,14 @@ def fischer(**constants: int) -> tuple[Network, Query]:
     return loaded.network, loaded.properties[0]
 
 
-def blocks_without(proof: Proof, group: int) -> Iterator[Block]:
+def blocks_without(proof: Proof, group: int) -> Iterator[StateBlock]:
     """The blocks without the group of that number; each group has one zone."""
     (block,) = proof.blocks()
     assert (block.zones == 1).all()
     first = np.concatenate(([0], np.cumsum(block.constraints)))
     kept = np.arange(len(block.zones)) != group
     of_kept = np.r_[0 : first[group], first[group + 1] : first[-1]]
-    yield Block(
+    yield StateBlock(
         block.discretes[kept],
         block.zones[kept],
         block.ranks[kept],
@@ -441,7 +441,7 @@ def test_where_the_goal_is_asked_for_there_must_be_ranks() -> None:
     groups = int((block.ranks == 0).sum())
     assert (block.zones == 1).all() and not block.ranks[:groups].any()
     kept = int(block.constraints[:groups].sum())
-    reachable = Block(
+    reachable = StateBlock(
         block.discretes[:groups],
         block.zones[:groups],
         block.ranks[:groups],
@@ -617,7 +617,7 @@ def test_the_report_names_the_element_that_is_wrong() -> None:
 def test_json_says_who_has_judged_each_certificate(asked: Checker, tmp_path: Path) -> None:
     model, proofs, report = tmp_path / "counter.ta", tmp_path / "counter.cert", tmp_path / "report.json"
     model.write_text(COUNTER + "property few : A[] n <= 3;", encoding="utf-8")
-    run_verify(Asked((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))
+    run_verify(VerifyArguments((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))
     run_certify(Submitted(str(model), proofs, (), asked.value), Reporting(ReportForm.JSON, report))
     told = json.loads(report.read_text(encoding="utf-8"))
     judges = {entry["property"]: entry["checker"] for entry in told["certificates"]}
@@ -640,7 +640,7 @@ def test_a_proof_with_ranks_is_checked_when_it_is_made(monkeypatch: pytest.Monke
 def test_a_certificate_is_about_the_model_and_the_query_in_its_header(tmp_path: Path) -> None:
     model, path = str(MODELS / "classics" / "fischer.ta"), str(tmp_path / "fischer.cert")
     status = run_verify(
-        Asked((model,), definitions=("N=2",), properties=("mutual_exclusion",), certificate=Path(path)),
+        VerifyArguments((model,), definitions=("N=2",), properties=("mutual_exclusion",), certificate=Path(path)),
         reporting=RunReporting(quiet=True),
     )
     assert status is ExitStatus.AS_EXPECTED

@@ -12,8 +12,8 @@ import tachk
 from tachk.engine.options import Limits
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.automorphism import Automorphisms
-from tachk.meaning.judge.certificate import Header, MalformedCertificateError
-from tachk.meaning.judge.exchanges import Group, MalformedGroupError
+from tachk.meaning.judge.certificate import CertificateHeader, MalformedCertificateError
+from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.verify.certificates import Checker, check_proof
@@ -246,7 +246,9 @@ def text_of(changes: dict[str, str]) -> str:
     return MODEL.format(**{**AS_A, **changes})
 
 
-def group_of(model: PreparedNetwork, members: tuple[str, ...], named: str = "", names: tuple[int, ...] = ()) -> Group:
+def group_of(
+    model: PreparedNetwork, members: tuple[str, ...], named: str = "", names: tuple[int, ...] = ()
+) -> ExchangeGroup:
     """A group by the names of what belongs to its members, and of what may hold names of them."""
     processes, layout = [process.name for process in model.network.processes], model.layout
     numbers = {name: len(processes) + cell for cell, name in enumerate(layout.names)}
@@ -254,7 +256,7 @@ def group_of(model: PreparedNetwork, members: tuple[str, ...], named: str = "", 
     clocks = {layout.names[cell]: 1 + number for number, cell in enumerate(layout.clock_cells)}
     channels = {layout.names[cell]: number for number, cell in enumerate(layout.channel_cells)}
     own = [member.split() for member in members]
-    return Group(
+    return ExchangeGroup(
         tuple(tuple(numbers[name] for name in each if name not in {*clocks, *channels}) for each in own),
         tuple(tuple(clocks[name] for name in each if name in clocks) for each in own),
         tuple(tuple(channels[name] for name in each if name in channels) for each in own),
@@ -421,7 +423,7 @@ def test_states_in_which_a_constant_has_another_value_are_refused() -> None:
 # ---- mutations -------------------------------------------------------------------------------------------------------
 
 
-def mutated(header: Header, random: Random) -> Header:
+def mutated(header: CertificateHeader, random: Random) -> CertificateHeader:
     """The header with one number in its groups changed."""
     groups = json.loads(json.dumps([group.to_json() for group in header.groups]))
 
@@ -435,7 +437,7 @@ def mutated(header: Header, random: Random) -> Header:
 
     where, number = random.choice(places(groups))
     where[number] = max(where[number] + random.choice((-2, -1, 1, 2)), 0)
-    return replace(header, groups=tuple(map(Group.from_json, groups)))
+    return replace(header, groups=tuple(map(ExchangeGroup.from_json, groups)))
 
 
 def test_no_mutation_of_exchanges_proves_what_is_wrong() -> None:
@@ -471,6 +473,6 @@ def test_what_is_no_group_is_a_damaged_header(wrong: dict[str, object]) -> None:
     network, query = fischer()
     (group,) = proved(network, query).header.groups
     read = json.loads(json.dumps(group.to_json()))
-    assert Group.from_json(read) == group
+    assert ExchangeGroup.from_json(read) == group
     with pytest.raises((TypeError, ValueError)):
-        Group.from_json({**read, **wrong})
+        ExchangeGroup.from_json({**read, **wrong})

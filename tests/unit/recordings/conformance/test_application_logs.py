@@ -15,7 +15,7 @@ from tachk.cli.main import app
 from tachk.recordings.conformance.application_logs import with_log
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
-from tachk.recordings.conformance.events import Closing, Event, EventLog
+from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[4]
@@ -24,11 +24,11 @@ MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"
 SECOND = Fraction(10**9)
 
 
-def event(time: int, name: str, **cells: int | str) -> Event:
-    return Event(Fraction(time), name, cells, f"at {time}")
+def event(time: int, name: str, **cells: int | str) -> RecordedEvent:
+    return RecordedEvent(Fraction(time), name, cells, f"at {time}")
 
 
-def recording(*events: Event, unit: Fraction | None = Fraction(1), epoch: int = 0) -> EventLog:
+def recording(*events: RecordedEvent, unit: Fraction | None = Fraction(1), epoch: int = 0) -> EventLog:
     closings = (Closing("client", 1, Fraction(50)),)
     return EventLog("run.pcap", events, unit, None, Fraction(100), closings, epoch)
 
@@ -41,7 +41,7 @@ RUN = recording(
 )
 
 
-def log(*events: Event, unit: Fraction | None = Fraction(1)) -> EventLog:
+def log(*events: RecordedEvent, unit: Fraction | None = Fraction(1)) -> EventLog:
     return EventLog("app.csv", events, unit, Fraction(0), Fraction(0))
 
 
@@ -93,7 +93,7 @@ def test_calls_of_the_run_function_put_a_heartbeat_off(calls: bool, expected: bo
     ready, begin = (next(line["time"] for line in printed if line["event"] == name) for name in ("ready", "written"))
     told = [(ready, "TOLD_ALL"), (ready, "CALLED"), (begin + 5_050_000_000, "TOLD_SOME")]
     told[2:2] = [(begin + n * 50_500_000, "CALLED") for n in range(100 if calls else 1)]
-    rows = tuple(Event(Fraction(time), "told", {"client": 0, "what": what}, "log") for time, what in told)
+    rows = tuple(RecordedEvent(Fraction(time), "told", {"client": 0, "what": what}, "log") for time, what in told)
     noted = EventLog("app.csv", rows, Fraction(1), None, rows[-1].time)
     settings = {"HISTORY": 8, "CLIENT_JITTER": 60, "AGENT_JITTER": 60, "EXACT_BITMAPS": True}
     model = tachk.load(MODEL, **settings)

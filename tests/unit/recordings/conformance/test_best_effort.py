@@ -15,7 +15,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.events import Event, EventLog
+from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[4]
@@ -56,7 +56,7 @@ def numbers(recording: EventLog, name: str, link: int, number: int) -> list[int]
     ]
 
 
-def changed(recording: EventLog, number: int, change: Callable[[Event], Event]) -> EventLog:
+def changed(recording: EventLog, number: int, change: Callable[[RecordedEvent], RecordedEvent]) -> EventLog:
     events = recording.events
     return replace(recording, events=(*events[:number], change(events[number]), *events[number + 1 :]))
 

@@ -9,7 +9,7 @@ import pytest
 import tachk
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
-from tachk.recordings.conformance.events import Closing, Event, EventLog
+from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 
 MODEL = """
 time_unit = 1 ms;
@@ -53,7 +53,7 @@ def test_what_a_sender_does_at_once_is_recorded_before_the_end(messages: int, by
     """After the second message there is time for the end."""
     model = tachk.loads(MODEL)
     assert model.loaded.recording is not None
-    sent = tuple(Event(Fraction(9), "sent", {"link": 0}, f"line {n}") for n in range(messages))
+    sent = tuple(RecordedEvent(Fraction(9), "sent", {"link": 0}, f"line {n}") for n in range(messages))
     closings = (Closing("link", 0, Fraction(10), by_sender),)
     recording = EventLog("run.csv", sent, None, Fraction(0), Fraction(30), closings)
     found = conform(model.network, model.loaded.recording, recording, constants_of(model.loaded))

@@ -24,7 +24,7 @@ from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.traces.node_signal import Truth
 from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.events import decode
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 ROOT = Path(__file__).parents[4]
 MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"
@@ -82,8 +82,8 @@ def test_everything_decodes_and_agrees_with_what_the_clients_printed(name: str) 
         with (CAPTURES / f"{name}.pcap").open("rb") as capture:
             events = list(decode(capture, [client["port"]]))
         assert not any(event.problem for event in events)
-        begun = {str(event.fields["piece"])[16:24] for event in events if event.kind is Kind.FRAGMENT}
-        for kind, what in ((Kind.WRITE_DATA, "written"), (Kind.DATA, "received")):
+        begun = {str(event.fields["piece"])[16:24] for event in events if event.kind is SubmessageKind.FRAGMENT}
+        for kind, what in ((SubmessageKind.WRITE_DATA, "written"), (SubmessageKind.DATA, "received")):
             printed = {line["index"].to_bytes(4, "little").hex() for line in client["printed"] if line["event"] == what}
             seen = {str(event.fields["sample"])[:8] for event in events if event.kind is kind}
             assert printed <= (seen or begun)

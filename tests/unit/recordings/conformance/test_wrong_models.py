@@ -19,7 +19,7 @@ import tachk
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.events import Event, EventLog
+from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.recordings.conformance.nearby import smallest_edit
 from tachk.xrce.conformance.packet_events import read_capture
 
@@ -61,7 +61,7 @@ def with_log(recording: EventLog) -> EventLog:
         times = [line["time"] for line in log["printed"] if line["event"] in ("ready", "written")]
         said = [(times[0], TOLD_ALL), *((time, CALLED) for time in times), (times[-1] + 1_000_000, TOLD_SOME)]
         told += [
-            Event(Fraction(time - recording.epoch), "told", {"client": client, "what": what}, "log")
+            RecordedEvent(Fraction(time - recording.epoch), "told", {"client": client, "what": what}, "log")
             for time, what in said
         ]
     numbered = sorted(enumerate([*recording.events, *told]), key=lambda pair: pair[1].time)

@@ -9,7 +9,7 @@ import pytest
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, InternalError
 from tachk.base.span import Source
 from tachk.recordings.monitors import compiler as monitoring
-from tachk.recordings.traces.monitor_program import UNBOUNDED, MonitorProgram, NodeKind, Relation, ValueOperator
+from tachk.recordings.traces.monitor_program import UNBOUNDED, AtomRelation, MonitorProgram, NodeKind, ValueOperator
 from tachk.syntax.formulas.parser import parse_formula
 from tests.support.tricky import read_formula
 
@@ -64,7 +64,7 @@ def test_weak_until_is_until_or_always() -> None:
 
 def test_arithmetic_is_postfix() -> None:
     (atom,) = compiled("abs(x - 2) * 0.1 <= min(speed, x, 7)").atoms
-    assert atom.relation is Relation.LESS_EQUAL
+    assert atom.relation is AtomRelation.LESS_EQUAL
     assert [(i.operator, i.operand) for i in atom.left] == [
         (ValueOperator.COLUMN, 0),
         (ValueOperator.CONSTANT, 2),
@@ -91,11 +91,11 @@ def test_columns_may_be_called_like_parts_of_a_model(name: str) -> None:
 def test_truth_values_are_compared_as_conditions() -> None:
     equivalence = compiled("(p == q) && x < 1", booleans=("p", "q"))
     assert [node.kind for node in equivalence.nodes].count(NodeKind.NOT) == 2
-    assert {atom.relation for atom in equivalence.atoms} == {Relation.TRUTH, Relation.LESS}
-    assert compiled("p == q").atoms[0].relation is Relation.EQUAL
+    assert {atom.relation for atom in equivalence.atoms} == {AtomRelation.TRUTH, AtomRelation.LESS}
+    assert compiled("p == q").atoms[0].relation is AtomRelation.EQUAL
     assert compiled("p == (x < 3)").nodes[-1].kind is NodeKind.OR
     assert compiled("p == true").nodes[-1].kind is NodeKind.OR
-    assert compiled("p == 1", booleans=("p",)).atoms[0].relation is Relation.EQUAL
+    assert compiled("p == 1", booleans=("p",)).atoms[0].relation is AtomRelation.EQUAL
 
 
 def test_changes_of_values_and_of_conditions() -> None:

@@ -15,7 +15,7 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
 from tachk.recordings.monitors.formulas import read_formulas
-from tachk.recordings.monitors.monotone import Effect, joint_effect, occurrences
+from tachk.recordings.monitors.monotone import Monotonicity, joint_effect, occurrences
 
 SCHEMAS = Path(__file__).parents[4] / "docs/schema"
 
@@ -30,23 +30,23 @@ TRACE = {
 @pytest.mark.parametrize(
     ("formula", "effect"),
     [
-        ("G (p -> F[0, T] q)", Effect.EASIER),
-        ("G (p -> F[T, 9] q)", Effect.HARDER),
-        ("G (p -> G[0, 2 * T + 1] q)", Effect.HARDER),
-        ("G (F[0, T] p -> q)", Effect.HARDER),
-        ("!G (p -> !(q U[0, 9 - T] p))", Effect.HARDER),
-        ("G (p -> O[0, T] q && H[T, 50] q)", Effect.EASIER),
-        ("G (p -> F[T, T] q)", Effect.UNKNOWN),
-        ("G (x < T)", Effect.EASIER),
-        ("G (x - T > 3 * -T)", Effect.EASIER),
-        ("G (T * T > x)", Effect.UNKNOWN),
-        ("G !(x >= -T && x <= 3)", Effect.HARDER),
-        ("G (x == T)", Effect.UNKNOWN),
-        ("G (rise(x > T) -> q)", Effect.UNKNOWN),
-        ("G (x > T -> F[0, T] q)", Effect.EASIER),
+        ("G (p -> F[0, T] q)", Monotonicity.EASIER),
+        ("G (p -> F[T, 9] q)", Monotonicity.HARDER),
+        ("G (p -> G[0, 2 * T + 1] q)", Monotonicity.HARDER),
+        ("G (F[0, T] p -> q)", Monotonicity.HARDER),
+        ("!G (p -> !(q U[0, 9 - T] p))", Monotonicity.HARDER),
+        ("G (p -> O[0, T] q && H[T, 50] q)", Monotonicity.EASIER),
+        ("G (p -> F[T, T] q)", Monotonicity.UNKNOWN),
+        ("G (x < T)", Monotonicity.EASIER),
+        ("G (x - T > 3 * -T)", Monotonicity.EASIER),
+        ("G (T * T > x)", Monotonicity.UNKNOWN),
+        ("G !(x >= -T && x <= 3)", Monotonicity.HARDER),
+        ("G (x == T)", Monotonicity.UNKNOWN),
+        ("G (rise(x > T) -> q)", Monotonicity.UNKNOWN),
+        ("G (x > T -> F[0, T] q)", Monotonicity.EASIER),
     ],
 )
-def test_the_effect_of_a_parameter(formula: str, effect: Effect) -> None:
+def test_the_effect_of_a_parameter(formula: str, effect: Monotonicity) -> None:
     (named,) = read_formulas(formula)
     assert joint_effect(occurrences(named.formula, "T")) is effect
 

@@ -14,7 +14,7 @@ from tachk.cli.actions.simulation.formulas import columns_with
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.recordings.monitors.formulas import read_formulas
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.runs import Runs
@@ -51,13 +51,13 @@ def runs_of(model: Path, count: int, output: Path) -> list[dict[str, Truth]]:
     """Writes runs, and the verdicts on them as `simulate --monitor` has them."""
     network = simulated_model(str(model)).network
     formulas = read_formulas(str(model))
-    drawing = Drawing(7, 20 * TICKS_PER_UNIT)
+    drawing = SimulationOptions(7, 20 * TICKS_PER_UNIT)
     written = Runs(network, columns_with(network, (), ()))
     with run_writer(output) as write:
-        for run in written.draw(drawing, range(count), Recorded(observed=True)):
+        for run in written.draw(drawing, range(count), RecordedChanges(observed=True)):
             write(run.number, written.trace(run))
     drawn = Runs(network, columns_with(network, (), formulas))
-    runs = drawn.draw(drawing, range(count), Recorded(observed=True))
+    runs = drawn.draw(drawing, range(count), RecordedChanges(observed=True))
     traces = [replace(drawn.trace(run), known_before=None) for run in runs]  # a file does not tell that its run goes on
     return [truths(tachk.monitor(list(formulas), trace)) for trace in traces]
 

@@ -12,11 +12,11 @@ from tachk.recordings.traces import core_monitor, linear_monitor
 from tachk.recordings.traces.core_monitor import RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
 from tachk.recordings.traces.linear_monitor import LinearViolation, Measure
 from tachk.recordings.traces.monitor_program import (
+    AtomRelation,
     MonitorAtom,
     MonitorNode,
     MonitorProgram,
     NodeKind,
-    Relation,
     ValueInstruction,
     ValueOperator,
 )
@@ -37,8 +37,8 @@ def response(deadline: int) -> MonitorProgram:
     return MonitorProgram(
         ("p", "x"),
         (
-            MonitorAtom(Relation.TRUTH, column(0), (), "p"),
-            MonitorAtom(Relation.GREATER, column(1), constant(0.5), "x > 0.5"),
+            MonitorAtom(AtomRelation.TRUTH, column(0), (), "p"),
+            MonitorAtom(AtomRelation.GREATER, column(1), constant(0.5), "x > 0.5"),
         ),
         (
             MonitorNode(NodeKind.ATOM, atom=0),
@@ -160,7 +160,9 @@ def test_a_trace_can_be_too_long_for_lines() -> None:
 
 def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
     """x >= abs(x) holds up to the crossing of 0 at 4/5 of a tick, included."""
-    atom = MonitorAtom(Relation.GREATER_EQUAL, column(0), (*column(0), ValueInstruction(ValueOperator.ABSOLUTE)), "")
+    atom = MonitorAtom(
+        AtomRelation.GREATER_EQUAL, column(0), (*column(0), ValueInstruction(ValueOperator.ABSOLUTE)), ""
+    )
     program = MonitorProgram(("x",), (atom,), (MonitorNode(NodeKind.ATOM, atom=0),), 1)
     for ends in ([1.0, -0.25], [0.7, -0.1], [3.0, -1e-3]):
         falling = Trace("falling", np.array([0, 1]), {"x": np.array(ends)}, 1)
@@ -172,7 +174,11 @@ def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
 def test_products_are_not_linear() -> None:
     square = MonitorProgram(
         ("x",),
-        (MonitorAtom(Relation.TRUTH, (*column(0), *column(0), ValueInstruction(ValueOperator.MULTIPLY)), (), "x * x"),),
+        (
+            MonitorAtom(
+                AtomRelation.TRUTH, (*column(0), *column(0), ValueInstruction(ValueOperator.MULTIPLY)), (), "x * x"
+            ),
+        ),
         (MonitorNode(NodeKind.ATOM, atom=0),),
         1,
     )

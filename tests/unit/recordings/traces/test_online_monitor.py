@@ -10,7 +10,7 @@ import pytest
 from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.traces.core_monitor import monitor_truth
 from tachk.recordings.traces.node_signal import Truth
-from tachk.recordings.traces.online_monitor import OnlineMonitor, Stretch
+from tachk.recordings.traces.online_monitor import OnlineMonitor, ViolatedCells
 from tachk.recordings.traces.trace import Trace
 from tests.support.tricky import read_formula
 
@@ -25,7 +25,7 @@ def test_a_response_fails_when_time_passes_its_deadline() -> None:
         assert monitor.update(time, values) is Truth.UNDETERMINED
     assert monitor.update(31, (0, 1)) is Truth.FALSE
     assert monitor.decided_at == 31
-    assert monitor.violation == Stretch(20, 21, settled=True)
+    assert monitor.violation == ViolatedCells(20, 21, settled=True)
 
 
 def test_a_later_sample_for_the_same_instant_replaces_the_earlier_one() -> None:
@@ -56,10 +56,10 @@ def test_a_violation_can_turn_up_before_one_that_was_found_first() -> None:
         monitor.update(time, values)
     assert monitor.advance(9) is Truth.FALSE
     assert monitor.decided_at == 9
-    assert monitor.violation == Stretch(16, 17, settled=False)
+    assert monitor.violation == ViolatedCells(16, 17, settled=False)
     monitor.update(12, (0, 0))
     monitor.advance(40)
-    assert monitor.violation == Stretch(8, 9, settled=True)
+    assert monitor.violation == ViolatedCells(8, 9, settled=True)
 
 
 @pytest.mark.parametrize("chunk", [1, 2, 1024, 5000])
@@ -76,7 +76,7 @@ def test_chunks_change_nothing(chunk: int) -> None:
     monitor.finish(int(times[-1]))
     offline = monitor_truth(monitor.program, Trace("random", times, {"x": x, "y": y}, int(times[-1]))).violation
     assert offline is not None
-    assert monitor.violation == Stretch(offline.first, offline.last, settled=True)
+    assert monitor.violation == ViolatedCells(offline.first, offline.last, settled=True)
     last_of_window = offline.first + (399 if offline.first % 2 == 0 else 400)
     assert monitor.decided_at == times[2 * times > last_of_window][0]
 

@@ -20,7 +20,7 @@ from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram,
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.online_monitor import OnlineMonitor
 from tachk.recordings.traces.trace import Trace
-from tachk.recordings.traces.verdict_explanation import Reason, horizon, memory
+from tachk.recordings.traces.verdict_explanation import TruthReason, horizon, memory
 from tests.support.exact_trace import ExactTrace
 from tests.support.formulas import FormulaShape, random_formula, random_trace
 
@@ -47,7 +47,7 @@ def report(seed: int, shape: FormulaShape) -> MonitorReport:
     return MonitorReport(MonitorRecord(trace, "", (verdict_on(named, program, trace, Judging(), HeldValues()),)))
 
 
-def every(reason: Reason) -> Iterator[Reason]:
+def every(reason: TruthReason) -> Iterator[TruthReason]:
     yield reason
     for part in reason.parts:
         yield from every(part)

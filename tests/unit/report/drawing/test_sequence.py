@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase, begun
-from tachk.report.drawing.sequence.layout import Label, Layout, TimeAxis, lay_out, overlap
+from tachk.report.drawing.sequence.layout import ChartLabel, ChartLayout, TimeAxis, lay_out, overlap
 from tachk.report.drawing.sequence.sequence_svg import draw_chart
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -73,7 +73,7 @@ def test_every_message_is_drawn_and_lost_ones_have_a_cross(seed: int, axis: Time
     ]
 
 
-def sent(layout: Layout) -> list[float]:
+def sent(layout: ChartLayout) -> list[float]:
     return [arrow.y for arrow in layout.arrows]
 
 
@@ -132,7 +132,7 @@ def test_the_end_of_a_long_arrow_has_a_label():
     ]
 
 
-def noted(text: str, axis: TimeAxis = TimeAxis.COMPRESSED) -> tuple[Label, Layout]:
+def noted(text: str, axis: TimeAxis = TimeAxis.COMPRESSED) -> tuple[ChartLabel, ChartLayout]:
     note = Note(None, Moment(Fraction(20), 1), text)
     layout = lay_out(Chart("", "", "ms", ("a", "b"), (message(0, 1), note, message(21, 22, 2))), axis)
     (said,) = [label for label in layout.labels if label.text == text]

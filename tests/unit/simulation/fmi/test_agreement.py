@@ -11,8 +11,8 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing
-from tachk.simulation.fmi.description import Version
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationOptions
+from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.unit import closed_unit
 from tests.support import Shape, random_case
 from tests.support.simulated.cosimulated import Driving, disagreements, extract, native_rows
@@ -27,7 +27,7 @@ SHAPES = (
 
 
 def drivings(step: int) -> list[Driving]:
-    return [Driving(Version.THREE, step, True), *(Driving(version, step, False) for version in Version)]
+    return [Driving(FmiVersion.THREE, step, True), *(Driving(version, step, False) for version in FmiVersion)]
 
 
 def test_random_networks_run_as_in_the_simulator(tmp_path: Path) -> None:
@@ -35,7 +35,7 @@ def test_random_networks_run_as_in_the_simulator(tmp_path: Path) -> None:
     for number in range(6):
         random = Random(5200 + number)
         network = random_case(random, SHAPES[number % len(SHAPES)]).network
-        drawing = Drawing(number, 12 * TICKS_PER_UNIT, list(Policy)[number % 4], steps=60)
+        drawing = SimulationOptions(number, 12 * TICKS_PER_UNIT, list(Policy)[number % 4], steps=60)
         step = random.choice((TICKS_PER_UNIT, 3 * TICKS_PER_UNIT // 10, 7 * TICKS_PER_UNIT // 5))
         try:
             assert list(disagreements(network, drawing, number, drivings(step), tmp_path)) == []
@@ -71,7 +71,7 @@ system Runner;
 @pytest.mark.parametrize("policy", [Policy.EARLIEST, Policy.LATEST, Policy.STOCHASTIC])
 def test_who_wins_a_tie_does_not_depend_on_the_steps(policy: Policy, tmp_path: Path) -> None:
     network = tachk.loads(TIES).network
-    drawing = Drawing(3, 40 * TICKS_PER_UNIT, policy)
+    drawing = SimulationOptions(3, 40 * TICKS_PER_UNIT, policy)
     wanted = drivings(TICKS_PER_UNIT // 4)
     assert list(disagreements(network, drawing, 5, wanted, tmp_path)) == []
 
@@ -81,8 +81,8 @@ def test_the_time_of_an_event_is_the_nearest_double(time_unit: str, tmp_path: Pa
     text = f"{time_unit} bool b; process P() {{ init location A {{ to A {{ assign b = !b; }} }} }} system P;"
     network = tachk.loads(text).network
     unit = closed_unit(network, "events")
-    rows, end, stop = native_rows(network, Drawing(2, 200 * TICKS_PER_UNIT), 0)
-    extracted = extract(unit, Version.THREE, tmp_path)
+    rows, end, stop = native_rows(network, SimulationOptions(2, 200 * TICKS_PER_UNIT), 0)
+    extracted = extract(unit, FmiVersion.THREE, tmp_path)
     told = fmpy.simulate_fmu(
         extracted,
         stop_time=float(stop / unit.second),

@@ -12,12 +12,12 @@ from fmpy.validation import validate_fmu
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationOptions
 from tachk.model.network import Network
 from tachk.simulation.columns import all_columns
 from tachk.simulation.fmi.blueprint import blueprint
-from tachk.simulation.fmi.description import Version
-from tachk.simulation.fmi.unit import Role, Unit, open_unit
+from tachk.simulation.fmi.description import FmiVersion
+from tachk.simulation.fmi.unit import CoSimulationUnit, Role, open_unit
 from tests.support.simulated.cosimulated import extract, lasting, native_rows
 from tests.support.simulated.coupled import Values, coupled, not_a_run
 
@@ -71,14 +71,14 @@ def link() -> Network:
 
 
 def run_coupled(
-    network: Network, parts: tuple[list[str], ...], drawing: Drawing, folder: Path
+    network: Network, parts: tuple[list[str], ...], drawing: SimulationOptions, folder: Path
 ) -> list[tuple[int, Values]]:
     units = [open_unit(network, part, f"unit{number}", clocks=True) for number, part in enumerate(parts)]
     return list(coupled(units, folder, drawing, 0, float(drawing.until / units[0].second)))
 
 
 def test_three_units_have_the_trace_of_the_network(link: Network, tmp_path: Path) -> None:
-    drawing = Drawing(1, 200 * TICKS_PER_UNIT, Policy.EARLIEST)
+    drawing = SimulationOptions(1, 200 * TICKS_PER_UNIT, Policy.EARLIEST)
     rows = run_coupled(link, PARTS, drawing, tmp_path)
     native, *_ = native_rows(link, drawing, 0)
     names = [column.name for column in all_columns(link)]
@@ -89,7 +89,7 @@ def test_three_units_have_the_trace_of_the_network(link: Network, tmp_path: Path
 
 @pytest.mark.parametrize("policy", [Policy.STOCHASTIC, Policy.LATEST])
 def test_coupled_units_have_runs_of_the_network(policy: Policy, link: Network, tmp_path: Path) -> None:
-    rows = run_coupled(link, PARTS, Drawing(5, 100 * TICKS_PER_UNIT, policy), tmp_path)
+    rows = run_coupled(link, PARTS, SimulationOptions(5, 100 * TICKS_PER_UNIT, policy), tmp_path)
     assert len(rows) > 20
     assert not_a_run(link, rows) == ""
     wrong = [*rows[:10], (rows[10][0] + 1, rows[10][1]), *rows[11:]]
@@ -104,7 +104,7 @@ def test_clients_links_and_agents_of_the_protocol_run_as_units_of_their_own(tmp_
         ["InstantLink", "Duplicate", "LossTracker", "HeardTracker", "DownLossTracker", "UnconfirmedTracker"],
         ["ProxyPublisher", "agent", "ProxySubscriber"],
     )
-    rows = run_coupled(network, parts, Drawing(0, 4 * TICKS_PER_UNIT), tmp_path)
+    rows = run_coupled(network, parts, SimulationOptions(0, 4 * TICKS_PER_UNIT), tmp_path)
     assert len(rows) > 12
     assert not_a_run(network, rows) == ""
 
@@ -112,13 +112,13 @@ def test_clients_links_and_agents_of_the_protocol_run_as_units_of_their_own(tmp_
 # ---- one unit -------------------------------------------------------------------------------------------------------
 
 
-def reference(unit: Unit, name: str) -> int:
+def reference(unit: CoSimulationUnit, name: str) -> int:
     (found,) = [number for number, variable in enumerate(unit.variables) if variable.name == name]
     return found
 
 
-def agent(unit: Unit, folder: Path) -> FMU3Slave:
-    extracted = extract(unit, Version.THREE, folder)
+def agent(unit: CoSimulationUnit, folder: Path) -> FMU3Slave:
+    extracted = extract(unit, FmiVersion.THREE, folder)
     assert validate_fmu(extracted) == []
     slave = FMU3Slave(
         guid=blueprint(unit).token, unzipDirectory=extracted, modelIdentifier=unit.name, instanceName="agent"
@@ -166,7 +166,7 @@ def test_a_message_is_received_with_its_values_and_answered(link: Network, tmp_p
 
 def test_in_version_2_messages_are_counted(link: Network, tmp_path: Path) -> None:
     unit = open_unit(link, ["Agent"], "agent", clocks=False)
-    extracted = extract(unit, Version.TWO, tmp_path)
+    extracted = extract(unit, FmiVersion.TWO, tmp_path)
     assert validate_fmu(extracted) == []
     slave = FMU2Slave(
         guid=blueprint(unit).token, unzipDirectory=extracted, modelIdentifier=unit.name, instanceName="agent"

@@ -17,8 +17,8 @@ from tachk.base.span import Source
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT
 from tachk.formats.loading.load import load_model
 from tachk.simulation.fmi.blueprint import blueprint
-from tachk.simulation.fmi.description import Version
-from tachk.simulation.fmi.unit import Unit, closed_unit, identifier, ticks_of_a_second
+from tachk.simulation.fmi.description import FmiVersion
+from tachk.simulation.fmi.unit import CoSimulationUnit, closed_unit, identifier, ticks_of_a_second
 from tests.support.simulated.cosimulated import extract
 
 PULSES = """
@@ -35,17 +35,17 @@ system P;
 
 
 @pytest.fixture
-def unit() -> Unit:
+def unit() -> CoSimulationUnit:
     return closed_unit(tachk.loads(PULSES).network, "pulses")
 
 
-def reference(unit: Unit, name: str) -> int:
+def reference(unit: CoSimulationUnit, name: str) -> int:
     (found,) = [number for number, variable in enumerate(unit.variables) if variable.name == name]
     return found
 
 
 @pytest.fixture
-def running(unit: Unit, tmp_path: Path) -> Iterator[FMU3Slave]:
+def running(unit: CoSimulationUnit, tmp_path: Path) -> Iterator[FMU3Slave]:
     """In event mode, at the beginning of a run."""
     slave = instance(unit, tmp_path)
     slave.enterInitializationMode()
@@ -54,10 +54,10 @@ def running(unit: Unit, tmp_path: Path) -> Iterator[FMU3Slave]:
     slave.freeInstance()
 
 
-def instance(unit: Unit, folder: Path, early: bool = True) -> FMU3Slave:
+def instance(unit: CoSimulationUnit, folder: Path, early: bool = True) -> FMU3Slave:
     slave = FMU3Slave(
         guid=blueprint(unit).token,
-        unzipDirectory=extract(unit, Version.THREE, folder),
+        unzipDirectory=extract(unit, FmiVersion.THREE, folder),
         modelIdentifier=unit.name,
         instanceName="unit",
     )
@@ -86,7 +86,7 @@ def now(slave: FMU3Slave) -> float:
     return float(slave.getFloat64([0])[0])
 
 
-def test_a_step_ends_at_the_very_moment_of_an_event(unit: Unit, running: FMU3Slave) -> None:
+def test_a_step_ends_at_the_very_moment_of_an_event(unit: CoSimulationUnit, running: FMU3Slave) -> None:
     count, high = reference(unit, "count"), reference(unit, "high")
     *_, known, next_time = running.updateDiscreteStates()
     running.enterStepMode()
@@ -103,7 +103,9 @@ def test_a_step_ends_at_the_very_moment_of_an_event(unit: Unit, running: FMU3Sla
     assert round(Fraction(last_of_pulse) * unit.second) - round(Fraction(last) * unit.second) == TICKS_PER_UNIT
 
 
-def test_without_early_return_only_an_event_at_the_end_of_a_step_is_left(unit: Unit, tmp_path: Path) -> None:
+def test_without_early_return_only_an_event_at_the_end_of_a_step_is_left(
+    unit: CoSimulationUnit, tmp_path: Path
+) -> None:
     slave = instance(unit, tmp_path, early=False)
     slave.enterInitializationMode()
     slave.exitInitializationMode()
@@ -171,7 +173,7 @@ def test_a_state_that_is_taken_up_again_draws_the_same_numbers(tmp_path: Path) -
     slave.freeInstance()
 
 
-def test_a_state_is_taken_up_in_another_process(unit: Unit, running: FMU3Slave, tmp_path: Path) -> None:
+def test_a_state_is_taken_up_in_another_process(unit: CoSimulationUnit, running: FMU3Slave, tmp_path: Path) -> None:
     events(running, 0.5)
     state = running.getFMUState()
     written = running.serializeFMUState(state)
@@ -184,7 +186,7 @@ def test_a_state_is_taken_up_in_another_process(unit: Unit, running: FMU3Slave, 
     other.freeInstance()
 
 
-def test_seed_and_run_choose_the_run(unit: Unit, tmp_path: Path) -> None:
+def test_seed_and_run_choose_the_run(unit: CoSimulationUnit, tmp_path: Path) -> None:
     def run(seed: int, number: int) -> list[float]:
         slave = instance(unit, tmp_path)
         slave.setUInt64([reference(unit, "seed"), reference(unit, "run")], [seed, number])
@@ -217,10 +219,10 @@ def test_what_a_master_may_not_do_is_an_error(running: FMU3Slave, wrong: Any) ->
         wrong(running)
 
 
-def test_a_description_of_another_network_is_refused(unit: Unit, tmp_path: Path) -> None:
+def test_a_description_of_another_network_is_refused(unit: CoSimulationUnit, tmp_path: Path) -> None:
     slave = FMU3Slave(
         guid="0" * 32,
-        unzipDirectory=extract(unit, Version.THREE, tmp_path),
+        unzipDirectory=extract(unit, FmiVersion.THREE, tmp_path),
         modelIdentifier=unit.name,
         instanceName="unit",
     )
@@ -228,10 +230,10 @@ def test_a_description_of_another_network_is_refused(unit: Unit, tmp_path: Path)
         slave.instantiate(logMessage=lambda *told: None)
 
 
-def test_states_and_errors_in_version_2(unit: Unit, tmp_path: Path) -> None:
+def test_states_and_errors_in_version_2(unit: CoSimulationUnit, tmp_path: Path) -> None:
     slave = FMU2Slave(
         guid=blueprint(unit).token,
-        unzipDirectory=extract(unit, Version.TWO, tmp_path),
+        unzipDirectory=extract(unit, FmiVersion.TWO, tmp_path),
         modelIdentifier=unit.name,
         instanceName="unit",
     )

@@ -10,7 +10,7 @@ import pytest
 
 import tachk
 from tachk.cli.actions.run_report import RunReporting
-from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
 from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical
@@ -90,7 +90,7 @@ def test_forms_of_reports(tmp_path: Path) -> None:
     path.write_text(MODEL + TESTS + "property bad : Pr[<=1](<> A.t) >= 0.5;\nproperty s : simulate [<=1; 2] {x};\n")
     out = tmp_path / "out"
     for form in (ReportForm.JSON, ReportForm.JUNIT, ReportForm.TEXT):
-        status = run_verify(Asked((str(path),)), reporting=RunReporting(form, out))
+        status = run_verify(VerifyArguments((str(path),)), reporting=RunReporting(form, out))
         assert status is ExitStatus.NOT_AS_EXPECTED
         text = out.read_text()
         if form is ReportForm.JSON:

@@ -15,10 +15,10 @@ from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.statistical import StatisticalQuery
 from tachk.simulation.statistics.deciding import Decision, Errors
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, estimate
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, estimate
+from tachk.simulation.statistics.sampling import RunSource
 
-SURE = Settings(Source(seed=4), confidence=0.999, runs=20_000)
+SURE = Settings(RunSource(seed=4), confidence=0.999, runs=20_000)
 
 
 def asked(model: tachk.Model, text: str) -> StatisticalQuery:
@@ -116,7 +116,7 @@ def test_the_gambler() -> None:
     ],
 )
 def test_tests(query: str, decision: Decision) -> None:
-    found = answer(RUIN, query, Settings(Source(seed=3), errors=Errors(0.001, 0.001, 0.01)))
+    found = answer(RUIN, query, Settings(RunSource(seed=3), errors=Errors(0.001, 0.001, 0.01)))
     assert isinstance(found, Decided)
     assert found.decision is decision
 
@@ -128,17 +128,17 @@ def test_a_test_ends_without_a_decision() -> None:
 
 
 def test_runs_are_drawn_until_the_interval_is_narrow() -> None:
-    found = probability(RUIN, "Pr[<=200](<> money == GOAL)", Settings(Source(seed=2), 0.99, 0.04))
+    found = probability(RUIN, "Pr[<=200](<> money == GOAL)", Settings(RunSource(seed=2), 0.99, 0.04))
     assert found.method == "sequential"
     assert found.low <= WON <= found.high and found.high - found.low <= 0.08
     assert found.sample.runs < 1000
-    seldom = probability(RUIN, "Pr[<=200](<> money == 5 && money == 6)", Settings(Source(seed=2)))
+    seldom = probability(RUIN, "Pr[<=200](<> money == 5 && money == 6)", Settings(RunSource(seed=2)))
     assert (seldom.low, seldom.sample.hits) == (0, 0) and seldom.sample.runs < 60
 
 
 def test_threads_make_no_difference() -> None:
     found = [
-        answer(RUIN, query, Settings(Source(seed=5, threads=threads)))
+        answer(RUIN, query, Settings(RunSource(seed=5, threads=threads)))
         for threads in (1, 3)
         for query in ("Pr[<=20](<> money == GOAL)", "Pr[<=20](<> money == GOAL) >= 0.6", "E[<=2; 300](max: money)")
     ]
@@ -158,7 +158,7 @@ def test_threads_make_no_difference() -> None:
 
 
 def test_runs_that_are_given_up_count_as_both() -> None:
-    settings = replace(SURE, source=Source(seed=1, most_steps=5), runs=1000)
+    settings = replace(SURE, source=RunSource(seed=1, most_steps=5), runs=1000)
     found = probability(RUIN, "Pr[<=200](<> money == GOAL)", settings)
     assert found.sample.unknown > 500
     assert found.low <= WON <= found.high
@@ -212,14 +212,14 @@ def test_the_mean_of_a_maximum() -> None:
 
 def test_trajectories() -> None:
     found = answer(STEPS, "simulate [<=5; 2] {n, x, n > 1}")
-    assert isinstance(found, Drawn)
+    assert isinstance(found, DrawnRuns)
     assert [run.number for run in found.runs] == [0, 1]
     n, x, condition = found.runs[0].lines
     assert list(zip(n.times, n.values, strict=True)) == [(0, 0), (2, 0), (2, 1), (4, 1), (4, 2), (5, 2)]
     assert list(zip(x.times, x.values, strict=True)) == [(0, 0), (2, 2), (2, 0), (4, 2), (4, 0), (5, 1)]
     assert condition.values.tolist() == [0, 0, 1, 1]
     old = answer(STEPS, "simulate 3 [#<=2] {n}")
-    assert isinstance(old, Drawn) and len(old.runs) == 3
+    assert isinstance(old, DrawnRuns) and len(old.runs) == 3
     assert old.runs[0].lines[0].values[-1] == 2
 
 

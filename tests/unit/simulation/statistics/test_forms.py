@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tachk
-from tachk.simulation.statistics.estimate import Decided, Drawn, Estimated, Mean
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimated, Mean
 
 MODEL = """
 clock t, x, e;
@@ -74,7 +74,7 @@ def test_bounds_are_expressions_of_constants() -> None:
         assert isinstance(other, Estimated)
         assert one.sample.hits == other.sample.hits
     drawn = model.estimate("simulate [<=K-1; N-K] {n}")[0]
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     assert [run.end for run in drawn.runs] == [1, 1, 1]
     with pytest.raises(tachk.InputError, match="must not be negative"):
         model.estimate("Pr[<=K-N](<> A.u)")
@@ -88,8 +88,8 @@ def test_tests_of_intervals() -> None:
 def test_conditions_pick_runs() -> None:
     every = tachk.loads(MODEL).estimate("simulate [<=10; 40] {n, A.u}")[0]
     some = tachk.loads(MODEL).estimate("simulate [<=10; 40] {n, A.u} : 3 : A.u && t < 2")[0]
-    assert isinstance(every, Drawn)
-    assert isinstance(some, Drawn)
+    assert isinstance(every, DrawnRuns)
+    assert isinstance(some, DrawnRuns)
     early = [run for run in every.runs if run.lines[0].times[1] < 2]
     assert [run.number for run in some.runs] == [run.number for run in early[:3]]
     for one, other in zip(early, some.runs, strict=False):
@@ -100,7 +100,7 @@ def test_conditions_pick_runs() -> None:
 
 def test_all_runs_that_meet_a_condition() -> None:
     found = tachk.loads(MODEL).estimate("simulate 30 [<=10] {n} : A.u && t < 2")[0]
-    assert isinstance(found, Drawn)
+    assert isinstance(found, DrawnRuns)
     assert found.picked is not None
     assert len(found.runs) == found.picked.hits < 30
 
@@ -112,7 +112,7 @@ def test_no_run_meets_a_condition() -> None:
 
 def test_functions_of_clocks_are_values_on_runs() -> None:
     found = tachk.loads(MODEL).estimate("simulate [<=3; 1] {sin(t), t > 1, n + t}")[0]
-    assert isinstance(found, Drawn)
+    assert isinstance(found, DrawnRuns)
     sine, late, sums = found.runs[0].lines
     assert np.allclose(sine.values, np.sin(sine.times), atol=0.011)
     assert np.array_equal(late.values[late.times < 0.99], np.zeros(np.sum(late.times < 0.99)))
@@ -124,7 +124,7 @@ def test_functions_of_clocks_are_values_on_runs() -> None:
 def test_runs_up_to_a_value_of_a_clock(bound: str) -> None:
     model = tachk.loads(MODEL)
     drawn = model.estimate(f"simulate [{bound}; 20] {{n}}")[0]
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     for run in drawn.runs:
         left = float(run.lines[0].times[1]) if run.lines[0].values[-1] == 3 else None
         if bound.startswith("e"):
@@ -164,7 +164,7 @@ def test_clock_guards_over_urgent_channels() -> None:
     system A, C;
     """
     drawn = tachk.loads(text).estimate("simulate [<=10; 3] {done}")[0]
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     assert [float(run.lines[0].times[1]) for run in drawn.runs] == pytest.approx([4, 4, 4], abs=1e-6)
 
 

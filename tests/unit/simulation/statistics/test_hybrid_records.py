@@ -7,7 +7,7 @@ import pytest
 import tachk
 from tachk.api.estimating import simulated
 from tachk.simulation.columns import all_columns
-from tachk.simulation.statistics.estimate import Drawn, Estimated
+from tachk.simulation.statistics.estimate import DrawnRuns, Estimated
 
 RECORDS = """
 typedef struct { hybrid clock x; int[0, 9] n; } c_t;
@@ -27,7 +27,7 @@ system Q;
 def test_each_has_its_own_rate() -> None:
     values = ("c[0].x", "c[1].x", "p.y[0]", "p.y[1]", "h[0]", "h[1]", "c[1].n")
     drawn = tachk.loads(RECORDS).estimate(f"simulate [<=2; 1] {{{', '.join(values)}}}")[0]
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     ends = [line.values[-1] for line in drawn.runs[0].lines]
     assert ends == pytest.approx([4, 8, 6, 8, 2, 1, 0])
 
@@ -60,7 +60,7 @@ def test_a_record_with_an_initial_value() -> None:
     system P;
     """
     drawn = tachk.loads(text).estimate("simulate [<=1; 1] {c.x}")[0]
-    assert isinstance(drawn, Drawn)
+    assert isinstance(drawn, DrawnRuns)
     assert drawn.runs[0].lines[0].values[-1] == pytest.approx(3.5)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import tachk
-from tachk.simulation.statistics.estimate import Drawn, Estimated, Mean
+from tachk.simulation.statistics.estimate import DrawnRuns, Estimated, Mean
 
 MODEL = """
 double d = random(5);
@@ -47,7 +47,7 @@ def test_each_run_has_its_own() -> None:
 def test_the_seed_and_the_number_of_the_run_tell_them() -> None:
     def values(seed: int, threads: int) -> list[float]:
         drawn = tachk.loads(MODEL).estimate("simulate [<=1; 20] {d}", seed=seed, threads=threads)[0]
-        assert isinstance(drawn, Drawn)
+        assert isinstance(drawn, DrawnRuns)
         return [float(run.lines[0].values[0]) for run in drawn.runs]
 
     assert values(3, 1) == values(3, 2)

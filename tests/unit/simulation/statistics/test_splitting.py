@@ -14,13 +14,13 @@ from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.statistical import Probability
 from tachk.simulation.statistics.rare import Rare, Splitting, split
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.sampling import RunSource
 
-SEED = Source(seed=1)
+SEED = RunSource(seed=1)
 CHEAP = Splitting(0.15, 300)
 
 
-def rare(model: str, query: str, source: Source = SEED, splitting: Splitting = CHEAP) -> Rare:
+def rare(model: str, query: str, source: RunSource = SEED, splitting: Splitting = CHEAP) -> Rare:
     loaded = tachk.loads(model)
     _, unchecked = elaborate_query_file(loaded.loaded, Text("<query>", query))
     question = read_statistical(unchecked[0], loaded.loaded).question
@@ -147,9 +147,9 @@ def test_runs_that_begin_again_at_one_state_do_not_wait_alike() -> None:
 
 
 def test_threads_make_no_difference() -> None:
-    one, three = (rare(ARRIVALS, "Pr[<=1](<> n == 5)", Source(seed=3, threads=threads)) for threads in (1, 3))
+    one, three = (rare(ARRIVALS, "Pr[<=1](<> n == 5)", RunSource(seed=3, threads=threads)) for threads in (1, 3))
     assert one.probabilities.tolist() == three.probabilities.tolist()
-    other = rare(ARRIVALS, "Pr[<=1](<> n == 5)", Source(seed=4))
+    other = rare(ARRIVALS, "Pr[<=1](<> n == 5)", RunSource(seed=4))
     assert one.probabilities.tolist() != other.probabilities.tolist()
 
 

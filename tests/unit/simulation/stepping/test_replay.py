@@ -16,8 +16,8 @@ from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, Usag
 from tachk.base.span import Source
 from tachk.cli.main import app
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
-from tachk.meaning.run_view import Names
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
+from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.model.run import TimedTrace
 from tachk.report.json_report import runs_to_json
@@ -54,7 +54,7 @@ system Visitor, Bell;
 
 
 def _replayed(text: str, lines: str) -> Replayed:
-    return replay_claims(Names(tachk.loads(text).network), read_run_file(Source("a.run", lines)))
+    return replay_claims(RunNames(tachk.loads(text).network), read_run_file(Source("a.run", lines)))
 
 
 def _refused(lines: str) -> tuple[int, str, list[str]]:
@@ -164,9 +164,9 @@ def test_runs_that_are_written_are_replayed() -> None:
             runs = Runs(network, all_columns(network))
         except (UnsupportedError, InputError):
             continue
-        names = Names(network)
-        drawing = Drawing(number, 20 * TICKS_PER_UNIT, Policy.UNIFORM, steps=15)
-        for run in runs.draw(drawing, range(2), Recorded(actions=True, observed=True)):
+        names = RunNames(network)
+        drawing = SimulationOptions(number, 20 * TICKS_PER_UNIT, Policy.UNIFORM, steps=15)
+        for run in runs.draw(drawing, range(2), RecordedChanges(actions=True, observed=True)):
             if not len(run.times):
                 continue
             text = steps_text(names, steps_of(run))
@@ -196,7 +196,7 @@ def _counterexample(wait: int = 9) -> tuple[dict[str, object], Network, TimedTra
 
 def test_a_counterexample_is_replayed() -> None:
     document, network, trace = _counterexample()
-    replayed = replay_claims(Names(network), read_report(document, "t.json"))
+    replayed = replay_claims(RunNames(network), read_report(document, "t.json"))
     assert replayed.refusal is None
     assert replayed.trace.steps == trace.steps
 
@@ -215,7 +215,7 @@ def test_the_report_says_which_constants_count(tmp_path: Path) -> None:
 
 def test_with_another_constant_the_counterexample_is_none() -> None:
     document, _, _ = _counterexample()
-    refusal = replay_claims(Names(tachk.load(FISCHER, N=2).network), read_report(document, "t.json")).refusal
+    refusal = replay_claims(RunNames(tachk.load(FISCHER, N=2).network), read_report(document, "t.json")).refusal
     assert refusal is not None
     assert refusal.step == 4
     assert [label.text for label in refusal.reason.labels] == ["P(1), guard: false with x = 28/3"]
@@ -233,7 +233,7 @@ def test_what_a_report_says_of_states_counts() -> None:
         (replace(third.after, variables={"ID": 2}), "the model has no ID, which the file speaks of"),
     ):
         claims = (*claimed.claims[:2], replace(third, after=wrong), *claimed.claims[3:])
-        refusal = replay_claims(Names(network), replace(claimed, claims=claims)).refusal
+        refusal = replay_claims(RunNames(network), replace(claimed, claims=claims)).refusal
         assert refusal is not None
         assert (refusal.step, refusal.reason.message) == (3, message)
 
@@ -245,7 +245,7 @@ def test_hidden_processes_may_be_left_out() -> None:
     document = json.loads(json.dumps(runs_to_json([report.record])))
     told = json.dumps(document)
     assert "Bell: " not in told
-    replayed = replay_claims(Names(model.network), read_report(document, "t.json"))
+    replayed = replay_claims(RunNames(model.network), read_report(document, "t.json"))
     assert replayed.refusal is None
     assert 4 in replayed.trace.states[-1].discrete.values
 
@@ -266,10 +266,10 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
 def test_times_that_are_no_decimals_stay_exact_for_monitors() -> None:
     _, network, trace = _counterexample()
     columns = all_columns(network)
-    exact = signals_of(Names(network), columns, trace, "a")
+    exact = signals_of(RunNames(network), columns, trace, "a")
     assert exact.exact
     assert Fraction(exact.trace.end, exact.trace.ticks_per_unit) == Fraction(56, 3)
-    rounded = signals_of(Names(network), columns, trace, "a", decimal_times=True)
+    rounded = signals_of(RunNames(network), columns, trace, "a", decimal_times=True)
     assert not rounded.exact
     assert rounded.trace.end == 18_666_666_666
 

@@ -17,10 +17,10 @@ import pytest
 import tachk
 from tachk.cli.main import app
 from tachk.cli.stepper import NotUnderstoodError, QuitError, Stepper
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import StepError, delay, initial_state, successors
 from tachk.model.network import Network
-from tachk.simulation.stepping.offers import Window, offers_of
+from tachk.simulation.stepping.offers import DelayWindow, offers_of
 from tachk.simulation.stepping.session import NotPossibleError, Session
 from tests.support import Shape, random_case
 
@@ -45,7 +45,7 @@ def test_windows_say_when_transitions_are_enabled() -> None:
     asked = 0
     for seed in range(9000, 9030):
         network = _network(seed)
-        names, random = Names(network), Random(seed)
+        names, random = RunNames(network), Random(seed)
         try:
             session = Session.begin(names)
             for _ in range(random.randrange(4)):
@@ -71,10 +71,13 @@ def test_windows_say_when_transitions_are_enabled() -> None:
 
 def test_windows_are_told_as_intervals() -> None:
     three, five = Fraction(3), Fraction(5)
-    assert [str(window) for window in (Window(three, five), Window(three, five, False, False))] == ["[3, 5]", "(3, 5)"]
-    assert [str(window) for window in (Window(three, three), Window(three, None))] == ["3", "[3, ∞)"]
-    assert Window(three, five, first_belongs=False).some == 4
-    assert Window(three, three + Fraction(1, 2), first_belongs=False).some == Fraction(13, 4)
+    assert [str(window) for window in (DelayWindow(three, five), DelayWindow(three, five, False, False))] == [
+        "[3, 5]",
+        "(3, 5)",
+    ]
+    assert [str(window) for window in (DelayWindow(three, three), DelayWindow(three, None))] == ["3", "[3, ∞)"]
+    assert DelayWindow(three, five, first_belongs=False).some == 4
+    assert DelayWindow(three, three + Fraction(1, 2), first_belongs=False).some == Fraction(13, 4)
 
 
 def test_priorities_count() -> None:
@@ -83,7 +86,7 @@ def test_priorities_count() -> None:
         process Q() { init location A { to A; } }
         system Q < P;
     """
-    names = Names(tachk.loads(text).network)
+    names = RunNames(tachk.loads(text).network)
     windows = {
         o.transition.participants[0].process: [*map(str, o.windows)]
         for o in offers_of(names, initial_state(names.model)).offers
@@ -94,7 +97,7 @@ def test_priorities_count() -> None:
 @pytest.fixture
 def lamp() -> Stepper:
     network = tachk.loads(LAMP).network
-    return Stepper(Session.begin(Names(network)), "lamp.ta", {})
+    return Stepper(Session.begin(RunNames(network)), "lamp.ta", {})
 
 
 def _said(stepper: Stepper, *lines: str) -> list[str]:

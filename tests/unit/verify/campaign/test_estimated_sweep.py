@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 import tachk
 from tachk.cli.main import app
 from tachk.simulation.statistics.estimate import Settings
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.sampling import RunSource
 
 SCHEMA = json.loads((Path(__file__).parents[4] / "docs/schema/sweep.schema.json").read_text(encoding="utf-8"))
 
@@ -48,7 +48,7 @@ def link(tmp_path_factory: pytest.TempPathFactory) -> tachk.Model:
 
 
 def test_cells_have_intervals(link: tachk.Model, tmp_path: Path) -> None:
-    settings = Settings(Source(seed=2), confidence=0.999, half_width=0.04)
+    settings = Settings(RunSource(seed=2), confidence=0.999, half_width=0.04)
     found = link.sweep(over=["LOSS=20,50", "TRIES=1"], processes=1, settings=settings)
     Draft202012Validator(SCHEMA).validate(found.to_dict())
     rows = {(row["LOSS"], row["property"]): row for row in found.rows}

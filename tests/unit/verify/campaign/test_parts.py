@@ -12,7 +12,7 @@ import tachk
 from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.main import app
 from tachk.model.grid import Values
-from tachk.verify.campaign.job import Computed, Verification, computed
+from tachk.verify.campaign.job import ComputedCell, Verification, computed
 
 MODEL = """
 const int T = 3;
@@ -32,7 +32,7 @@ property likely : Pr[<=10](<> level > 0.1);
 def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other tests look at processes; to start one takes a second."""
 
-    def compute(job: Verification, cells: Sequence[Values], _: float | None) -> Iterator[Computed]:
+    def compute(job: Verification, cells: Sequence[Values], _: float | None) -> Iterator[ComputedCell]:
         yield from (computed(job, values) for values in cells)
 
     monkeypatch.setattr("tachk.verify.campaign.run.computing", lambda *_: compute)

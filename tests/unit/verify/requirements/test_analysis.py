@@ -11,10 +11,10 @@ import pytest
 
 from tachk.logic.durations import resolve
 from tachk.recordings.monitors.formulas import read_formulas
-from tachk.verify.requirements.analysis import Analysis, FindingKind, analyse
+from tachk.verify.requirements.analysis import FindingKind, RequirementAnalysis, analyse
 
 
-def analysed(*texts: str) -> Analysis:
+def analysed(*texts: str) -> RequirementAnalysis:
     """The requirements are called ``a``, ``b``, ... in order."""
     formulas = [resolve(read_formulas(text)[0].formula, lambda _: None, "s") for text in texts]
     return analyse(list(zip("abcdefgh", formulas, strict=False)))

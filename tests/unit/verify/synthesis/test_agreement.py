@@ -13,8 +13,8 @@ from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
 from tachk.transform.observed import observed
-from tachk.verify.synthesis.bounds_of_parameters import Bound
-from tachk.verify.synthesis.region import Evidence, Region
+from tachk.verify.synthesis.bounds_of_parameters import ParameterBound
+from tachk.verify.synthesis.region import CellEvidence, Region
 from tests.unit.verify.synthesis.random_models import HIGH, LOW, random_model
 
 SEEDS = 30
@@ -43,7 +43,7 @@ def check(model: Model, text: str, region: Region) -> None:
             assert cell.answer is expected, (p, q, cell)
     on_reached = Answer.HOLDS if region.query.holds_when_reached else Answer.FAILS
     for corner in region.corners:
-        assert corner.evidence in (Evidence.SEARCH, Evidence.RUN, Evidence.CERTIFICATE)
+        assert corner.evidence in (CellEvidence.SEARCH, CellEvidence.RUN, CellEvidence.CERTIFICATE)
         assert corner.verdict is not None
         if corner.answer is on_reached:
             assert corner.verdict.trace is not None
@@ -77,15 +77,15 @@ def test_a_region_is_what_enumeration_finds(seed: int) -> None:
 
 def test_the_random_models_have_what_can_go_wrong() -> None:
     bounds: list[object] = []
-    evidence: set[Evidence] = set()
+    evidence: set[CellEvidence] = set()
     for seed in range(SEEDS):
         found = synthesized(random_model(Random(seed)))
         if found is not None:
             bounds += found[1].bounds
             evidence |= {cell.evidence for cell in found[1].cells}
-    assert sum(bound in (Bound.UPPER, Bound.LOWER) for bound in bounds) >= 15
-    assert sum(bound not in tuple(Bound) for bound in bounds) >= 15
-    assert evidence == set(Evidence)
+    assert sum(bound in (ParameterBound.UPPER, ParameterBound.LOWER) for bound in bounds) >= 15
+    assert sum(bound not in tuple(ParameterBound) for bound in bounds) >= 15
+    assert evidence == set(CellEvidence)
 
 
 TWO_STEPS = """
@@ -120,4 +120,4 @@ def test_bounds_of_properties_against_enumeration(formula: str) -> None:
     inferred = model.synthesize(over="P=0..4,Q=0..2", property="p").region
     tried = model.synthesize(over="P=0..4,Q=0..2", property="p", infer=False, reuse=False).region
     assert [cell.answer for cell in inferred.cells] == [cell.answer for cell in tried.cells]
-    assert any(cell.evidence is Evidence.IMPLIED for cell in inferred.cells)
+    assert any(cell.evidence is CellEvidence.IMPLIED for cell in inferred.cells)

@@ -8,7 +8,7 @@ from tachk import loads
 from tachk.frontend.loaded import with_constants
 from tachk.model.query import Query
 from tachk.verify.questions import Questions
-from tachk.verify.synthesis.bounds_of_parameters import Bound, NoBound, bounds_of_parameters
+from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound, bounds_of_parameters
 
 MODEL = """
 const int P = 2;
@@ -44,7 +44,7 @@ def found(
     query: str = "A[] not one.z",
     box: tuple[int, int] = (0, 9),
     name: str = "P",
-) -> Bound | NoBound:
+) -> ParameterBound | NoBound:
     text = MODEL.format(
         edge=edge,
         invariant=invariant,
@@ -66,41 +66,41 @@ def found(
 @pytest.mark.parametrize(
     ("where", "bound"),
     [
-        ({"invariant": "invariant x <= P;"}, Bound.UPPER),
-        ({"invariant": "invariant x < 2 * P + 1;"}, Bound.UPPER),
-        ({"edge": "guard x <= P;"}, Bound.UPPER),
-        ({"edge": "guard x >= P;"}, Bound.LOWER),
-        ({"edge": "guard P < x;"}, Bound.LOWER),
-        ({"edge": "guard x - y <= P;"}, Bound.UPPER),
-        ({"edge": "guard x - P <= y;"}, Bound.UPPER),
-        ({"edge": "guard x + P <= 9;"}, Bound.LOWER),
-        ({"edge": "guard x <= 9 - P;"}, Bound.LOWER),
-        ({"edge": "guard x <= -(3 - P);"}, Bound.UPPER),
-        ({"edge": "guard x >= 9 - 2 * P;"}, Bound.UPPER),
-        ({"edge": "guard x <= S * P;"}, Bound.UPPER),
-        ({"edge": "guard x <= P + n;"}, Bound.UPPER),
-        ({"edge": "guard n > 1 || x <= P;"}, Bound.UPPER),
-        ({"edge": "guard not (x > P);"}, Bound.UPPER),
-        ({"edge": "guard n > 1 imply x <= P;"}, Bound.UPPER),
-        ({"edge": "guard x <= (n > 1 ? 3 : 2);"}, Bound.ABSENT),
-        ({"edge": "guard x <= P; sync c!;", "other": "guard y <= P; sync c?;"}, Bound.UPPER),
-        ({"edge": "guard x <= P; sync b!;", "other": "sync b?;"}, Bound.UPPER),
-        ({"edge": "sync u!;", "other": "sync u?;", "invariant": "invariant x <= P;"}, Bound.UPPER),
-        ({"declarations": "const int T = 2 * P + S;", "edge": "guard x <= T;"}, Bound.UPPER),
-        ({"declarations": "const int T = 2 * S - P;", "edge": "guard x <= T;"}, Bound.LOWER),
-        ({"local": "const int T = P + 1;", "edge": "guard x <= T;"}, Bound.UPPER),
-        ({"parameters": "const int T", "arguments": "P", "edge": "guard x <= T;"}, Bound.UPPER),
-        ({"parameters": "int T", "arguments": "P + 1", "edge": "guard x <= T;"}, Bound.UPPER),
-        ({"query": "E<> one.z && x <= P"}, Bound.UPPER),
-        ({"query": "A[] one.z imply x <= P"}, Bound.LOWER),
-        ({"query": "A[] not (one.z && x <= P)"}, Bound.UPPER),
-        ({"query": "E<> not (one.z imply x <= P)"}, Bound.LOWER),
-        ({"query": "F[0, 3] one.z", "invariant": "invariant x <= P;"}, Bound.UPPER),
-        ({}, Bound.ABSENT),
-        ({"declarations": "int unused(int a) { return a + P; }"}, Bound.ABSENT),
+        ({"invariant": "invariant x <= P;"}, ParameterBound.UPPER),
+        ({"invariant": "invariant x < 2 * P + 1;"}, ParameterBound.UPPER),
+        ({"edge": "guard x <= P;"}, ParameterBound.UPPER),
+        ({"edge": "guard x >= P;"}, ParameterBound.LOWER),
+        ({"edge": "guard P < x;"}, ParameterBound.LOWER),
+        ({"edge": "guard x - y <= P;"}, ParameterBound.UPPER),
+        ({"edge": "guard x - P <= y;"}, ParameterBound.UPPER),
+        ({"edge": "guard x + P <= 9;"}, ParameterBound.LOWER),
+        ({"edge": "guard x <= 9 - P;"}, ParameterBound.LOWER),
+        ({"edge": "guard x <= -(3 - P);"}, ParameterBound.UPPER),
+        ({"edge": "guard x >= 9 - 2 * P;"}, ParameterBound.UPPER),
+        ({"edge": "guard x <= S * P;"}, ParameterBound.UPPER),
+        ({"edge": "guard x <= P + n;"}, ParameterBound.UPPER),
+        ({"edge": "guard n > 1 || x <= P;"}, ParameterBound.UPPER),
+        ({"edge": "guard not (x > P);"}, ParameterBound.UPPER),
+        ({"edge": "guard n > 1 imply x <= P;"}, ParameterBound.UPPER),
+        ({"edge": "guard x <= (n > 1 ? 3 : 2);"}, ParameterBound.ABSENT),
+        ({"edge": "guard x <= P; sync c!;", "other": "guard y <= P; sync c?;"}, ParameterBound.UPPER),
+        ({"edge": "guard x <= P; sync b!;", "other": "sync b?;"}, ParameterBound.UPPER),
+        ({"edge": "sync u!;", "other": "sync u?;", "invariant": "invariant x <= P;"}, ParameterBound.UPPER),
+        ({"declarations": "const int T = 2 * P + S;", "edge": "guard x <= T;"}, ParameterBound.UPPER),
+        ({"declarations": "const int T = 2 * S - P;", "edge": "guard x <= T;"}, ParameterBound.LOWER),
+        ({"local": "const int T = P + 1;", "edge": "guard x <= T;"}, ParameterBound.UPPER),
+        ({"parameters": "const int T", "arguments": "P", "edge": "guard x <= T;"}, ParameterBound.UPPER),
+        ({"parameters": "int T", "arguments": "P + 1", "edge": "guard x <= T;"}, ParameterBound.UPPER),
+        ({"query": "E<> one.z && x <= P"}, ParameterBound.UPPER),
+        ({"query": "A[] one.z imply x <= P"}, ParameterBound.LOWER),
+        ({"query": "A[] not (one.z && x <= P)"}, ParameterBound.UPPER),
+        ({"query": "E<> not (one.z imply x <= P)"}, ParameterBound.LOWER),
+        ({"query": "F[0, 3] one.z", "invariant": "invariant x <= P;"}, ParameterBound.UPPER),
+        ({}, ParameterBound.ABSENT),
+        ({"declarations": "int unused(int a) { return a + P; }"}, ParameterBound.ABSENT),
     ],
 )
-def test_bounds_of_clocks_are_monotone(where: dict[str, str], bound: Bound) -> None:
+def test_bounds_of_clocks_are_monotone(where: dict[str, str], bound: ParameterBound) -> None:
     assert found(**where) is bound
 
 
@@ -160,12 +160,12 @@ def test_the_guard_of_an_urgent_edge_is_not() -> None:
 
 def test_a_sum_that_may_wrap_around_is_not() -> None:
     guard = "guard x <= 100000000 * P;"
-    assert found(edge=guard, box=(0, 20)) is Bound.UPPER
+    assert found(edge=guard, box=(0, 20)) is ParameterBound.UPPER
     assert isinstance(found(edge=guard, box=(0, 22)), NoBound)
 
 
 def test_the_sign_of_a_factor_must_be_known() -> None:
-    assert found(edge="guard x <= S * P + 50;", box=(-3, 0)) is Bound.LOWER
+    assert found(edge="guard x <= S * P + 50;", box=(-3, 0)) is ParameterBound.LOWER
     assert isinstance(found(edge="guard x <= S * P + 50;", box=(-3, 3)), NoBound)
 
 
@@ -177,25 +177,25 @@ def test_the_place_of_what_is_in_the_way_is_told() -> None:
 
 
 def test_constants_are_told_apart() -> None:
-    assert found(edge="guard x <= P && x >= S;", name="S") is Bound.LOWER
-    assert found(edge="guard x <= P && x >= S;", name="P") is Bound.UPPER
+    assert found(edge="guard x <= P && x >= S;", name="S") is ParameterBound.LOWER
+    assert found(edge="guard x <= P && x >= S;", name="P") is ParameterBound.UPPER
 
 
 @pytest.mark.parametrize(
     ("query", "bound"),
     [
-        ("G (one.a -> F[0, P] one.z)", Bound.LOWER),
-        ("G (one.a -> F[P, 20] one.z)", Bound.UPPER),
-        ("G (one.a -> G[0, P] two.a)", Bound.UPPER),
-        ("G (F[0, P] one.z -> two.a)", Bound.UPPER),
-        ("G (one.a -> F[0, 20 - 2 * P] one.z)", Bound.UPPER),
-        ("G (one.a -> (two.a U[0, P] one.z))", Bound.LOWER),
-        ("G (one.a && G[0, S] two.a -> F[0, P] one.z)", Bound.LOWER),
-        ("A<>[<= P] one.z", Bound.LOWER),
-        ("one.a -->[< P] one.z", Bound.LOWER),
+        ("G (one.a -> F[0, P] one.z)", ParameterBound.LOWER),
+        ("G (one.a -> F[P, 20] one.z)", ParameterBound.UPPER),
+        ("G (one.a -> G[0, P] two.a)", ParameterBound.UPPER),
+        ("G (F[0, P] one.z -> two.a)", ParameterBound.UPPER),
+        ("G (one.a -> F[0, 20 - 2 * P] one.z)", ParameterBound.UPPER),
+        ("G (one.a -> (two.a U[0, P] one.z))", ParameterBound.LOWER),
+        ("G (one.a && G[0, S] two.a -> F[0, P] one.z)", ParameterBound.LOWER),
+        ("A<>[<= P] one.z", ParameterBound.LOWER),
+        ("one.a -->[< P] one.z", ParameterBound.LOWER),
     ],
 )
-def test_bounds_of_the_property_are_monotone_where_nothing_else_has_them(query: str, bound: Bound) -> None:
+def test_bounds_of_the_property_are_monotone_where_nothing_else_has_them(query: str, bound: ParameterBound) -> None:
     assert found(query=query) is bound
 
 

@@ -13,10 +13,10 @@ from tachk.meaning.judge.certificate import read_certificates
 from tachk.meaning.judge.replay import replay
 from tachk.verify.certificates import Checker, check_proof
 from tachk.verify.synthesis import cells
-from tachk.verify.synthesis.bounds_of_parameters import Bound, NoBound
-from tachk.verify.synthesis.parameters import Parameter, parameters_from
+from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound
+from tachk.verify.synthesis.parameters import VariedConstant, parameters_from
 from tachk.verify.synthesis.proofs import proof_again, proof_of
-from tachk.verify.synthesis.region import Evidence
+from tachk.verify.synthesis.region import CellEvidence
 
 MODEL = """
 const int A = 1;
@@ -38,11 +38,11 @@ property eventually : A<> P.t;
 
 def test_ranges_are_read() -> None:
     assert parameters_from(["A=1..5, B=-3..9:4", "C=7"]) == (
-        Parameter("A", 1, 5),
-        Parameter("B", -3, 9, 4),
-        Parameter("C", 7, 7),
+        VariedConstant("A", 1, 5),
+        VariedConstant("B", -3, 9, 4),
+        VariedConstant("C", 7, 7),
     )
-    assert list(Parameter("B", -3, 9, 4).values) == [-3, 1, 5, 9]
+    assert list(VariedConstant("B", -3, 9, 4).values) == [-3, 1, 5, 9]
 
 
 @pytest.mark.parametrize(
@@ -91,9 +91,9 @@ def model_answer(**values: int) -> Answer:
 
 def test_a_bound_of_a_formula_is_tried_value_by_value() -> None:
     region = loads(MODEL).synthesize(property="quick", over="A=1..3,B=1..3").region
-    assert region.bounds[0] is Bound.UPPER
+    assert region.bounds[0] is ParameterBound.UPPER
     assert isinstance(region.bounds[1], NoBound)
-    assert region.searched + sum(cell.evidence is not Evidence.SEARCH for cell in region.cells) == 9
+    assert region.searched + sum(cell.evidence is not CellEvidence.SEARCH for cell in region.cells) == 9
 
 
 def test_a_query_that_cannot_be_decided_is_refused_once() -> None:
@@ -132,14 +132,14 @@ def test_ctrl_c_keeps_what_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     region = loads(MODEL).synthesize(property="never", over="A=1..3,B=1..3", infer=False, reuse=False).region
     assert region.interrupted
     assert len(asked) == 4
-    assert sum(cell.evidence is Evidence.SEARCH for cell in region.cells) == 3
+    assert sum(cell.evidence is CellEvidence.SEARCH for cell in region.cells) == 3
     assert {cell.reason for cell in region.unknown} == {"interrupted"}
 
 
 def test_a_run_is_used_again_at_other_times() -> None:
     model = loads(MODEL)
     region = model.synthesize(property="ever", over="A=1..4,B=1..4", infer=False).region
-    again = [cell for cell in region.cells if cell.evidence is Evidence.RUN]
+    again = [cell for cell in region.cells if cell.evidence is CellEvidence.RUN]
     assert len(again) == 9
     for cell in again:
         assert cell.verdict is not None
@@ -154,7 +154,7 @@ def test_a_run_is_used_again_at_other_times() -> None:
 def test_a_run_of_a_formula_is_used_again_with_its_observer() -> None:
     region = loads(MODEL).synthesize("F[0, 2] P.t", over="A=3..6,B=3..6", infer=False).region
     assert {cell.answer for cell in region.cells} == {Answer.FAILS}
-    assert sum(cell.evidence is Evidence.RUN for cell in region.cells) >= 10
+    assert sum(cell.evidence is CellEvidence.RUN for cell in region.cells) >= 10
 
 
 def test_a_run_is_not_used_where_its_edges_do_not_exist() -> None:
@@ -173,7 +173,7 @@ def test_a_run_is_not_used_where_its_edges_do_not_exist() -> None:
 
 def test_a_certificate_is_used_again_and_both_checkers_accept_it(tmp_path: Path) -> None:
     found = loads(MODEL).synthesize(property="never", over="A=1..4,B=1..6", infer=False, certify=True)
-    again = [cell for cell in found.region.cells if cell.evidence is Evidence.CERTIFICATE]
+    again = [cell for cell in found.region.cells if cell.evidence is CellEvidence.CERTIFICATE]
     assert len(again) >= 3
     plain = loads(MODEL).synthesize(property="never", over="A=1..4,B=1..6", infer=False)
     assert [cell.answer for cell in found.region.cells] == [cell.answer for cell in plain.region.cells]

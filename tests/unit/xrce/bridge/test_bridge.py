@@ -15,11 +15,11 @@ from tachk.formats.loading.load import load_model
 from tachk.model.network import Network
 from tachk.xrce.bridge.bridging import Bridge
 from tachk.xrce.bridge.clock import SteppedClock
-from tachk.xrce.bridge.part import Part
+from tachk.xrce.bridge.part import BridgedPart
 from tachk.xrce.bridge.sockets import BridgeSocket
-from tachk.xrce.events import Event, decode
-from tachk.xrce.proxy.recording import Recording
-from tachk.xrce.wire import Kind
+from tachk.xrce.events import SubmessageEvent, decode
+from tachk.xrce.proxy.recording import CaptureWriter
+from tachk.xrce.wire import SubmessageKind
 
 MODELS = Path(__file__).parents[4] / "models" / "micro_xrce_dds"
 SECOND = 10**9
@@ -29,12 +29,12 @@ def network() -> Network:
     return load_model(MODELS / "publication.ta", {"MESSAGES": 4}).network
 
 
-def conversation(lost: int | None = None) -> tuple[list[Event], SteppedClock]:
+def conversation(lost: int | None = None) -> tuple[list[SubmessageEvent], SteppedClock]:
     """What is recorded at the client; one of its packets is lost."""
     clock, out = SteppedClock(), BytesIO()
-    agent = BridgeSocket(Bridge(Part(network(), ["writer"]), clock), None, None)
+    agent = BridgeSocket(Bridge(BridgedPart(network(), ["writer"]), clock), None, None)
     client = BridgeSocket(
-        Bridge(Part(network(), ["application", "publisher"]), clock), None, agent.address, Recording(out)
+        Bridge(BridgedPart(network(), ["application", "publisher"]), clock), None, agent.address, CaptureWriter(out)
     )
     sockets = [client, agent]
     try:
@@ -59,24 +59,26 @@ def test_models_of_both_ends_have_a_session_by_udp() -> None:
     found, clock = conversation()
     assert all(not event.problem for event in found)
     kinds = [event.kind for event in found]
-    assert kinds[:2] == [Kind.CREATE_CLIENT, Kind.STATUS_AGENT]
-    written = [event.sequence for event in found if event.kind is Kind.WRITE_DATA]
+    assert kinds[:2] == [SubmessageKind.CREATE_CLIENT, SubmessageKind.STATUS_AGENT]
+    written = [event.sequence for event in found if event.kind is SubmessageKind.WRITE_DATA]
     assert written == [1, 2, 3, 4]
-    assert [e.fields["first"] for e in found if e.kind is Kind.ACKNACK and not e.to_agent][-1] == 5
+    assert [e.fields["first"] for e in found if e.kind is SubmessageKind.ACKNACK and not e.to_agent][-1] == 5
     assert 12 * SECOND <= clock.now() <= 20 * SECOND
 
 
 def test_what_is_lost_is_repeated() -> None:
     found, _ = conversation(lost=7)
-    assert [e.kind for e in found if e.to_agent].count(Kind.HEARTBEAT) >= 1
-    assert [e.fields["first"] for e in found if e.kind is Kind.ACKNACK and not e.to_agent][-1] == 5
+    assert [e.kind for e in found if e.to_agent].count(SubmessageKind.HEARTBEAT) >= 1
+    assert [e.fields["first"] for e in found if e.kind is SubmessageKind.ACKNACK and not e.to_agent][-1] == 5
 
 
 def test_strangers_have_no_part_in_a_session() -> None:
     clock = SteppedClock()
     with ExitStack() as opened:
-        agent = opened.enter_context(closing(BridgeSocket(Bridge(Part(network(), ["writer"]), clock), None, None)))
-        ends = [Bridge(Part(network(), ["application", "publisher"]), clock) for _ in range(2)]
+        agent = opened.enter_context(
+            closing(BridgeSocket(Bridge(BridgedPart(network(), ["writer"]), clock), None, None))
+        )
+        ends = [Bridge(BridgedPart(network(), ["application", "publisher"]), clock) for _ in range(2)]
         client, stranger = (opened.enter_context(closing(BridgeSocket(end, None, agent.address))) for end in ends)
         while not client.bridge.is_open:
             client.due()
@@ -107,7 +109,7 @@ system Client, Slow, Agent;
 
 
 def test_what_is_committed_happens_at_once() -> None:
-    part = Part(load_model(Source("<text>", EAGER)).network, ["Client", "Slow"])
+    part = BridgedPart(load_model(Source("<text>", EAGER)).network, ["Client", "Slow"])
     assert part.next_event() == 0
     assert [(sent.time, sent.values["detail"]) for sent in part.advance(0)] == [(0, 5)]
     assert part.next_event() == 7 * SECOND
@@ -115,7 +117,7 @@ def test_what_is_committed_happens_at_once() -> None:
 
 def test_a_part_without_links_is_no_end_of_a_session() -> None:
     with pytest.raises(UsageError):
-        Bridge(Part(network(), ["loss"]), SteppedClock())
+        Bridge(BridgedPart(network(), ["loss"]), SteppedClock())
 
 
 def test_a_stepped_clock_does_not_go_back() -> None:

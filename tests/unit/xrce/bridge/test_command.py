@@ -18,12 +18,12 @@ from tachk.cli.main import app
 from tachk.formats.loading.load import load_model
 from tachk.xrce.bridge.bridging import Bridge
 from tachk.xrce.bridge.clock import WallClock
-from tachk.xrce.bridge.part import Part
+from tachk.xrce.bridge.part import BridgedPart
 from tachk.xrce.bridge.sockets import BridgeSocket
-from tachk.xrce.events import Event, decode
+from tachk.xrce.events import SubmessageEvent, decode
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.proxy.recording import Recording
-from tachk.xrce.wire import Kind
+from tachk.xrce.proxy.recording import CaptureWriter
+from tachk.xrce.wire import SubmessageKind
 
 MODEL = Path(__file__).parents[4] / "models" / "micro_xrce_dds" / "publication.ta"
 MESSAGES = 3
@@ -52,10 +52,10 @@ class Other:
         self._looked_at = 0
         self._clock = WallClock(SPEED)
         self._file = BytesIO()
-        part = Part(load_model(MODEL, {"MESSAGES": MESSAGES}).network, processes)
-        self.socket = BridgeSocket(Bridge(part, self._clock), None, to, Recording(self._file))
+        part = BridgedPart(load_model(MODEL, {"MESSAGES": MESSAGES}).network, processes)
+        self.socket = BridgeSocket(Bridge(part, self._clock), None, to, CaptureWriter(self._file))
 
-    def events(self) -> list[Event]:
+    def events(self) -> list[SubmessageEvent]:
         return list(decode(BytesIO(self._file.getvalue()), [self._agent or self.socket.address.port]))
 
     def speak(self) -> None:
@@ -67,7 +67,7 @@ class Other:
         if self._looked_at == sum(self.socket.packets):
             return False  # nothing has come or gone
         self._looked_at = sum(self.socket.packets)
-        confirmed = [e.fields["first"] for e in self.events() if e.kind is Kind.ACKNACK and not e.to_agent]
+        confirmed = [e.fields["first"] for e in self.events() if e.kind is SubmessageKind.ACKNACK and not e.to_agent]
         return MESSAGES + 1 in confirmed
 
     def close(self) -> None:
@@ -96,9 +96,9 @@ def test_a_client_writes_to_the_agent_that_it_is_told(tmp_path: Path) -> None:
             assert "of them mean nothing to the model" in ended(process)
             assert process.returncode == 0
         recorded = list(decode(BytesIO(capture.read_bytes()), [agent.socket.address.port]))
-    written = {event.sequence for event in recorded if event.kind is Kind.WRITE_DATA}
+    written = {event.sequence for event in recorded if event.kind is SubmessageKind.WRITE_DATA}
     assert written == set(range(1, MESSAGES + 1))
-    assert recorded[0].kind is Kind.CREATE_CLIENT
+    assert recorded[0].kind is SubmessageKind.CREATE_CLIENT
 
 
 def test_an_agent_answers_at_the_port_that_it_is_told() -> None:

@@ -15,8 +15,8 @@ import pytest
 
 from tachk.api.monitoring import monitor
 from tachk.recordings.traces.node_signal import Truth
-from tachk.xrce.events import Event, decode
-from tachk.xrce.wire import Kind
+from tachk.xrce.events import SubmessageEvent, decode
+from tachk.xrce.wire import SubmessageKind
 
 CAPTURES: Final = Path(__file__).resolve().parents[3] / "data/captures"
 NAMES: Final = sorted(path.stem for path in CAPTURES.glob("*.pcap"))
@@ -29,13 +29,13 @@ def truth(name: str) -> Any:
 
 
 @cache
-def events(name: str, end: str) -> tuple[Event, ...]:
+def events(name: str, end: str) -> tuple[SubmessageEvent, ...]:
     """What one end saw, or the Agent."""
     with (CAPTURES / f"{name}.pcap").open("rb") as capture:
         return tuple(decode(capture, [truth(name)["ports"][end]]))
 
 
-def index(event: Event) -> int:
+def index(event: SubmessageEvent) -> int:
     return int.from_bytes(bytes.fromhex(str(event.fields["sample"])), "little")
 
 
@@ -47,10 +47,10 @@ def printed(name: str, end: str, what: str) -> list[int]:
 def test_everything_decodes_and_agrees_with_what_the_clients_printed(name: str) -> None:
     ends = [end for end in ("publisher", "subscriber", "agent") if end in truth(name)["ports"]]
     assert all(not event.problem for end in ends for event in events(name, end))
-    sent = {index(event) for event in events(name, "publisher") if event.kind is Kind.WRITE_DATA}
+    sent = {index(event) for event in events(name, "publisher") if event.kind is SubmessageKind.WRITE_DATA}
     assert sent == {*printed(name, "publisher", "written")}
     if "subscriber" in ends:
-        got = {index(event) for event in events(name, "subscriber") if event.kind is Kind.DATA}
+        got = {index(event) for event in events(name, "subscriber") if event.kind is SubmessageKind.DATA}
         received = printed(name, "subscriber", "received")
         assert got >= {*received}
         assert received == sorted({*received})
@@ -121,7 +121,7 @@ def test_which_samples_never_arrive(name: str, missing: set[int]) -> None:
     """The publisher has them confirmed all the same, the Agent has them."""
     written = {*printed(name, "publisher", "written")}
     assert written - {*printed(name, "subscriber", "received")} == missing
-    at_agent = {index(event) for event in events(name, "agent") if event.kind is Kind.WRITE_DATA}
+    at_agent = {index(event) for event in events(name, "agent") if event.kind is SubmessageKind.WRITE_DATA}
     assert at_agent == written
 
 
@@ -130,9 +130,9 @@ def test_a_nack_names_a_message_that_the_agent_has() -> None:
     came: set[int] = set()
     needless = 0
     for event in events("needless_nack", "agent"):
-        if event.kind is Kind.WRITE_DATA and event.sequence is not None:
+        if event.kind is SubmessageKind.WRITE_DATA and event.sequence is not None:
             came.add(event.sequence)
-        if event.kind is Kind.ACKNACK and not event.to_agent:
+        if event.kind is SubmessageKind.ACKNACK and not event.to_agent:
             missing = event.fields["missing"]
             assert isinstance(missing, list)
             needless += bool(missing) and came.issuperset(missing)

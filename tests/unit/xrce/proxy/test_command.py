@@ -81,11 +81,11 @@ def test_the_end_tells_how_often_each_rule_applied(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rule: str, status: int, told: str
 ) -> None:
     from tachk.xrce.messages import Endpoint
-    from tachk.xrce.proxy.decisions import Arrival
-    from tachk.xrce.proxy.rules import Way
+    from tachk.xrce.proxy.decisions import RelayArrival
+    from tachk.xrce.proxy.rules import PacketDirection
 
     async def one_packet(relay: Relay, ready: object) -> None:
-        arrival = Arrival(19001, Endpoint("127.0.0.1", 5), Way.TO_AGENT, write_data(7), 0)
+        arrival = RelayArrival(19001, Endpoint("127.0.0.1", 5), PacketDirection.TO_AGENT, write_data(7), 0)
         relay._tell(arrival, relay._decisions.arrived(arrival))
 
     monkeypatch.setattr(Relay, "run", one_packet)

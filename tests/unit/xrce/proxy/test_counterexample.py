@@ -11,13 +11,13 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.proxy.counterexample import rules_of
-from tachk.xrce.proxy.decisions import Arrival, Decisions
-from tachk.xrce.proxy.rules import Way
-from tachk.xrce.proxy.run_of_model import Happening, Message, ModelRun, read_run
-from tachk.xrce.wire import Kind
+from tachk.xrce.proxy.decisions import Decisions, RelayArrival
+from tachk.xrce.proxy.rules import PacketDirection
+from tachk.xrce.proxy.run_of_model import Happening, ModelMessage, ModelRun, read_run
+from tachk.xrce.wire import SubmessageKind
 from tests.unit.xrce.proxy.packets import acknack, heartbeat, write_data
 
-UP, DOWN = Way.TO_AGENT, Way.TO_CLIENT
+UP, DOWN = PacketDirection.TO_AGENT, PacketDirection.TO_CLIENT
 CONSTANTS = {
     "LINKS": 4,
     "PUB": 0,
@@ -119,7 +119,7 @@ def test_links_may_be_hidden() -> None:
 
 def test_what_follows_a_held_packet_is_held_as_well() -> None:
     """Sent 1, 2, 3; delivered 3, 1, 2."""
-    up = [Message(0, UP, Kind.WRITE_DATA, count) for count in (1, 2, 3)]
+    up = [ModelMessage(0, UP, SubmessageKind.WRITE_DATA, count) for count in (1, 2, 3)]
     sent = [Happening(message, True) for message in up]
     run = ModelRun(1, (*sent, *(Happening(up[place], False) for place in (2, 0, 1))))
     assert [str(rule).split(" client->agent")[0] for rule in rules_of(run, [1], "t.json")] == [
@@ -193,8 +193,8 @@ def test_messages_of_a_client_that_gets_samples_are_requests() -> None:
 
 def random_run(random: Random) -> ModelRun:
     """Any messages in any order, lost, overtaken, or under way at the end."""
-    counts: dict[tuple[Way, Kind], int] = {}
-    under_way: list[Message] = []
+    counts: dict[tuple[PacketDirection, SubmessageKind], int] = {}
+    under_way: list[ModelMessage] = []
     happenings: list[Happening] = []
     for _ in range(random.randint(1, 14)):
         if under_way and random.random() < 0.5:
@@ -203,11 +203,15 @@ def random_run(random: Random) -> ModelRun:
             if random.random() < 0.3:
                 continue
         way = random.choice((UP, DOWN))
-        kind = random.choice((Kind.WRITE_DATA, Kind.HEARTBEAT)) if way is UP else Kind.ACKNACK
+        kind = (
+            random.choice((SubmessageKind.WRITE_DATA, SubmessageKind.HEARTBEAT))
+            if way is UP
+            else SubmessageKind.ACKNACK
+        )
         if not happenings:
-            way, kind = UP, Kind.WRITE_DATA  # the first sample begins the run
+            way, kind = UP, SubmessageKind.WRITE_DATA  # the first sample begins the run
         counts[(way, kind)] = counts.get((way, kind), 0) + 1
-        message = Message(0, way, kind, counts[(way, kind)])
+        message = ModelMessage(0, way, kind, counts[(way, kind)])
         lost = random.random() < 0.2
         happenings.append(Happening(message, True, lost))
         if not lost:
@@ -215,11 +219,11 @@ def random_run(random: Random) -> ModelRun:
     return ModelRun(1, tuple(happenings))
 
 
-def octets_of(message: Message) -> bytes:
+def octets_of(message: ModelMessage) -> bytes:
     match message.kind:
-        case Kind.WRITE_DATA:
+        case SubmessageKind.WRITE_DATA:
             return write_data(message.count)
-        case Kind.HEARTBEAT:
+        case SubmessageKind.HEARTBEAT:
             return heartbeat(message.count, message.count)
         case _:
             return acknack(message.count)
@@ -228,7 +232,7 @@ def octets_of(message: Message) -> bytes:
 class End:
     """Client or Agent: does and expects what it does and gets in the run, in this order."""
 
-    def __init__(self, run: ModelRun, sends: Way) -> None:
+    def __init__(self, run: ModelRun, sends: PacketDirection) -> None:
         self.sends = sends
         self.left = [one for one in run.happenings if (one.message.way is sends) == one.sent]
 
@@ -242,8 +246,8 @@ def test_the_network_of_the_rules_shows_what_the_run_shows(seed: int) -> None:
     random = Random(seed)
     run = random_run(random)
     decisions = Decisions(rules_of(run, [1], "t.json"))
-    ends = {way: End(run, way) for way in Way}
-    sent: list[Message] = []
+    ends = {way: End(run, way) for way in PacketDirection}
+    sent: list[ModelMessage] = []
     for time in range(1000):
         ready = [end for end in ends.values() if end.next_to_send is not None]
         if not ready:
@@ -251,7 +255,7 @@ def test_the_network_of_the_rules_shows_what_the_run_shows(seed: int) -> None:
         end = random.choice(ready) if time else ends[UP]  # the first sample, from which packets are counted
         happening = end.left.pop(0)
         sent.append(happening.message)
-        arrival = Arrival(1, Endpoint("127.0.0.1", 5), end.sends, octets_of(happening.message), time)
+        arrival = RelayArrival(1, Endpoint("127.0.0.1", 5), end.sends, octets_of(happening.message), time)
         for departure in decisions.arrived(arrival).departures:
             receiver = ends[UP if departure.way is DOWN else DOWN]
             if receiver.left:

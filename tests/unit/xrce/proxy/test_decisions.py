@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tachk.base.span import Source
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.proxy.decisions import Arrival, Decisions
-from tachk.xrce.proxy.rules import Way
+from tachk.xrce.proxy.decisions import Decisions, RelayArrival
+from tachk.xrce.proxy.rules import PacketDirection
 from tachk.xrce.proxy.script import parse_script
 from tests.unit.xrce.proxy.packets import CREATE_CLIENT, acknack, data, heartbeat, write_data
 
@@ -22,9 +22,9 @@ class Wire:
         self.wake: int | None = None
 
     def send(self, ms: int, octets: bytes, to_agent: bool = True, port: int = 1) -> None:
-        way = Way.TO_AGENT if to_agent else Way.TO_CLIENT
+        way = PacketDirection.TO_AGENT if to_agent else PacketDirection.TO_CLIENT
         self.wait(ms)
-        answer = self.decisions.arrived(Arrival(port, HERE, way, octets, ms * MS))
+        answer = self.decisions.arrived(RelayArrival(port, HERE, way, octets, ms * MS))
         self.wake = answer.wake
         self.left += [(ms, departure.arrival) for departure in answer.departures]
 

@@ -15,7 +15,7 @@ from tachk.base.span import Source
 from tachk.xrce.events import decode
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.proxy.decisions import Decisions
-from tachk.xrce.proxy.recording import Recording, Sorted
+from tachk.xrce.proxy.recording import CaptureWriter, Sorted
 from tachk.xrce.proxy.relay import Plan, Relay
 from tachk.xrce.proxy.script import parse_script
 from tests.unit.xrce.proxy.packets import acknack, write_data
@@ -39,7 +39,7 @@ async def exchange(script: str, file: io.BytesIO) -> list[bytes]:
     with bound() as agent, bound() as client:
         port = free_port()
         plan = Plan([Endpoint("127.0.0.1", port)], Endpoint(*agent.getsockname()), None)
-        relay = Relay(plan, Decisions(parse_script(Source("s", script))), Recording(file))
+        relay = Relay(plan, Decisions(parse_script(Source("s", script))), CaptureWriter(file))
         ready = asyncio.Event()
         running = asyncio.create_task(relay.run(ready.set))
         await ready.wait()
@@ -74,7 +74,7 @@ async def busy(file: io.BytesIO) -> list[tuple[int, int]]:
         ports = [free_port(), free_port()]
         plan = Plan([Endpoint("127.0.0.1", port) for port in ports], Endpoint(*agent.getsockname()), None)
         ready = asyncio.Event()
-        running = asyncio.create_task(Relay(plan, Decisions(()), Recording(file)).run(ready.set))
+        running = asyncio.create_task(Relay(plan, Decisions(()), CaptureWriter(file)).run(ready.set))
         await ready.wait()
         for number, client, port in ((1, second, ports[1]), (2, first, ports[0]), (3, second, ports[1])):
             begin = time.time_ns()
@@ -106,7 +106,7 @@ def test_packets_are_taken_in_their_order_and_recorded_when_they_came() -> None:
 
 def test_what_is_known_late_is_written_in_its_place() -> None:
     file = io.BytesIO()
-    ordered = Sorted(Recording(file))
+    ordered = Sorted(CaptureWriter(file))
     ends = Endpoint("127.0.0.1", 5), Endpoint("127.0.0.1", 6)
     for moment, octets in ((3, b"c"), (1, b"a"), (3, b"d"), (4, b"e"), (2, b"b")):
         ordered.packet(moment, *ends, octets)
@@ -135,7 +135,7 @@ def _agents(file: io.BytesIO) -> set[int]:
 
 def test_headers_are_those_of_udp_over_ipv4() -> None:
     file = io.BytesIO()
-    recording = Recording(file)
+    recording = CaptureWriter(file)
     recording.packet(1_500_000_000_123_456_789, Endpoint("127.0.0.1", 5), Endpoint("10.0.0.2", 6), b"abc")
     header, frame = file.getvalue()[:40], file.getvalue()[40:]
     assert header[:4] == bytes.fromhex("4d3cb2a1")

@@ -9,22 +9,22 @@ import pytest
 from tachk.base.diagnostics.codes.all_codes import CODES
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.span import Source
-from tachk.xrce.proxy.rules import EVERY, Chosen, Deed, Packets, Rule, Wait, Way
+from tachk.xrce.proxy.rules import EVERY, Chosen, ChosenPackets, Deed, PacketDirection, RelayRule, RuleWindow
 from tachk.xrce.proxy.script import parse_script
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import SubmessageKind
 
 MS = 1_000_000
 
 
-def one(text: str) -> Rule:
+def one(text: str) -> RelayRule:
     (rule,) = parse_script(Source("script", text))
     return rule
 
 
 def test_packets_are_chosen_by_kind_number_way_and_count() -> None:
     rule = one("drop the 2nd ACKNACK 7 agent->client on 19001 since WRITE_DATA")
-    packets = Packets(Kind.ACKNACK, number=7, way=Way.TO_CLIENT, port=19001)
-    assert (rule.deed, rule.chosen) == (Deed.DROP, Chosen(packets, 2, 2, Packets(Kind.WRITE_DATA)))
+    packets = ChosenPackets(SubmessageKind.ACKNACK, number=7, way=PacketDirection.TO_CLIENT, port=19001)
+    assert (rule.deed, rule.chosen) == (Deed.DROP, Chosen(packets, 2, 2, ChosenPackets(SubmessageKind.WRITE_DATA)))
 
 
 @pytest.mark.parametrize(
@@ -43,18 +43,21 @@ def test_which_ones_are_counted(text: str, first: int, last: int) -> None:
 
 
 def test_kinds() -> None:
-    assert one("drop packet").chosen.packets == Packets()
-    assert one("drop every packets client->agent").chosen.packets == Packets(way=Way.TO_AGENT)
-    assert one("drop NACK").chosen.packets == Packets(Kind.ACKNACK, names_missing=True)
+    assert one("drop packet").chosen.packets == ChosenPackets()
+    assert one("drop every packets client->agent").chosen.packets == ChosenPackets(way=PacketDirection.TO_AGENT)
+    assert one("drop NACK").chosen.packets == ChosenPackets(SubmessageKind.ACKNACK, names_missing=True)
 
 
 def test_waits() -> None:
-    assert one("delay DATA 5 by 1.5 ms").wait == Wait(1_500_000, 1_500_000)
-    assert one("delay 50 % of packets by 0 ms to 60 ms").wait == Wait(0, 60 * MS)
-    assert one("duplicate CREATE_CLIENT after 1 s").wait == Wait(1000 * MS, 1000 * MS)
-    events = (Chosen(Packets(Kind.ACKNACK, number=9)), Chosen(Packets(Kind.WRITE_DATA), 2, 2))
-    assert one("delay ACKNACK 8 until ACKNACK 9 and the 2nd WRITE_DATA").wait == Wait(events=events)
-    assert one("duplicate DATA after the 2nd WRITE_DATA").wait == Wait(events=events[1:])
+    assert one("delay DATA 5 by 1.5 ms").wait == RuleWindow(1_500_000, 1_500_000)
+    assert one("delay 50 % of packets by 0 ms to 60 ms").wait == RuleWindow(0, 60 * MS)
+    assert one("duplicate CREATE_CLIENT after 1 s").wait == RuleWindow(1000 * MS, 1000 * MS)
+    events = (
+        Chosen(ChosenPackets(SubmessageKind.ACKNACK, number=9)),
+        Chosen(ChosenPackets(SubmessageKind.WRITE_DATA), 2, 2),
+    )
+    assert one("delay ACKNACK 8 until ACKNACK 9 and the 2nd WRITE_DATA").wait == RuleWindow(events=events)
+    assert one("duplicate DATA after the 2nd WRITE_DATA").wait == RuleWindow(events=events[1:])
 
 
 def test_shares_and_windows() -> None:

@@ -18,7 +18,12 @@ from tachk.formats.network_json.digest import digest
 from tachk.frontend.loaded import LoadedModel
 from tachk.meaning.discrete import prepare
 from tachk.meaning.initial_state import check_initial_state
-from tachk.meaning.judge.certificate import CertificateReader, Header, MalformedCertificateError, read_certificates
+from tachk.meaning.judge.certificate import (
+    CertificateHeader,
+    CertificateReader,
+    MalformedCertificateError,
+    read_certificates,
+)
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
@@ -71,7 +76,7 @@ def _judgements(model: LoadedModel, certificates: Sequence[CertificateReader], c
         yield Judgement(network, query, certificate, judge, reason, objection, time.monotonic() - started)
 
 
-def _made_for_another(header: Header, network: Network, own: str) -> str:
+def _made_for_another(header: CertificateHeader, network: Network, own: str) -> str:
     """Why a certificate is not about this model, by what its header says; empty if it is."""
     if header.model == own:
         return ""
@@ -80,7 +85,7 @@ def _made_for_another(header: Header, network: Network, own: str) -> str:
     return f"it was made for another model{', with ' + ', '.join(different) if different else ''}"
 
 
-def _query(model: LoadedModel, header: Header) -> Query:
+def _query(model: LoadedModel, header: CertificateHeader) -> Query:
     """The query that a certificate is about: the property of the model if that has the same text, else what it says."""
     for query in model.queries:
         if (query.name, query.text) == (header.name, header.query):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
-from tachk.engine.simulation.simulator import Drawing, Recorded
+from tachk.engine.simulation.simulator import RecordedChanges, SimulationOptions
 from tachk.model.network import Network
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.runs import Runs
@@ -34,8 +34,8 @@ class JudgedRuns:
         truths: dict[str, Counter[Truth]] = {formula.name: Counter() for formula in formulas}
         transitions = 0
         until = horizon_of(self.until, network.time_unit)
-        drawing = Drawing(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
-        for run in runs.draw(drawing, range(self.runs), Recorded(observed=True)):
+        drawing = SimulationOptions(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
+        for run in runs.draw(drawing, range(self.runs), RecordedChanges(observed=True)):
             transitions += run.transitions
             told = truths_on(runs.trace(run), formulas) if len(run.times) else {}
             for name, counts in truths.items():

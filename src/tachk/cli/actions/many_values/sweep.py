@@ -28,7 +28,7 @@ from tachk.model.grid import grid_of
 from tachk.report.campaign.table import Sweep
 from tachk.simulation.statistics.estimate import Settings
 from tachk.simulation.statistics.rare import Splitting
-from tachk.simulation.statistics.sampling import Source as RunSource
+from tachk.simulation.statistics.sampling import RunSource as RunSource
 from tachk.verify.campaign.job import ESTIMATED
 from tachk.verify.campaign.run import Progress
 from tachk.verify.verdict import Answer

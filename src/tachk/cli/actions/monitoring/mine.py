@@ -13,14 +13,14 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.recordings.monitors.formulas import check_order
-from tachk.recordings.traces.conventions import Ending
+from tachk.recordings.traces.conventions import TraceEnding
 
 _NUMBER = r"-?\d+(?:\.\d+)?"
 _OVER = re.compile(rf"\s*(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class MineArguments:
     """What is looked for; the fields are the arguments of `tachk.mine`."""
 
     formula: str
@@ -31,10 +31,10 @@ class Asked:
     name: str | None = None
     unit: str | None = None
     time: str | None = None
-    ending: Ending = Ending.UNDETERMINED
+    ending: TraceEnding = TraceEnding.UNDETERMINED
 
 
-def run_mine(asked: Asked, reporting: Reporting = Reporting()) -> ExitStatus:
+def run_mine(asked: MineArguments, reporting: Reporting = Reporting()) -> ExitStatus:
     """Finds the tightest value of a parameter."""
     ranges: dict[str, tuple[str, str]] = {}
     for over in asked.over:

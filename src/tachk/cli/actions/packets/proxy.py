@@ -13,10 +13,10 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.places import place
 from tachk.formats.written_reports import check_report, read_json
 from tachk.xrce.proxy.counterexample import rules_of
-from tachk.xrce.proxy.decisions import Answer, Arrival, Decisions
-from tachk.xrce.proxy.recording import Recording
+from tachk.xrce.proxy.decisions import Decisions, RelayArrival, RelayDecision
+from tachk.xrce.proxy.recording import CaptureWriter
 from tachk.xrce.proxy.relay import Plan, Relay
-from tachk.xrce.proxy.rules import Rule
+from tachk.xrce.proxy.rules import RelayRule
 from tachk.xrce.proxy.run_of_model import REPORT_WITH_RUN, read_run
 from tachk.xrce.proxy.script import parse_script
 from tachk.xrce.proxy.sightings import said
@@ -53,13 +53,13 @@ def run_proxy(proxying: Proxying) -> ExitStatus:
     plan = Plan(listening, place(proxying.to, "--to", needs_host=True), proxying.idle)
     decisions = Decisions(rules, proxying.seed)
     with nullcontext() if proxying.record is None else proxying.record.open("wb") as file:
-        relay = Relay(plan, decisions, None if file is None else Recording(file), _Teller(rules))
+        relay = Relay(plan, decisions, None if file is None else CaptureWriter(file), _RelayLog(rules))
         asyncio.run(relay.run(lambda: _tell_ready(plan)))
     return _tell_end(decisions)
 
 
-def _rules(proxying: Proxying, ports: list[int]) -> list[Rule]:
-    rules: list[Rule] = []
+def _rules(proxying: Proxying, ports: list[int]) -> list[RelayRule]:
+    rules: list[RelayRule] = []
     for path in proxying.scripts:
         try:
             text = path.read_text(encoding="utf-8")
@@ -76,14 +76,14 @@ def _rules(proxying: Proxying, ports: list[int]) -> list[Rule]:
     return rules
 
 
-class _Teller:
+class _RelayLog:
     """Prints what rules do, a line for each packet."""
 
-    def __init__(self, rules: list[Rule]) -> None:
+    def __init__(self, rules: list[RelayRule]) -> None:
         self.rules = rules
         self.start: int | None = None
 
-    def __call__(self, arrival: Arrival, answer: Answer) -> None:
+    def __call__(self, arrival: RelayArrival, answer: RelayDecision) -> None:
         self.start = arrival.time if self.start is None else self.start
         for index in answer.applied:
             time = (arrival.time - self.start) / 1_000_000_000

@@ -9,12 +9,12 @@ from rich.table import Table
 
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.syntax.formulas.printer import print_number
-from tachk.verify.requirements.analysis import Analysis, Finding, FindingKind, Moment
+from tachk.verify.requirements.analysis import FindingKind, RequirementAnalysis, RequirementFinding, WitnessMoment
 
 # ---- for people -----------------------------------------------------------------------------------------------------
 
 
-def tell(analysis: Analysis, unit: str, scale: int, console: Console) -> None:
+def tell(analysis: RequirementAnalysis, unit: str, scale: int, console: Console) -> None:
     total = len(analysis.requirements)
     console.print(f"{total} requirement{'s' if total != 1 else ''} about {', '.join(analysis.signals) or 'nothing'}")
     for finding in analysis.findings:
@@ -29,7 +29,7 @@ def tell(analysis: Analysis, unit: str, scale: int, console: Console) -> None:
         console.print("\nAll can be satisfied, whatever has happened so far; none is redundant or vacuous.")
 
 
-def _sentence(finding: Finding) -> str:
+def _sentence(finding: RequirementFinding) -> str:
     names, by = _listed(finding.names), _listed(finding.by) if finding.by else ""
     match finding.kind:
         case FindingKind.INCONSISTENT:
@@ -47,7 +47,7 @@ def _listed(names: tuple[str, ...]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _table(run: tuple[Moment, ...], unit: str, scale: int) -> Table:
+def _table(run: tuple[WitnessMoment, ...], unit: str, scale: int) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for heading in ("  time", *run[0].values, ""):
         table.add_column(heading)
@@ -64,7 +64,7 @@ def _time(time: Fraction, unit: str, scale: int) -> str:
 # ---- for programs ---------------------------------------------------------------------------------------------------
 
 
-def to_json(analysis: Analysis, named: tuple[NamedFormula, ...], unit: str, scale: int) -> dict[str, object]:
+def to_json(analysis: RequirementAnalysis, named: tuple[NamedFormula, ...], unit: str, scale: int) -> dict[str, object]:
     return {
         "unit": unit,
         "requirements": [

@@ -15,9 +15,9 @@ from tachk.cli.places import place
 from tachk.engine.simulation.policy import Policy
 from tachk.xrce.bridge.bridging import Bridge
 from tachk.xrce.bridge.clock import WallClock
-from tachk.xrce.bridge.part import Part
+from tachk.xrce.bridge.part import BridgedPart
 from tachk.xrce.bridge.sockets import BridgeSocket
-from tachk.xrce.proxy.recording import Recording
+from tachk.xrce.proxy.recording import CaptureWriter
 
 _NANOSECONDS = 10**9
 _FOR_EVER = 2**62
@@ -45,7 +45,9 @@ def run_bridge(asked: Bridging) -> ExitStatus:
     model = simulated_model(asked.model, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     clock = WallClock(asked.speed)
-    bridge = Bridge(Part(model.network, asked.processes, asked.seed, Policy(asked.policy)), clock, topic=asked.topic)
+    bridge = Bridge(
+        BridgedPart(model.network, asked.processes, asked.seed, Policy(asked.policy)), clock, topic=asked.topic
+    )
     if bridge.to_agent and asked.to is None:
         raise UsageError("these processes are a client: --to is missing", "--to HOST:PORT says where the Agent listens")
     if not bridge.to_agent and asked.listen is None:
@@ -55,7 +57,7 @@ def run_bridge(asked: Bridging) -> ExitStatus:
     until = _FOR_EVER if asked.seconds_in_all is None else int(asked.seconds_in_all * _NANOSECONDS * asked.speed)
     with ExitStack() as stack:
         file = None if asked.record is None else stack.enter_context(asked.record.open("wb"))
-        socket = BridgeSocket(bridge, listen, to, None if file is None else Recording(file))
+        socket = BridgeSocket(bridge, listen, to, None if file is None else CaptureWriter(file))
         stack.callback(socket.close)
         side = "client" if bridge.to_agent else "Agent"
         print(f"{asked.model}: {side} at {socket.address}{'' if to is None else f', to {to}'}", flush=True)

@@ -27,7 +27,7 @@ from tachk.simulation.statistics.answers import as_expected
 from tachk.simulation.statistics.deciding import Errors
 from tachk.simulation.statistics.estimate import Estimate, Settings, estimate
 from tachk.simulation.statistics.rare import Splitting
-from tachk.simulation.statistics.sampling import Source
+from tachk.simulation.statistics.sampling import RunSource
 from tachk.syntax.source_files import read_source
 from tachk.verify.questions import Questions
 
@@ -67,7 +67,7 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
     orders = orders_of(asked.faults)
     network = ordered(model.network, orders).network
     settings = Settings(
-        Source(asked.seed, 0, asked.threads, asked.most_steps),
+        RunSource(asked.seed, 0, asked.threads, asked.most_steps),
         asked.confidence,
         asked.half_width,
         asked.runs,

@@ -11,7 +11,7 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.simulation.fmi.archive import write_unit
-from tachk.simulation.fmi.description import Version
+from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.unit import closed_unit, open_unit
 
 _NAMES = re.compile(r"(?:\([^)]*\)|[^,()])+")
@@ -41,12 +41,12 @@ def run_export_unit(
         raise UsageError("--explain, --keep-names and --no-observers are for texts, not for units")
     source = api.load(model, **parse_definitions(definitions))
     print_diagnostics((*source.refusals, *source.warnings))
-    version, name = Version(fmi), Path(model).stem
+    version, name = FmiVersion(fmi), Path(model).stem
     if processes is None:
         unit = closed_unit(source.network, name)
     else:
         names = [part.strip() for part in _NAMES.findall(processes)]
-        unit = open_unit(source.network, names, name, clocks=version is Version.THREE)
+        unit = open_unit(source.network, names, name, clocks=version is FmiVersion.THREE)
     write_unit(unit, version, output)
     print(f"written: {output}, FMI {fmi}.0, {len(unit.variables)} variables")
     return ExitStatus.AS_EXPECTED

@@ -13,7 +13,7 @@ from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.terminal import console
-from tachk.meaning.run_view import Names, view_trace
+from tachk.meaning.run_view import RunNames, view_trace
 from tachk.model.quantity import duration
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
@@ -43,7 +43,7 @@ def run_replay(asked: Replaying) -> ExitStatus:
     claimed = read_claims(asked.file, asked.prop)
     about = model_of_run(asked.model, asked.definitions, claimed)
     network = about.model.network
-    names = Names(network)
+    names = RunNames(network)
     replayed = replay_claims(names, claimed)
     trace = replayed.trace
     if not asked.quiet:

@@ -9,7 +9,7 @@ from pathlib import Path
 from tachk.api.model import Model
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.simulation.simulator import Simulated
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.simulation.runs import Runs, steps_of
 from tachk.simulation.stepping.run_file import SUFFIX, steps_text
 from tachk.simulation.tables import RUN, run_writer
@@ -39,7 +39,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     if RUN not in output.name and runs > 1:
         help = f"write {output.stem}-{RUN}{SUFFIX} for a file for each run"
         raise UsageError(f"{output}: a file of steps holds one run", help)
-    names = Names(model.network)
+    names = RunNames(model.network)
     constants = {name: value for name, value in model.constants.items() if name in chosen}
 
     def write_steps(run: Simulated, drawn: Runs) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tachk.cli.actions.simulation.formulas import columns_with, truths_on
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.model.run import TimedTrace
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
@@ -18,7 +18,7 @@ from tachk.simulation.tables import run_writer
 
 def write_run(
     output: Path,
-    names: Names,
+    names: RunNames,
     run: TimedTrace,
     record: Sequence[str],
     formulas: Sequence[NamedFormula],
@@ -39,7 +39,7 @@ def write_run(
         write(0, recorded.trace)
 
 
-def judged_run(names: Names, run: TimedTrace, formulas: tuple[NamedFormula, ...], name: str) -> dict[str, Truth]:
+def judged_run(names: RunNames, run: TimedTrace, formulas: tuple[NamedFormula, ...], name: str) -> dict[str, Truth]:
     """The verdict of each formula."""
     if not formulas:
         return {}

@@ -14,7 +14,7 @@ from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import TableForm
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.model.quantity import duration
 from tachk.simulation.stepping.files import read_claims
 from tachk.simulation.stepping.refusals import refusal_diagnostic
@@ -38,7 +38,7 @@ def run_script(asked: Script) -> ExitStatus:
     """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
     claimed = read_claims(asked.file)
     about = model_of_run(asked.model, asked.definitions, claimed)
-    names = Names(about.model.network)
+    names = RunNames(about.model.network)
     replayed = replay_claims(names, claimed)
     if replayed.refusal is not None:
         raise InputError([refusal_diagnostic(replayed.refusal)])

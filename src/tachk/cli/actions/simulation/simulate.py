@@ -21,7 +21,7 @@ from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
 from tachk.engine.simulation.policy import SCRIPT, Policy
-from tachk.engine.simulation.simulator import Drawing, Ending, Recorded, Simulated
+from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
 from tachk.model.network import Network
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
@@ -80,8 +80,8 @@ class _Tally:
     """
 
     transitions: int = 0
-    endings: Counter[Ending] = field(default_factory=Counter)
-    examples: dict[Ending, tuple[int, str]] = field(default_factory=dict)
+    endings: Counter[SimulationEnding] = field(default_factory=Counter)
+    examples: dict[SimulationEnding, tuple[int, str]] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     truths: dict[str, Counter[Truth]] = field(default_factory=dict)
     violating: dict[str, list[int]] = field(default_factory=dict)
@@ -122,13 +122,15 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     columns = columns_with(network, asked.record, formulas)
     wanted = ordered(network, orders_of(asked.faults))
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
-    drawing = Drawing(asked.seed, until.ticks, Policy(asked.policy), asked.steps, asked.threads, until.ticks_per_unit)
+    drawing = SimulationOptions(
+        asked.seed, until.ticks, Policy(asked.policy), asked.steps, asked.threads, until.ticks_per_unit
+    )
     observed = asked.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
     tally = _Tally()
     file = asked.runs_file
     with nullcontext() if file is None else run_files(file, model, definitions, asked.runs) as write:
         numbers = range(asked.first, asked.first + asked.runs)
-        for run in runs.draw(drawing, numbers, Recorded(holds_steps(file), observed)):
+        for run in runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed)):
             tally.add(run)
             counted = iter(runs.counts(run))
             tally.done.update(dict(zip(wanted.done, counted, strict=False)))
@@ -139,7 +141,7 @@ def run_simulate(asked: Simulating) -> ExitStatus:
             if write is not None and (violating or asked.all_runs):
                 write(run, runs)
     _print(asked, tally, network, formulas)
-    faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[Ending.FAULT] else ExitStatus.AS_EXPECTED
+    faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
     return worst([faults, exit_status(truths)])
 
@@ -166,7 +168,7 @@ def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterabl
     print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
     for ending, count in tally.endings.most_common():
         number, end = tally.examples[ending]
-        where = "" if ending is Ending.HORIZON else f", the first is run {number} at {end}"
+        where = "" if ending is SimulationEnding.HORIZON else f", the first is run {number} at {end}"
         print(f"{count:8} end with: {ending}{where}")
     for written, done in tally.done.items():
         missed = tally.missed[written]

@@ -14,7 +14,7 @@ from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
 from tachk.cli.stepper import NotUnderstoodError, QuitError, Stepper
-from tachk.meaning.run_view import Names
+from tachk.meaning.run_view import RunNames
 from tachk.simulation.stepping.files import read_claims
 from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.session import Session
@@ -38,7 +38,7 @@ def run_step(asked: Stepping) -> ExitStatus:
     check_time()
     claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
     about = model_of_run(asked.model, asked.definitions, claimed)
-    session = Session.begin(Names(about.model.network))
+    session = Session.begin(RunNames(about.model.network))
     if claimed is not None:
         session, refusal = session.loaded(claimed)
         if refusal is not None:

@@ -18,7 +18,7 @@ import networkx as nx
 from tachk.formats.layout.placement.coordinates import Extent, across
 from tachk.formats.layout.placement.geometry import RADIUS, Box
 from tachk.formats.layout.placement.layers import Layering, Traversal, flow, ranks
-from tachk.formats.layout.placement.sketch import Drawing, Size, Sketch, SketchEdge, SketchNode
+from tachk.formats.layout.placement.sketch import Size, Sketch, SketchEdge, SketchNode, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 GRID = 8
@@ -30,7 +30,7 @@ _STEEPNESS = 0.3
 _MOST_STOPS = 6000
 
 
-class Direction(Enum):
+class FlowDirection(Enum):
     """Where the flow leads."""
 
     RIGHT = auto()
@@ -38,7 +38,7 @@ class Direction(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class LayerStop:
     """Where an edge passes a layer.
 
     Attributes:
@@ -52,7 +52,7 @@ class Stop:
     loop: int = 0
 
 
-def arrange(sketch: Sketch, direction: Direction, traversal: Traversal) -> Drawing | None:
+def arrange(sketch: Sketch, direction: FlowDirection, traversal: Traversal) -> TemplateDrawing | None:
     """Places everything; None if that would take too long, because edges are very many or very long."""
     plan = _Plan(sketch, direction, traversal)
     if not plan.layers:
@@ -61,7 +61,7 @@ def arrange(sketch: Sketch, direction: Direction, traversal: Traversal) -> Drawi
     effort = len(plan.extents)
     layering.reduce_crossings(24 if effort < 400 else 8 if effort < 4000 else 2)
     cross = across(layering, plan.extents, plan.weight, _GAP, 60 if effort < 1000 else 12)
-    return _Canvas(plan, layering, cross).drawing()
+    return _LayerCanvas(plan, layering, cross).drawing()
 
 
 class _Plan:
@@ -73,7 +73,7 @@ class _Plan:
         layers: empty if there are too many stops.
     """
 
-    def __init__(self, sketch: Sketch, direction: Direction, traversal: Traversal) -> None:
+    def __init__(self, sketch: Sketch, direction: FlowDirection, traversal: Traversal) -> None:
         self.sketch = sketch
         self.direction = direction
         arcs = [(edge.source, edge.target) for edge in sketch.edges]
@@ -85,8 +85,8 @@ class _Plan:
         self.against = {at for at, (arc, turn) in enumerate(zip(arcs, turned, strict=True)) if arc != turn}
         self.extents: dict[int, Extent] = {at: _node_extent(node, direction) for at, node in enumerate(sketch.nodes)}
         self.links: list[tuple[int, int]] = []
-        self.stops: list[list[tuple[int, Stop]]] = []
-        self.stop_of: dict[int, Stop] = {}
+        self.stops: list[list[tuple[int, LayerStop]]] = []
+        self.stop_of: dict[int, LayerStop] = {}
         load: dict[int, float] = defaultdict(float)
         self.edge_of: dict[int, int] = {}
         for at, (edge, (start, end)) in enumerate(zip(sketch.edges, turned, strict=True)):
@@ -106,13 +106,13 @@ class _Plan:
             self.stops.append(chain)
         self.layers = self._first_order() if len(self.extents) < _MOST_STOPS else []
 
-    def _stops(self, edge: SketchEdge, start: int, end: int, side: int, load: dict[int, float]) -> list[Stop]:
+    def _stops(self, edge: SketchEdge, start: int, end: int, side: int, load: dict[int, float]) -> list[LayerStop]:
         size = edge.labels_size if edge.labels_size != (0, 0) else None
         first, last = self.rank[start] + 1, self.rank[end] - 1
         if start == end:
-            return [Stop(self.rank[start] + side, size, loop=side)]
+            return [LayerStop(self.rank[start] + side, size, loop=side)]
         middle = min(range(first, last + 1, 2), key=lambda rank: (load[rank], abs(2 * rank - first - last)))
-        return [Stop(rank, size if rank == middle else None) for rank in range(first, last + 1)]
+        return [LayerStop(rank, size if rank == middle else None) for rank in range(first, last + 1)]
 
     def _first_order(self) -> list[list[int]]:
         graph = nx.Graph()
@@ -152,25 +152,27 @@ def _loop_sides(arcs: Sequence[tuple[int, int]]) -> list[int]:
     return sides
 
 
-def _node_extent(node: SketchNode, direction: Direction) -> Extent:
+def _node_extent(node: SketchNode, direction: FlowDirection) -> Extent:
     (name_width, name_height), (labels_width, labels_height) = node.name_size, node.labels_size
-    if direction is Direction.RIGHT:
+    if direction is FlowDirection.RIGHT:
         return _MARGIN + name_height + 4, _MARGIN + labels_height + (4 if labels_height else 0)
     return _MARGIN, _MARGIN + max(name_width, labels_width)
 
 
-def _stop_extent(stop: Stop, direction: Direction) -> Extent:
+def _stop_extent(stop: LayerStop, direction: FlowDirection) -> Extent:
     if stop.labels_size is None:
         return (10, 10) if stop.loop else (2, 2)
     width, height = stop.labels_size
     if stop.loop:
-        return (max(10, height / 2), max(10, height / 2)) if direction is Direction.RIGHT else (10, max(10, width - 8))
-    if direction is Direction.RIGHT:
+        return (
+            (max(10, height / 2), max(10, height / 2)) if direction is FlowDirection.RIGHT else (10, max(10, width - 8))
+        )
+    if direction is FlowDirection.RIGHT:
         return height + _LABEL_TO_LINE, 2
     return 2, width + 2 * _LABEL_TO_LINE
 
 
-class _Canvas:
+class _LayerCanvas:
     """The layers set out along the flow; along the flow a place is (along, across)."""
 
     def __init__(self, plan: _Plan, layering: Layering, cross: dict[int, float]) -> None:
@@ -207,7 +209,7 @@ class _Canvas:
                 before, after = max(before, half), max(after, half)
             elif stop is None:
                 node = self.plan.sketch.nodes[number]
-                if self.plan.direction is Direction.RIGHT:
+                if self.plan.direction is FlowDirection.RIGHT:
                     half = max(RADIUS, node.name_size[0] / 2, node.labels_size[0] / 2)
                     before, after = max(before, half), max(after, half)
                 else:
@@ -216,14 +218,14 @@ class _Canvas:
         return before, after
 
     def _along(self, size: Size) -> int:
-        return size[0] if self.plan.direction is Direction.RIGHT else size[1]
+        return size[0] if self.plan.direction is FlowDirection.RIGHT else size[1]
 
     def _point(self, along: float, across: float) -> Point:
-        if self.plan.direction is Direction.RIGHT:
+        if self.plan.direction is FlowDirection.RIGHT:
             return Point(round(along), round(across))
         return Point(round(across), round(along))
 
-    def drawing(self) -> Drawing:
+    def drawing(self) -> TemplateDrawing:
         nodes = self.plan.sketch.nodes
         centres = tuple(self._point(self.middle[self.plan.rank[at]], self.cross[at]) for at in range(len(nodes)))
         routes, labels = [], []
@@ -239,14 +241,14 @@ class _Canvas:
             boxes = [self._label(number, stop.labels_size, stop) for number, stop in stops if stop.labels_size]
             labels.append(boxes[0] if boxes else None)
         names, node_labels = zip(*map(self._texts, nodes, centres), strict=True)
-        return Drawing(centres, names, node_labels, tuple(routes), tuple(labels))
+        return TemplateDrawing(centres, names, node_labels, tuple(routes), tuple(labels))
 
-    def _passage(self, number: int, stop: Stop) -> list[Point]:
+    def _passage(self, number: int, stop: LayerStop) -> list[Point]:
         across = self.cross[number]
         ends = self._point(self.start[stop.rank], across), self._point(self.end[stop.rank], across)
         return list(dict.fromkeys(ends))
 
-    def _loop(self, node: int, number: int, stop: Stop) -> list[Point]:
+    def _loop(self, node: int, number: int, stop: LayerStop) -> list[Point]:
         """The two nails of a self-loop, beside its tip across the direction in which it points."""
         tip = self.start[stop.rank] - GRID if stop.loop > 0 else self.end[stop.rank] + GRID
         along, across = tip - self.middle[self.plan.rank[node]], self.cross[number] - self.cross[node]
@@ -254,7 +256,7 @@ class _Canvas:
         aside = -GRID * across / length, GRID * along / length
         return [self._point(tip + side * aside[0], self.cross[number] + side * aside[1]) for side in (-1, 1)]
 
-    def _label(self, number: int, size: Size, stop: Stop) -> Box:
+    def _label(self, number: int, size: Size, stop: LayerStop) -> Box:
         across = self.cross[number]
         width, height = size
         middle = self.middle[stop.rank]
@@ -263,7 +265,7 @@ class _Canvas:
             start = self.start[stop.rank] + 4 if stop.loop > 0 else self.end[stop.rank] - 4 - along
         else:
             start = round(middle - along / 2)
-        if self.plan.direction is Direction.RIGHT:
+        if self.plan.direction is FlowDirection.RIGHT:
             corner = self._point(start, across - (height / 2 if stop.loop else height + _LABEL_TO_LINE))
         else:
             corner = self._point(start, across - 8 if stop.loop else across + 2 * _LABEL_TO_LINE)
@@ -272,7 +274,7 @@ class _Canvas:
     def _texts(self, node: SketchNode, centre: Point) -> tuple[Box, Box | None]:
         (width, height), (labels_width, labels_height) = node.name_size, node.labels_size
         x, y = centre
-        if self.plan.direction is Direction.RIGHT:
+        if self.plan.direction is FlowDirection.RIGHT:
             name = Box(x - width // 2, y - RADIUS - 5 - height, x + (width + 1) // 2, y - RADIUS - 5)
             left, top = x - labels_width // 2, y + RADIUS + 5
         else:

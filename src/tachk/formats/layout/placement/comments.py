@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from tachk.formats.layout.label_text import text_height, text_width
-from tachk.formats.layout.placement.geometry import Box, Index, node_box, segment_meets_box, segment_span
-from tachk.formats.layout.placement.sketch import Drawing, Sketch
+from tachk.formats.layout.placement.geometry import Box, BoxIndex, node_box, segment_meets_box, segment_span
+from tachk.formats.layout.placement.sketch import Sketch, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 _STEP_X, _STEP_Y = 40, 17
@@ -19,11 +19,11 @@ _MARGIN = 2
 class CommentPlacer:
     """Finds room for one comment after the other, near what it is about."""
 
-    def __init__(self, sketch: Sketch, drawing: Drawing) -> None:
+    def __init__(self, sketch: Sketch, drawing: TemplateDrawing) -> None:
         self.sketch = sketch
         self.drawing = drawing
-        self.taken: Index[Box] = Index()
-        self.lines: Index[tuple[Point, Point]] = Index()
+        self.taken: BoxIndex[Box] = BoxIndex()
+        self.lines: BoxIndex[tuple[Point, Point]] = BoxIndex()
         self.bottom = 0.0
         for box in drawing.boxes():
             self._take(box)

@@ -88,7 +88,7 @@ def distance_to_segment(p: Point, a: Point, b: Point) -> float:
     return hypot(p.x - a.x - along * dx, p.y - a.y - along * dy)
 
 
-class Index(Generic[Thing]):
+class BoxIndex(Generic[Thing]):
     """Things by the cells of a coarse grid that their boxes touch."""
 
     def __init__(self) -> None:

@@ -11,7 +11,7 @@ from math import sqrt
 import networkx as nx
 
 from tachk.formats.layout.placement.geometry import RADIUS, Box
-from tachk.formats.layout.placement.sketch import Drawing, Sketch
+from tachk.formats.layout.placement.sketch import Sketch, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 _GRID = 8
@@ -21,7 +21,7 @@ _LEAST_LABEL = 12
 _TO_LABEL = RADIUS + 24
 
 
-def arrange_in_rows(sketch: Sketch, shape: float) -> Drawing:
+def arrange_in_rows(sketch: Sketch, shape: float) -> TemplateDrawing:
     """Places the locations in the order of a depth-first search, every other row from right to left.
 
     Args:
@@ -67,7 +67,7 @@ def arrange_in_rows(sketch: Sketch, shape: float) -> Drawing:
             nails = (nail,) if edge.target != number else (Point(nail.x, nail.y - _LEAST_LABEL + 2), nail)
             routes[at] = (centres[number], *nails, centres[edge.target])
             below += max(h, _LEAST_LABEL) + 4
-    return Drawing(
+    return TemplateDrawing(
         tuple(centres[number] for number in range(len(sketch.nodes))),
         tuple(names),
         tuple(node_labels),

@@ -14,7 +14,7 @@ from math import hypot
 from tachk.base.time_limit import check_time
 from tachk.formats.layout.placement.geometry import Box, node_box, segment_meets_box
 from tachk.formats.layout.placement.routing import crossings, shortened, spread
-from tachk.formats.layout.placement.sketch import Drawing, Size, Sketch
+from tachk.formats.layout.placement.sketch import Size, Sketch, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 _LOOP_LENGTH, _LOOP_HALF_WIDTH = 44, 10
@@ -35,7 +35,7 @@ _DIRECTIONS = (
 )
 
 
-def redraw_loops(sketch: Sketch, drawing: Drawing) -> Drawing:
+def redraw_loops(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     """The drawing with short self-loops, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
@@ -45,7 +45,7 @@ def redraw_loops(sketch: Sketch, drawing: Drawing) -> Drawing:
     return replace(drawing, routes=tuple(scene.routes), edge_labels=tuple(scene.labels))
 
 
-def redraw_edges(sketch: Sketch, drawing: Drawing) -> Drawing:
+def redraw_edges(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     """The drawing with straighter edges, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
@@ -58,7 +58,7 @@ def redraw_edges(sketch: Sketch, drawing: Drawing) -> Drawing:
 class _Scene:
     """A drawing whose edges are redrawn one after the other."""
 
-    def __init__(self, sketch: Sketch, drawing: Drawing) -> None:
+    def __init__(self, sketch: Sketch, drawing: TemplateDrawing) -> None:
         self.sketch = sketch
         self.centres = drawing.centres
         self.routes = list(drawing.routes)

@@ -11,7 +11,7 @@ from tachk.base.time_limit import check_time
 from tachk.formats.layout.placement.geometry import (
     RADIUS,
     Box,
-    Index,
+    BoxIndex,
     box_at,
     distance_to_segment,
     node_box,
@@ -19,7 +19,7 @@ from tachk.formats.layout.placement.geometry import (
     segment_span,
     segments_cross,
 )
-from tachk.formats.layout.placement.sketch import Drawing, Sketch
+from tachk.formats.layout.placement.sketch import Sketch, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 _CLEARANCE = 6
@@ -31,10 +31,10 @@ _MANY = 150
 Segment = tuple[Point, Point]
 
 
-def straighten(sketch: Sketch, drawing: Drawing) -> Drawing:
+def straighten(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     """Takes out each nail whose edge is as well off without it: it meets no text and no node then, crosses no more
     edges than before and stays with its labels and away from edges between the same nodes."""
-    obstacles: Index[tuple[int, Box]] = Index()
+    obstacles: BoxIndex[tuple[int, Box]] = BoxIndex()
     for at, boxes in enumerate(zip(map(node_box, drawing.centres), drawing.names, drawing.node_labels, strict=True)):
         for margin, box in zip((_CLEARANCE, 0, 0), boxes, strict=True):
             if box is not None:
@@ -137,13 +137,13 @@ def crossings(segments: Iterable[Segment], others: Sequence[Sequence[Point]]) ->
     return sum(segments_cross(a, b, c, d) for a, b in segments for other in others for c, d in pairwise(other))
 
 
-def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
+def clear_texts(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     """Moves the name and the labels of each node to where the fewest edges pass."""
-    segments: Index[Segment] = Index()
+    segments: BoxIndex[Segment] = BoxIndex()
     for route in drawing.routes:
         for a, b in pairwise(route):
             segments.add((a, b), segment_span(a, b))
-    taken: Index[Box] = Index()
+    taken: BoxIndex[Box] = BoxIndex()
     for text in drawing.boxes():
         taken.add(text, text)
     names, labels = list(drawing.names), list(drawing.node_labels)

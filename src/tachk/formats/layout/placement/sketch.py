@@ -51,7 +51,7 @@ class Sketch:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawing:
+class TemplateDrawing:
     """Attributes:
     centres: of the nodes.
     names, node_labels: the boxes of the names and of the labels of each node.

@@ -12,14 +12,14 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from tachk.formats.layout.label_text import edge_labels, line_broken, location_labels, text_height
-from tachk.formats.layout.placement.arrangement import Direction, arrange
+from tachk.formats.layout.placement.arrangement import FlowDirection, arrange
 from tachk.formats.layout.placement.comments import CommentPlacer
 from tachk.formats.layout.placement.geometry import Box, segments_cross
 from tachk.formats.layout.placement.grid import arrange_in_rows
 from tachk.formats.layout.placement.layers import Traversal
 from tachk.formats.layout.placement.polish import redraw_edges, redraw_loops
 from tachk.formats.layout.placement.routing import clear_texts, straighten
-from tachk.formats.layout.placement.sketch import Drawing, Sketch, sketch
+from tachk.formats.layout.placement.sketch import Sketch, TemplateDrawing, sketch
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import EdgeLayout, LabelLayout, NodeLayout, Point, TemplateLayout, keyed_edges
 
@@ -55,29 +55,29 @@ def place_template(template: ast.Template) -> TemplateLayout:
     return _layout(template, outline, clear_texts(outline, drawing))
 
 
-def _ways(outline: Sketch) -> Iterator[tuple[Direction, Traversal]]:
+def _ways(outline: Sketch) -> Iterator[tuple[FlowDirection, Traversal]]:
     """The ways of drawing that are tried: the larger the template, the fewer."""
     size = len(outline.nodes) + len(outline.edges)
     if size > _MANY:
         return
-    for direction in Direction if size < 400 else (Direction.RIGHT,):
+    for direction in FlowDirection if size < 400 else (FlowDirection.RIGHT,):
         for traversal in Traversal if size < 70 else (Traversal.DEPTH,):
             yield direction, traversal
 
 
-def _drawn(outline: Sketch, direction: Direction, traversal: Traversal) -> Drawing | None:
+def _drawn(outline: Sketch, direction: FlowDirection, traversal: Traversal) -> TemplateDrawing | None:
     drawing = arrange(outline, direction, traversal)
     return drawing and straighten(outline, drawing)
 
 
-def _ugliness(outline: Sketch, direction: Direction, drawing: Drawing) -> float:
+def _ugliness(outline: Sketch, direction: FlowDirection, drawing: TemplateDrawing) -> float:
     """A number that is smaller for better drawings: small, of a shape that fits a screen, with few crossings and nails,
     and to the right, where labels lie along their edges."""
     extent = _extent(drawing)
     width, height = extent.right - extent.left + 40, extent.bottom - extent.top + 40
     shape = width / height / _WIDE_ENOUGH
     size = max(width / _WIDE_ENOUGH, height) + 0.3 * (width + height) * max(shape, 1 / shape, 1.5) / 1.5
-    if direction is Direction.DOWN:
+    if direction is FlowDirection.DOWN:
         size *= _DOWNWARDS
     if len(outline.edges) > _FEW:
         return size
@@ -89,14 +89,14 @@ def _ugliness(outline: Sketch, direction: Direction, drawing: Drawing) -> float:
     return size + 90 * crossings + 8 * nails
 
 
-def _stretch(drawing: Drawing) -> float:
+def _stretch(drawing: TemplateDrawing) -> float:
     """How many times longer one side of the picture is than the other."""
     extent = _extent(drawing)
     width, height = extent.right - extent.left, extent.bottom - extent.top
     return max(width / height, height / width)
 
 
-def _extent(drawing: Drawing) -> Box:
+def _extent(drawing: TemplateDrawing) -> Box:
     boxes = drawing.boxes()
     points = [point for route in drawing.routes for point in route]
     return Box(
@@ -107,7 +107,7 @@ def _extent(drawing: Drawing) -> Box:
     )
 
 
-def _layout(template: ast.Template, outline: Sketch, drawing: Drawing) -> TemplateLayout:
+def _layout(template: ast.Template, outline: Sketch, drawing: TemplateDrawing) -> TemplateLayout:
     """The layout of a drawing, moved so that the initial location stands at the origin."""
     origin = drawing.centres[outline.root]
 

@@ -21,7 +21,7 @@ from tachk.recordings.traces.arrivals import arrivals_of, arriving, topic_of
 from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.logs.several_runs import SeveralRuns
 from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
-from tachk.recordings.traces.trace import Recording, Trace, Values
+from tachk.recordings.traces.trace import Trace, TraceSource, Values
 from tachk.recordings.traces.trace_csv import CsvRecording
 from tachk.recordings.traces.trace_header import no_such_column
 
@@ -35,7 +35,7 @@ class JoinedRecording:
     """
 
     name: str
-    recordings: tuple[Recording, ...] = field(repr=False)
+    recordings: tuple[TraceSource, ...] = field(repr=False)
     places: dict[str, tuple[int, str]] = field(repr=False)
 
     @property
@@ -133,7 +133,7 @@ class JoinedRecording:
 class RoundedRecording:
     """A recording whose times have so many decimals."""
 
-    recording: Recording
+    recording: TraceSource
     decimals: int
 
     @property
@@ -152,7 +152,7 @@ class RoundedRecording:
         return self.recording.read(columns).rounded(self.decimals)
 
 
-def with_decimals(recording: Recording, decimals: int | None) -> Recording:
+def with_decimals(recording: TraceSource, decimals: int | None) -> TraceSource:
     """A recording whose times are rounded to so many decimals; None: as they are."""
     if decimals is None:
         return recording
@@ -162,7 +162,7 @@ def with_decimals(recording: Recording, decimals: int | None) -> Recording:
     return RoundedRecording(_rounding(recording, decimals), decimals)
 
 
-def _rounding(recording: Recording, decimals: int) -> Recording:
+def _rounding(recording: TraceSource, decimals: int) -> TraceSource:
     """What reads times as text rounds them before they are counted, for they may have more digits than can be."""
     match recording:
         case CsvRecording() | JsonRecording():
@@ -173,7 +173,7 @@ def _rounding(recording: Recording, decimals: int) -> Recording:
             return recording
 
 
-def with_texts(recording: Recording, columns: Collection[str]) -> Recording:
+def with_texts(recording: TraceSource, columns: Collection[str]) -> TraceSource:
     """A recording that reads some columns as texts. Most see for themselves what holds texts; a cell of CSV could be
     anything."""
     if not columns:
@@ -194,7 +194,7 @@ def with_texts(recording: Recording, columns: Collection[str]) -> Recording:
             return recording
 
 
-def join(recordings: Sequence[Recording]) -> Recording:
+def join(recordings: Sequence[TraceSource]) -> TraceSource:
     """One recording of several. Where two have a column of the same name, each is called after its file, as in
     ``drive.speed``. Raises UsageError where that does not tell them apart, or one has a unit and another none."""
     if len(recordings) == 1:

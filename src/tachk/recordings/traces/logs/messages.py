@@ -45,7 +45,7 @@ LAST_TIME = 2**62
 """In nanoseconds since 1970."""
 
 
-class Messages(Protocol):
+class MessageFile(Protocol):
     """A file of messages.
 
     Attributes:
@@ -108,7 +108,7 @@ class MessageRecording:
     """
 
     name: str
-    messages: Messages = field(repr=False)
+    messages: MessageFile = field(repr=False)
     time: str | None = None
 
     @property

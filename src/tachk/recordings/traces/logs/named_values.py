@@ -11,12 +11,12 @@ from collections.abc import Iterable, Mapping
 from tachk.recordings.traces.logs.joined import JoinedRecording, RoundedRecording
 from tachk.recordings.traces.logs.messages import MessageRecording, topic_name
 from tachk.recordings.traces.logs.trace_hdf5 import Hdf5Table
-from tachk.recordings.traces.trace import Recording
+from tachk.recordings.traces.trace import TraceSource
 
 Value = int | float | str
 
 
-def named_values(recording: Recording) -> Mapping[str, Value]:
+def named_values(recording: TraceSource) -> Mapping[str, Value]:
     """What the names mean. Raises UsageError for a file that cannot be read."""
     owned: dict[str, Mapping[str, Value]] = {}
     for part in _parts(recording):
@@ -34,7 +34,7 @@ def named_values(recording: Recording) -> Mapping[str, Value]:
     return {name: value for name, value in found.items() if name not in unclear}
 
 
-def _parts(recording: Recording) -> Iterable[Recording]:
+def _parts(recording: TraceSource) -> Iterable[TraceSource]:
     match recording:
         case RoundedRecording(recording=inner):
             yield from _parts(inner)

@@ -21,7 +21,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.time_limit import check_time
 from tachk.recordings.traces.logs.dates import seconds_of
 from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
-from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
 from tachk.recordings.traces.trace_csv import CsvRecording
 from tachk.recordings.traces.trace_parquet import ParquetRecording
@@ -43,7 +43,7 @@ class SeveralRuns:
     """
 
     name: str
-    runs: Mapping[str, Recording] = field(repr=False)
+    runs: Mapping[str, TraceSource] = field(repr=False)
 
     @property
     def unit(self) -> str:
@@ -58,11 +58,11 @@ class SeveralRuns:
         known = f"{', '.join(numbers[:10])}{', ...' if len(numbers) > 10 else ''}"
         raise UsageError(f"{self.name} holds several runs: {known}", f"choose one: --run {numbers[0]}")
 
-    def _any(self) -> Recording:
+    def _any(self) -> TraceSource:
         return next(iter(self.runs.values()))
 
 
-def one_run(recording: Recording, run: int | None) -> Recording:
+def one_run(recording: TraceSource, run: int | None) -> TraceSource:
     """A recording as `SeveralRuns` if it holds several; with a number one of them. Raises UsageError."""
     if RUN in recording.columns:
         recording = _split(recording)
@@ -75,8 +75,8 @@ def one_run(recording: Recording, run: int | None) -> Recording:
     return recording.runs[str(run)]
 
 
-def _split(recording: Recording) -> Recording:
-    parts: Mapping[str, Recording]
+def _split(recording: TraceSource) -> TraceSource:
+    parts: Mapping[str, TraceSource]
     match recording:
         case CsvRecording():
             parts = dict(_csv_runs(recording))
@@ -103,7 +103,7 @@ def _split(recording: Recording) -> Recording:
     return SeveralRuns(recording.name, parts) if len(parts) > 1 else recording
 
 
-def _named(recording: Recording, number: str) -> str:
+def _named(recording: TraceSource, number: str) -> str:
     return f"{recording.name}, run {number}"
 
 

@@ -18,13 +18,13 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving, topic_of
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_arrays import TableRecording
-from tachk.recordings.traces.trace_header import Header, no_such_column
+from tachk.recordings.traces.trace_header import TraceHeader, no_such_column
 
 _TIME = "time"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Changes:
+class ColumnChanges:
     """When a column changes, as numbers of instants in ascending order, and its values from then on."""
 
     rows: NDArray[np.int64]
@@ -42,7 +42,7 @@ class SparseRecording:
     name: str
     unit: str
     times: NDArray[Any] = field(repr=False)
-    changes: Mapping[str, Changes] = field(repr=False)
+    changes: Mapping[str, ColumnChanges] = field(repr=False)
     dated: bool = False
 
     @property
@@ -67,7 +67,7 @@ class SparseRecording:
         for name in wanted:
             place = np.searchsorted(self.changes[name].rows, instants, side="right") - 1
             cells.append(np.asarray(self.changes[name].values)[place])
-        header = Header((_TIME, *wanted), 0, self.unit)
+        header = TraceHeader((_TIME, *wanted), 0, self.unit)
         trace = TableRecording(self.name, header, cells, dated=self.dated).read(list(wanted))
         flags = {name: self._arrived(parts, instants) for name, parts in arrivals.items()}
         return replace(trace, columns={**trace.columns, **flags}) if flags else trace
@@ -102,7 +102,9 @@ def sparse(
     times: NDArray[Any] = np.empty(len(events), dtype=object) if instants is None else instants
     if instants is None:
         times[:] = [time for time, _ in events]
-    changes = {column: Changes(np.array(places, np.int64), _array(values[column])) for column, places in rows.items()}
+    changes = {
+        column: ColumnChanges(np.array(places, np.int64), _array(values[column])) for column, places in rows.items()
+    }
     return SparseRecording(name, unit, times, changes, dated)
 
 

@@ -20,13 +20,13 @@ from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.logs.foreign import not_installed, reading
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.messages import MOST_ELEMENTS
-from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
-from tachk.recordings.traces.trace_header import TIME_NAMES, Header, agreed_unit, known_unit, no_such_column
+from tachk.recordings.traces.trace_header import TIME_NAMES, TraceHeader, agreed_unit, known_unit, no_such_column
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _DataSetPlace:
     """A data set, and what of it: a field of its records, a column of its rows, or all."""
 
     path: str
@@ -39,8 +39,8 @@ class Hdf5Table:
 
     name: str
     unit: str
-    time: _Place = field(repr=False)
-    places: Mapping[str, _Place] = field(repr=False)
+    time: _DataSetPlace = field(repr=False)
+    places: Mapping[str, _DataSetPlace] = field(repr=False)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -56,7 +56,7 @@ class Hdf5Table:
                 raise no_such_column(name, self.columns, self.name)
         with _reading(Path(self.name)) as file:
             cells = [_values(file, place) for place in (self.time, *(self.places[name] for name in wanted))]
-        header = Header(("time", *wanted), 0, self.unit)
+        header = TraceHeader(("time", *wanted), 0, self.unit)
         return TableRecording(self.name, header, cells).read(wanted if columns is None else columns)
 
     def enumerations(self) -> Mapping[str, Mapping[str, int]]:
@@ -73,7 +73,7 @@ class Hdf5Table:
         return found
 
 
-def open_hdf5(path: Path, time: str | None, unit: str | None) -> Recording:
+def open_hdf5(path: Path, time: str | None, unit: str | None) -> TraceSource:
     """Finds out what a file holds. Raises UsageError, also where h5py is not installed."""
     try:
         import h5py  # noqa: F401
@@ -99,7 +99,7 @@ def _reading(path: Path) -> Iterator[Any]:
 
 
 def _tables(
-    group: Any, prefix: str, above: tuple[_Place, int, str] | None, time: str | None, unit: str | None, name: str
+    group: Any, prefix: str, above: tuple[_DataSetPlace, int, str] | None, time: str | None, unit: str | None, name: str
 ) -> Iterator[Hdf5Table]:
     """One for each group with data sets as long as the time that counts there.
 
@@ -107,7 +107,7 @@ def _tables(
         above: the time of the groups above, its length and its unit.
     """
     sets = {key: item for key, item in group.items() if hasattr(item, "shape") and item.shape}
-    places: dict[str, tuple[_Place, int]] = {}
+    places: dict[str, tuple[_DataSetPlace, int]] = {}
     for key, item in sets.items():
         places |= {f"{prefix}{column}": (place, item.shape[0]) for column, place in _places(key, item)}
     clock, chosen = above, None
@@ -126,13 +126,13 @@ def _tables(
             yield from _tables(item, f"{prefix}{key}.", clock, time, unit, name)
 
 
-def _places(key: str, item: Any) -> Iterator[tuple[str, _Place]]:
+def _places(key: str, item: Any) -> Iterator[tuple[str, _DataSetPlace]]:
     if item.ndim == 1 and item.dtype.names:
-        yield from ((f"{key}.{part}", _Place(item.name, part)) for part in item.dtype.names)
+        yield from ((f"{key}.{part}", _DataSetPlace(item.name, part)) for part in item.dtype.names)
     elif item.ndim == 1:
-        yield key, _Place(item.name)
+        yield key, _DataSetPlace(item.name)
     elif item.ndim == 2 and item.shape[1] <= MOST_ELEMENTS:
-        yield from ((f"{key}[{number}]", _Place(item.name, number)) for number in range(item.shape[1]))
+        yield from ((f"{key}[{number}]", _DataSetPlace(item.name, number)) for number in range(item.shape[1]))
 
 
 def _unit_of(item: Any) -> str:
@@ -142,7 +142,7 @@ def _unit_of(item: Any) -> str:
     return text.partition(" since ")[0].strip()
 
 
-def _values(file: Any, place: _Place) -> Any:
+def _values(file: Any, place: _DataSetPlace) -> Any:
     item = file[place.path]
     values = item[:, place.part] if isinstance(place.part, int) else item[()]
     if isinstance(place.part, str):

@@ -15,9 +15,9 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.logs.foreign import not_installed, reading
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.trace_hdf5 import plain_texts
-from tachk.recordings.traces.trace import Recording, Trace
+from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
-from tachk.recordings.traces.trace_header import Header, agreed_unit, no_such_column
+from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, no_such_column
 
 _LARGEST_RATIO: Final = 1100
 """No byte of deflate stands for more bytes than this."""
@@ -45,7 +45,7 @@ class MdfRecording:
         for name in wanted:
             if name not in self.channels:
                 raise no_such_column(name, self.columns, self.name)
-        tables: list[Recording] = []
+        tables: list[TraceSource] = []
         with _reading(Path(self.name)) as file:
             for name in wanted:
                 group, number = self.channels[name]
@@ -53,21 +53,21 @@ class MdfRecording:
                 if not len(signal.timestamps):
                     raise UsageError(f"{self.name}: channel {name!r} never has a value")
                 cells = (signal.timestamps, plain_texts(signal.samples))
-                tables.append(TableRecording(self.name, Header(("time", name), 0, "s"), cells))
+                tables.append(TableRecording(self.name, TraceHeader(("time", name), 0, "s"), cells))
             masters = [file.get_master(group) for group in range(len(file.groups))]
         ends = [float(times[-1]) for times in masters if len(times)]
         if not ends:
             raise UsageError(f"{self.name} has no samples", "the verdict needs at least the state at the beginning")
         if not tables:
             first = min(float(times[0]) for times in masters if len(times))
-            return TableRecording(self.name, Header(("time",), 0, "s"), ([first, max(ends)],)).read()
-        tables.append(TableRecording(self.name, Header(("time",), 0, "s"), ([max(ends)],)))
+            return TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([first, max(ends)],)).read()
+        tables.append(TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([max(ends)],)))
         return JoinedRecording(
             self.name, tuple(tables), {name: (place, name) for place, name in enumerate(wanted)}
         ).read()
 
 
-def open_mdf(path: Path, unit: str | None) -> Recording:
+def open_mdf(path: Path, unit: str | None) -> TraceSource:
     """Lists the channels of a file; times are in seconds. Raises UsageError, also where asammdf is not installed.
 
     A channel whose name another one has too is called after its group, ``speed_2``.

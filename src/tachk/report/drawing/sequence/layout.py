@@ -89,7 +89,7 @@ class Arrow:
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
+class ChartLabel:
     """A text with its anchor at the left (``start``), right (``end``) or ``middle``; y is its base line.
 
     Attributes:
@@ -115,7 +115,7 @@ class Label:
 
 
 @dataclass(frozen=True, slots=True)
-class Band:
+class LifelineBand:
     """A phase along a lifeline, from one y to another."""
 
     phase: Phase
@@ -133,7 +133,7 @@ class Cut:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ChartLayout:
     """A chart with places for everything.
 
     Attributes:
@@ -144,26 +144,30 @@ class Layout:
     chart: Chart
     lifelines: tuple[int, ...]
     arrows: tuple[Arrow, ...]
-    labels: tuple[Label, ...]
-    bands: tuple[Band, ...]
+    labels: tuple[ChartLabel, ...]
+    bands: tuple[LifelineBand, ...]
     cuts: tuple[Cut, ...]
     width: int
     height: int
 
 
-def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> Layout:
+def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> ChartLayout:
     """Finds a place for everything. No two labels overlap."""
     xs = _columns(chart)
-    rows = _Rows(chart, axis)
+    rows = _ChartRows(chart, axis)
     arrows = tuple(_arrow(message, rows, xs) for message in chart.messages)
     labels = _apart([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()])
     bands = tuple(
-        Band(phase, xs[phase.lifeline], rows.at(phase.begin), max(rows.at(phase.end), rows.at(phase.begin) + LINE))
+        LifelineBand(
+            phase, xs[phase.lifeline], rows.at(phase.begin), max(rows.at(phase.end), rows.at(phase.begin) + LINE)
+        )
         for phase in chart.phases
     )
     lowest = max([rows.bottom, *(label.y for label in labels), *(band.bottom for band in bands)])
     right = max([xs[-1] + 60 if xs else 200, *(label.box[2] for label in labels)])
-    return Layout(chart, xs, arrows, tuple(labels), bands, tuple(rows.cuts), int(right + 16), int(lowest + _FOOTER))
+    return ChartLayout(
+        chart, xs, arrows, tuple(labels), bands, tuple(rows.cuts), int(right + 16), int(lowest + _FOOTER)
+    )
 
 
 def _columns(chart: Chart) -> tuple[int, ...]:
@@ -226,7 +230,7 @@ def _cut(text: str) -> str:
     return text[:kept].rstrip() + "…"
 
 
-class _Rows:
+class _ChartRows:
     """Which moment is how far down.
 
     Attributes:
@@ -299,26 +303,26 @@ class _Rows:
         part = float((moment.time - begin) / (end - begin)) if end > begin else 0.5
         return self._ys[number - 1] + part * (self._ys[number] - self._ys[number - 1])
 
-    def times(self) -> Iterator[Label]:
+    def times(self) -> Iterator[ChartLabel]:
         """The times of events, as far as there is room; those at the same time are told once."""
         last_y, last_time = float("-inf"), None
         if any(message.tag for message in self._chart.messages):
-            yield Label("packet", 16, HEADER / 2 - 5, "start", "gap")
+            yield ChartLabel("packet", 16, HEADER / 2 - 5, "start", "gap")
         for event in self._chart.events:
             moment = begun(event)
             y = self.at(moment)
             if y - last_y < LINE - 3 or (isinstance(event, Message) and event.is_under_way):
                 continue
             if isinstance(event, Message) and event.tag:
-                yield Label(event.tag, 16, y + 4, "start", "gap")
+                yield ChartLabel(event.tag, 16, y + 4, "start", "gap")
             if moment.time != last_time:
                 text = f"{decimal(moment.time)} {self._chart.unit}".rstrip()
-                yield Label(text, self._right, y + 4, "end", "time")
+                yield ChartLabel(text, self._right, y + 4, "end", "time")
             last_y, last_time = y, moment.time
 
-    def cut_texts(self) -> Iterator[Label]:
+    def cut_texts(self) -> Iterator[ChartLabel]:
         for y, text in self._cut_times:
-            yield Label(text, self._right, y, "end", "gap")
+            yield ChartLabel(text, self._right, y, "end", "gap")
 
 
 def _longest_shown(gaps: Sequence[Fraction]) -> Fraction:
@@ -332,7 +336,7 @@ def _longest_shown(gaps: Sequence[Fraction]) -> Fraction:
     return shown
 
 
-def _arrow(message: Message, rows: _Rows, xs: Sequence[int]) -> Arrow:
+def _arrow(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Arrow:
     x, y = xs[message.sender], rows.at(message.sent)
     if not message.arrivals:
         ends = tuple((x + (xs[one] - x) * 0.62, y + _ARRIVAL) for one in message.receivers[:1])
@@ -343,7 +347,7 @@ def _arrow(message: Message, rows: _Rows, xs: Sequence[int]) -> Arrow:
     return Arrow(message, x, y, ends, copies)
 
 
-def _labels(chart: Chart, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
+def _labels(chart: Chart, rows: _ChartRows, xs: Sequence[int]) -> Iterator[ChartLabel]:
     left = _times_width(chart)
     for event in chart.events:
         y = rows.at(begun(event))
@@ -352,19 +356,19 @@ def _labels(chart: Chart, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
             middle = max((xs[0] + xs[-1]) / 2 if xs else 0.0, left + text_width(text) / 2)
             x = xs[event.lifeline] + 12 if event.lifeline is not None else middle
             anchor = "middle" if event.lifeline is None else "start"
-            yield Label(text, x, y + 4, anchor, "note", None, "" if text == event.text else event.text)
+            yield ChartLabel(text, x, y + 4, anchor, "note", None, "" if text == event.text else event.text)
             continue
         furthest = max(event.receivers, key=lambda each: abs(each - event.sender), default=event.sender)
         style = "lost" if event.is_lost else event.category.value
         full = event.detail
         yield from _late_arrivals(event, rows, xs)
         if furthest >= event.sender:
-            yield Label(text, xs[event.sender] + 10, y - 4, "start", style, None, full)
+            yield ChartLabel(text, xs[event.sender] + 10, y - 4, "start", style, None, full)
         else:
-            yield Label(text, xs[event.sender] - 10, y - 4, "end", style, None, full)
+            yield ChartLabel(text, xs[event.sender] - 10, y - 4, "end", style, None, full)
 
 
-def _late_arrivals(message: Message, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
+def _late_arrivals(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Iterator[ChartLabel]:
     """Labels at the ends of long arrows, whose beginnings are out of sight."""
     sent = rows.at(message.sent)
     for number, moment in enumerate(message.arrivals):
@@ -375,12 +379,12 @@ def _late_arrivals(message: Message, rows: _Rows, xs: Sequence[int]) -> Iterator
         for receiver in message.receivers[:1]:
             right = receiver >= message.sender
             x, anchor = (xs[receiver] - 10, "end") if right else (xs[receiver] + 10, "start")
-            yield Label(text, x, y - 4, anchor, message.category.value, None, message.detail)
+            yield ChartLabel(text, x, y - 4, anchor, message.category.value, None, message.detail)
 
 
-def _apart(labels: Sequence[Label]) -> list[Label]:
+def _apart(labels: Sequence[ChartLabel]) -> list[ChartLabel]:
     """Labels that would overlap others move down, and get a line to where they belong."""
-    placed: list[Label] = []
+    placed: list[ChartLabel] = []
     lowest: dict[tuple[float, str], float] = {}
     for label in sorted(labels, key=lambda each: each.y):
         moved = _free(label, placed, lowest)
@@ -389,7 +393,7 @@ def _apart(labels: Sequence[Label]) -> list[Label]:
     return placed
 
 
-def _free(label: Label, placed: Sequence[Label], lowest: Mapping[tuple[float, str], float]) -> Label:
+def _free(label: ChartLabel, placed: Sequence[ChartLabel], lowest: Mapping[tuple[float, str], float]) -> ChartLabel:
     y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + _APART)
     moved = label if y == label.y else _at(label, y)
     while above := [other for other in placed[-_NEAR:] if overlap(moved, other)]:
@@ -397,12 +401,12 @@ def _free(label: Label, placed: Sequence[Label], lowest: Mapping[tuple[float, st
     return moved
 
 
-def _at(label: Label, y: float) -> Label:
+def _at(label: ChartLabel, y: float) -> ChartLabel:
     pointer = (label.x, label.y + 4) if y - label.y > LINE / 2 else None
-    return Label(label.text, label.x, y, label.anchor, label.style, pointer, label.full)
+    return ChartLabel(label.text, label.x, y, label.anchor, label.style, pointer, label.full)
 
 
-def overlap(one: Label, other: Label) -> bool:
+def overlap(one: ChartLabel, other: ChartLabel) -> bool:
     """Whether the boxes of two labels have a point in common."""
     left, top, right, bottom = one.box
     left_2, top_2, right_2, bottom_2 = other.box

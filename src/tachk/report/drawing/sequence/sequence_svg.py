@@ -8,7 +8,7 @@ from html import escape
 from math import hypot
 
 from tachk.formats.layout.label_text import text_width
-from tachk.report.drawing.sequence.layout import Arrow, Band, Cut, Label, Layout
+from tachk.report.drawing.sequence.layout import Arrow, ChartLabel, ChartLayout, Cut, LifelineBand
 
 _ARROW_LENGTH, _ARROW_WIDTH = 10, 4
 _CROSS = 5
@@ -58,7 +58,7 @@ class SequencePicture:
         content: SVG elements.
     """
 
-    layout: Layout = field(repr=False)
+    layout: ChartLayout = field(repr=False)
     content: str = field(repr=False)
     width: int
     height: int
@@ -85,7 +85,7 @@ class SequencePicture:
         return self.svg
 
 
-def draw_chart(layout: Layout) -> SequencePicture:
+def draw_chart(layout: ChartLayout) -> SequencePicture:
     """The picture of a chart."""
     height = _TITLE + layout.height + _LEGEND
     legend = list(_legend(layout))
@@ -107,7 +107,7 @@ def draw_chart(layout: Layout) -> SequencePicture:
     return SequencePicture(layout, "\n".join(content), width, height)
 
 
-def _lifeline(x: int, layout: Layout) -> Iterator[str]:
+def _lifeline(x: int, layout: ChartLayout) -> Iterator[str]:
     yield f'<line class="lifeline" x1="{x}" y1="{_NAME_HEIGHT}" x2="{x}" y2="{layout.height - 8}"/>'
 
 
@@ -117,7 +117,7 @@ def _name(x: int, name: str) -> Iterator[str]:
     yield f'<text class="name" x="{x}" y="17">{escape(name)}</text>'
 
 
-def _band(band: Band) -> str:
+def _band(band: LifelineBand) -> str:
     place = f'x="{band.x - _BAND}" y="{band.top:.1f}" width="{2 * _BAND}" height="{band.bottom - band.top:.1f}"'
     return f'<rect class="band" {place}><title>{escape(band.phase.text)}</title></rect>'
 
@@ -162,7 +162,7 @@ def _head(x1: float, y1: float, x2: float, y2: float, kind: str) -> Iterator[str
     yield f'<polygon class="head {kind}" points="{x2:.1f},{y2:.1f} {sides}"/>'
 
 
-def _label(label: Label) -> Iterator[str]:
+def _label(label: ChartLabel) -> Iterator[str]:
     if label.pointer is not None:
         x, y = label.pointer
         yield f'<line class="pointer" x1="{x:.1f}" y1="{y:.1f}" x2="{label.x:.1f}" y2="{label.y - 4:.1f}"/>'
@@ -171,7 +171,7 @@ def _label(label: Label) -> Iterator[str]:
     yield f'<text class="{label.style} halo" {place}>{full}{escape(label.text)}</text>'
 
 
-def _entries(layout: Layout) -> Iterator[tuple[str, str]]:
+def _entries(layout: ChartLayout) -> Iterator[tuple[str, str]]:
     """What needs an explanation in this chart: the class of a line and words."""
     messages = layout.chart.messages
     if any(message.is_repeated and not message.is_lost for message in messages):
@@ -186,7 +186,7 @@ def _entries(layout: Layout) -> Iterator[tuple[str, str]]:
         yield "band", text
 
 
-def _legend(layout: Layout) -> Iterator[str]:
+def _legend(layout: ChartLayout) -> Iterator[str]:
     x = 0
     for style, words in _entries(layout):
         match style:
@@ -203,5 +203,5 @@ def _legend(layout: Layout) -> Iterator[str]:
         x += 34 + text_width(words) + 22
 
 
-def _legend_width(layout: Layout) -> int:
+def _legend_width(layout: ChartLayout) -> int:
     return 32 + sum(56 + text_width(words) for _, words in _entries(layout))
