@@ -105,10 +105,8 @@ def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
     after = {}
     for clock, (source, more) in second.items():
         before, advance = first.get(source, (source, 0))
-        after[clock] = (
-            before,
-            advance + more if advance else more,
-        )  # what is added may be unknown (`tachk.meaning.judge`)
+        # What is added may be unknown (`tachk.meaning.judge`).
+        after[clock] = before, advance + more if advance else more
     return after
 
 
