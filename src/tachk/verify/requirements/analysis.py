@@ -92,15 +92,18 @@ def analyse(named: Iterable[tuple[str, Formula]], limits: Limits = Limits()) -> 
         named: durations are whole numbers of one unit of time.
         limits: of each search.
     """
-    requirements = tuple(_followed(name, formula) for name, formula in named)
+    numbers: dict[str, bool] = {}
+    requirements = tuple(_followed(name, formula, numbers) for name, formula in named)
     return _Analyst(requirements, limits).analysis()
 
 
-def _followed(name: str, formula: Formula) -> Requirement:
+def _followed(name: str, formula: Formula, numbers: dict[str, bool]) -> Requirement:
+    """A requirement; the signals of those that are followed are added to ``numbers``."""
     formula = folded(formula)
     try:
-        signals_of([formula])
-        return Requirement(name, formula, rules_of(formula))
+        signals, rules = signals_of([formula], numbers), rules_of(formula)
+        numbers.update(signals.are_numbers)
+        return Requirement(name, formula, rules)
     except NotFollowed as reason:
         return Requirement(name, formula, unfollowed=f"`{reason.span.text}`: {reason.reason}")
 

@@ -6,9 +6,10 @@ values: below the first, the first, between the first two, and so on.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from types import MappingProxyType
 
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.operators import COMPARISONS, CONNECTIVES, BinaryOperator, PrefixOperator
@@ -66,6 +67,10 @@ class Signals:
     all: tuple[RequirementSignal, ...]
     numbers: dict[str, int] = field(compare=False)
 
+    @property
+    def are_numbers(self) -> dict[str, bool]:
+        return {signal.name: bool(signal.constants) for signal in self.all}
+
     def named_in(self, formula: Formula) -> frozenset[int]:
         """The numbers of the signals of a formula for which there are signals."""
         names = (signal.name for signal in signals_of([formula]).all)
@@ -91,10 +96,16 @@ class Signals:
                 return ast.BinaryExpression(NOWHERE, BinaryOperator.EQUAL, _variable(prefix, number), _integer(1))
 
 
-def signals_of(formulas: Iterable[Formula]) -> Signals:
-    """Raises NotFollowed for conditions that are more than truth values and comparisons of numbers with constants."""
+def signals_of(formulas: Iterable[Formula], numbers: Mapping[str, bool] = MappingProxyType({})) -> Signals:
+    """The signals that formulas mention.
+
+    Args:
+        numbers: of signals that other formulas mention, whether they are numbers, not truth values.
+
+    Raises NotFollowed for conditions that are more than truth values and comparisons of numbers with constants.
+    """
     found: dict[str, set[Fraction]] = {}
-    kinds: dict[str, bool] = {}
+    kinds = dict(numbers)
     for formula in formulas:
         for change in nodes_of_kind(formula, Change):
             raise NotFollowed(change.span, "`change` looks at values, and here only their order is known")

@@ -88,6 +88,12 @@ def test_a_collision_is_told_by_a_run() -> None:
     assert finding.run[0].values == {"p": "true", "q": "false", "r": "true"}
 
 
+def test_a_signal_is_a_truth_value_or_a_number() -> None:
+    analysis = analysed("G (rise(p) -> F[0,5] q)", "G (p < 3 -> q)", "G (q -> r)", "G (r > 1 -> !q)")
+    assert [each.split(" is not")[0] for each in analysis.undecided] == ["b", "d"]
+    assert "`p` is used as a truth value and as a number" in analysis.undecided[0]
+
+
 @pytest.mark.parametrize(
     "text", ["G (p -> F q)", "G (p -> F[2,5] q)", "G (x + 1 > 3 -> q)", "G (x > y)", "G (change(x) -> q)", "p U q"]
 )
