@@ -124,9 +124,16 @@ def _split_lines(found: Split) -> Iterator[str]:
 
 
 def _points(line: Polyline) -> str:
-    told = [f"({time:.6g}, {value:.6g})" for time, value in zip(line.times, line.values, strict=True)]
-    more = f" ... {told[-1]} ({len(told)} points)" if len(told) > _POINTS + 1 else ""
-    return " ".join(told[:_POINTS] if more else told) + more
+    """The points of a line; of a long one the first ones and the last."""
+    count = len(line.times)
+    if count <= _POINTS + 1:
+        return " ".join(_point(line, number) for number in range(count))
+    begin = " ".join(_point(line, number) for number in range(_POINTS))
+    return f"{begin} ... {_point(line, count - 1)} ({count} points)"
+
+
+def _point(line: Polyline, number: int) -> str:
+    return f"({line.times[number]:.6g}, {line.values[number]:.6g})"
 
 
 def _count(number: int, noun: str) -> str:
