@@ -128,7 +128,7 @@ def answers_among(
     questions: Questions,
     formulas: Sequence[Query | UncheckedQuery],
     options: Options,
-    seconds: float | None,
+    limits: Limits,
 ) -> dict[int, StatisticalAnswer | UncheckedQuery]:
     """What comes of the statistical queries among those of a verification; as `answer_statistical`.
 
@@ -147,7 +147,7 @@ def answers_among(
     from tachk.simulation.statistics.sampling import RunSource as Source
 
     settings = Settings(Source(options.seed, 0, max(options.threads, 1)))
-    found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, seconds)
+    found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, limits)
     for number, formula in enumerate(formulas, 1):
         query = found.get(number)
         typed = formula.span.in_file.source in questions.typed

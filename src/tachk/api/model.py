@@ -309,7 +309,7 @@ class Model(Estimable):
         left = limits.after(monotonic() - started)
         share = share_of_searches(left, formulas)
         verdicts = answers(self.loaded, questions, symbolic, options, share, progress, trace)
-        found = answers_among(self.loaded, questions, formulas, options, limits.after(monotonic() - started).seconds)
+        found = answers_among(self.loaded, questions, formulas, options, limits.after(monotonic() - started))
         record = RunRecord(
             self.path,
             self.loaded.heading if self.refusals else self.network,

@@ -7,8 +7,10 @@ from dataclasses import field, replace
 from time import process_time
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
+from tachk.base.memory_limit import memory_limit
 from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.simulator import SimulationEnding
 from tachk.frontend.loaded import LoadedModel
@@ -88,14 +90,14 @@ def answer_statistical(
     load: Callable[[], LoadedModel],
     formulas: Sequence[Query | UncheckedQuery],
     settings: Settings,
-    seconds: float | None = None,
+    limits: Limits = Limits(),
 ) -> dict[int, StatisticalAnswer | UncheckedQuery]:
     """What comes of the statistical queries among formulas, by their numbers from 1: an answer, or the query with the
     diagnostics that say what is wrong with it or not supported.
 
     Args:
         load: reads the model as simulations see it, with floating point variables; called where there is such a query.
-        seconds: for all of them together; None: no limit.
+        limits: on time and memory, for all of them together.
     """
     asked = {number: query for number, query in enumerate(formulas, 1) if is_statistical(query)}
     if not asked:
@@ -103,7 +105,7 @@ def answer_statistical(
     found: dict[int, StatisticalAnswer | UncheckedQuery] = {}
     reason = ""
     try:
-        with time_limit(seconds):
+        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
             loaded = load()
             for number, query in asked.items():
                 found[number] = _answer(loaded, query, number, settings)

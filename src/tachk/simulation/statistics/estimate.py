@@ -9,7 +9,7 @@ import numpy as np
 
 from tachk.analysis.fold import known_values
 from tachk.analysis.intervals import interval
-from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.diagnostics.diagnostic import UnsupportedError, UsageError
 from tachk.base.records import dataclass
 from tachk.engine.compiler.features import stopwatches
 from tachk.engine.simulation.trials import TrialAnswer
@@ -157,9 +157,15 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
 
     Raises:
         UnsupportedError: the network is not simulated.
-        UsageError: the bound is too long, or the query measures what is not one clock.
+        UsageError: the bound is too long, the query measures what is not one clock, or splitting is asked for what is
+            no probability.
         OutOfTimeError: the limit on time is over.
     """
+    if settings.splitting is not None and not isinstance(query.question, Probability):
+        raise UsageError(
+            f"splitting estimates probabilities only, not {query.name}",
+            "ask Pr[...](<> p) with --splitting, and the other queries without it",
+        )
     match query.question:
         case Probability(path):
             if settings.splitting is not None:

@@ -13,6 +13,7 @@ from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
+from tachk.engine.options import Limits
 from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical
 from tachk.simulation.statistics.estimate import Settings
 
@@ -64,7 +65,7 @@ def test_a_run_time_error_is_never_as_expected() -> None:
 
 def test_without_time_there_is_no_answer() -> None:
     loaded = tachk.loads(f"{MODEL}property p : Pr[<=1](<> A.t);").loaded
-    answer = answer_statistical(lambda: loaded, loaded.formulas, Settings(), seconds=0)[1]
+    answer = answer_statistical(lambda: loaded, loaded.formulas, Settings(), Limits(seconds=0))[1]
     assert isinstance(answer, StatisticalAnswer)
     assert (answer.found, answer.reason, answer.met) == (None, "time limit", None)
 
@@ -121,3 +122,12 @@ def test_estimate_answers_the_same() -> None:
     found = model.verify().estimates["often"].found
     again = model.estimate("Pr[<=4](<> A.t)", seed=1)[0]
     assert (found.low, found.high) == (again.low, again.high)  # type: ignore[union-attr]
+
+
+def test_runs_that_are_told_obey_the_limit_on_memory() -> None:
+    text = "int n = 0; process P() { init location a { to a { select i : int[0, 9]; assign n = i; } } } system P;"
+    loaded = tachk.loads(text + " property p : simulate [<=1000; 1000000] {n};").loaded
+    limits = Limits(seconds=100, memory_bytes=50 << 20)
+    answer = answer_statistical(lambda: loaded, loaded.formulas, Settings(), limits)[1]
+    assert isinstance(answer, StatisticalAnswer)
+    assert (answer.found, answer.reason) == (None, "memory limit")

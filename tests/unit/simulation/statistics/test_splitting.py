@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from math import exp, factorial
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.span import Source as Text
+from tachk.cli.main import app
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.statistical import Probability
@@ -172,3 +175,11 @@ def test_what_has_no_levels_is_refused(query: str) -> None:
 def test_the_interval_of_few_replications_is_that_of_student() -> None:
     found = Rare(np.array([1.0, 3.0] * 8), 3, 10, True, 0, 0)
     assert found.half_width(0.95) == pytest.approx(2.1314 * (16 / 15) ** 0.5 / 4, rel=1e-4)
+
+
+@pytest.mark.parametrize("query", ["Pr[<=9](<> P.b) >= 0.5", "E[<=9; 5](max: n)", "simulate [<=9; 2] {n}"])
+def test_what_is_no_probability_is_not_split(tmp_path: Path, query: str) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text("int n = 0; process P() { init location a { to b; } location b; } system P;")
+    done = CliRunner().invoke(app, ["estimate", str(model), query, "--splitting"])
+    assert (done.exit_code, "splitting estimates probabilities only" in done.stderr) == (2, True)
