@@ -166,6 +166,24 @@ def test_reports_load_statistics_only_where_a_model_has_them(tmp_path: Path, for
     }
 
 
+@pytest.mark.usefixtures("with_tables")
+def test_monitoring_a_table_loads_no_other_reader(tmp_path: Path) -> None:
+    table = tmp_path / "t.csv"
+    table.write_text("t,x\n0,1\n1,2\n", encoding="utf-8")
+    loaded = modules_after("monitor", "G (x < 9)", str(table))
+    readers = {
+        f"tachk.recordings.traces.{name}"
+        for name in ("trace_parquet", "trace_vcd", "logs.messages", "logs.trace_jsonl")
+    }
+    assert "tachk.recordings.traces.trace_csv" in loaded
+    assert not loaded & {
+        *readers,
+        "tachk.recordings.traces.logs.trace_jsonl",
+        "tachk.recordings.traces.logs.trace_hdf5",
+    }
+    assert not loaded & {"gzip", "tachk.xrce", "tachk.engine.zone"}
+
+
 def test_one_module_knows_lark() -> None:
     users = {
         str(path.relative_to(SOURCES))

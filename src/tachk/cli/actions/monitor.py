@@ -18,7 +18,7 @@ from tachk.recordings.monitors.formulas import NamedFormula, names_file
 from tachk.recordings.monitors.offline import Judging, judge
 from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.conventions import Interpolation
-from tachk.recordings.traces.logs.several_runs import SeveralRuns
+from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.report.monitor.text import print_monitor
 
 

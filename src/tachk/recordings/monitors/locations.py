@@ -10,7 +10,6 @@ from typing import Any
 from tachk.base.operators import BinaryOperator
 from tachk.recordings.monitors.compiler import columns_read
 from tachk.recordings.monitors.formulas import NamedFormula, literal
-from tachk.recordings.traces.logs.named_values import named_values
 from tachk.recordings.traces.trace import TraceSource
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
@@ -31,7 +30,11 @@ def located(named: NamedFormula, columns: Collection[str]) -> NamedFormula:
 def with_named_values(formulas: Sequence[NamedFormula], recording: TraceSource) -> list[NamedFormula]:
     """Formulas with values in place of the names that the recording has for them; columns and constants come first."""
     names = {name for named in formulas for name in named.columns - named.constant_names}.difference(recording.columns)
-    values = {name: value for name, value in named_values(recording).items() if name in names} if names else {}
+    if not names:
+        return list(formulas)
+    from tachk.recordings.traces.logs.named_values import named_values
+
+    values = {name: value for name, value in named_values(recording).items() if name in names}
     if not values:
         return list(formulas)
 

@@ -41,7 +41,7 @@ from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_colu
 from tachk.recordings.monitors.texts import text_columns
 from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.logs.joined import with_texts
-from tachk.recordings.traces.logs.several_runs import SeveralRuns
+from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_files import open_trace

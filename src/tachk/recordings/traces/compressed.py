@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import zlib
 from collections.abc import Callable
 from contextlib import suppress
@@ -71,7 +70,7 @@ def open_bytes(path: Path) -> BufferedReader:
     """
     if not is_compressed(path):
         return path.open("rb")
-    opened: Callable[..., Any] = gzip.open if path.suffix.lower() == ".gz" else _zstandard()
+    opened: Callable[..., Any] = import_module("gzip").open if path.suffix.lower() == ".gz" else _zstandard()
     return BufferedReader(TornStream(opened(path, "rb")))
 
 

@@ -19,8 +19,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.time_units import length_of
 from tachk.recordings.traces.arrivals import arrivals_of, arriving, topic_of
 from tachk.recordings.traces.logs.labels import Labels
-from tachk.recordings.traces.logs.several_runs import SeveralRuns
-from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
+from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.trace import Trace, TraceSource, Values
 from tachk.recordings.traces.trace_csv import CsvRecording
 from tachk.recordings.traces.trace_header import no_such_column
@@ -164,6 +163,8 @@ def with_decimals(recording: TraceSource, decimals: int | None) -> TraceSource:
 
 def _rounding(recording: TraceSource, decimals: int) -> TraceSource:
     """What reads times as text rounds them before they are counted, for they may have more digits than can be."""
+    from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
+
     match recording:
         case CsvRecording() | JsonRecording():
             return replace(recording, decimals=decimals)

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from itertools import pairwise
@@ -20,8 +20,9 @@ import numpy as np
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.time_limit import check_time
 from tachk.recordings.traces.logs.dates import seconds_of
+from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
-from tachk.recordings.traces.trace import Trace, TraceSource
+from tachk.recordings.traces.trace import TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
 from tachk.recordings.traces.trace_csv import CsvRecording
 from tachk.recordings.traces.trace_parquet import ParquetRecording
@@ -34,32 +35,6 @@ _TAIL = 1 << 16
 
 Run = tuple[int, int]
 """The first row of a run and the row behind its last one."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SeveralRuns:
-    """Attributes:
-    runs: by their numbers.
-    """
-
-    name: str
-    runs: Mapping[str, TraceSource] = field(repr=False)
-
-    @property
-    def unit(self) -> str:
-        return self._any().unit
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        return self._any().columns
-
-    def read(self, columns: Collection[str] | None = None) -> Trace:
-        numbers = list(self.runs)
-        known = f"{', '.join(numbers[:10])}{', ...' if len(numbers) > 10 else ''}"
-        raise UsageError(f"{self.name} holds several runs: {known}", f"choose one: --run {numbers[0]}")
-
-    def _any(self) -> TraceSource:
-        return next(iter(self.runs.values()))
 
 
 def one_run(recording: TraceSource, run: int | None) -> TraceSource:
