@@ -69,3 +69,13 @@ def test_an_empty_query(text: str) -> None:
     entry, diagnostics = parse_query(Source("q", text))
     assert entry is None
     assert [d.code for d in diagnostics] == ["E0115"]
+
+
+@pytest.mark.parametrize("value", ["20", "2 * (3 + 4)"])
+def test_a_constant_without_a_type_is_read_once_its_help_is_applied(value: str) -> None:
+    text = f"const RETRY = {value};"
+    assert errors(text) == [(1, "W0101")], "alone it is the syntax of old models"
+    _, found = parse_document(Source("t.ta", f"{text}\nint 1;"))
+    assert [diagnostic.code for diagnostic in found] == ["E0101", "E0101"]
+    assert found[0].help == f"write `const int RETRY = {value};`"
+    assert errors(found[0].help.removeprefix("write ").strip("`")) == []
