@@ -51,6 +51,7 @@ _NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _DURATION = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z]*)")
 _MOST_RUNS = 10**9
 _EXAMPLE = "for example Pr[<=100](<> P.location), E[<=100; 1000](max: n) or simulate [<=100; 5] {n, P.location}"
+_ONE_STATE = "write a condition or a number of one state here; Pr takes formulas, for example Pr[<=100](<>[0,3] p)"
 
 
 def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQuery:
@@ -303,6 +304,8 @@ class _StatisticalQueryReader:
     def _node(self, span: Span) -> ast.Expression:
         node, diagnostics = parse_expression(span)
         if node is None or diagnostics:
+            if operators_in(span):
+                raise self._wrong("a temporal operator is only read within Pr", span, _ONE_STATE)
             raise InputError(diagnostics) if diagnostics else self._wrong("expected an expression", span)
         return node
 

@@ -247,6 +247,21 @@ def test_what_is_wrong_has_a_place(query: str, error: type[TachkError], code: st
     assert 0 <= found.span.start < found.span.end <= len(query)
 
 
+@pytest.mark.parametrize("condition", ["<> n == 1", "<>[0,3] n == 1", "[] n == 1", "n == 0 U n == 1", "F n == 1"])
+def test_a_formula_is_no_condition_of_one_state(condition: str) -> None:
+    queries = (
+        f"simulate [<=9; 2] {{n}} : 1 : {condition}",
+        f"simulate [<=9] {{{condition}}}",
+        f"E[<=9; 2](max: {condition})",
+    )
+    for query in queries:
+        with pytest.raises(InputError) as raised:
+            answer(STEPS, query)
+        (found,) = raised.value.diagnostics
+        assert (found.code, found.span.text.strip()) == ("E0147", condition)
+        assert "temporal operator" in found.message and "Pr takes formulas" in str(found.help)
+
+
 @pytest.mark.parametrize("code", STATISTICS_CODES)
 def test_the_examples_of_the_explanations(code: str) -> None:
     model = "process P() { init location a; } system P;"
