@@ -1,4 +1,4 @@
-"""Formulas without deadline on random networks, against regions: `python bench/awaited_agreement.py PAIRS SEED`.
+"""Formulas without deadline on random networks, against regions: `python -m bench.awaited_agreement PAIRS SEED`.
 
 Compares the verdicts about `tests.support.endless.awaited_oracle.FORMS` with an oracle that knows neither observers nor
 zones, until that many pairs of a network and a formula are compared. Prints how many of each there were, and every

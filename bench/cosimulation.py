@@ -1,4 +1,4 @@
-"""Units for co-simulation: `python bench/cosimulation.py agree NETWORKS SEED` and `python bench/cosimulation.py speed`.
+"""Units for co-simulation: `python -m bench.cosimulation agree NETWORKS SEED` and `python -m bench.cosimulation speed`.
 
 `agree` makes units of random networks for both versions of FMI, has FMPy validate and simulate them with several step
 sizes, and compares every run with that of the simulator; it prints every disagreement with the seed that reproduces it,

@@ -1,4 +1,4 @@
-"""Random models with a part that can be left out: `python bench/left_out.py COUNT SEED`.
+"""Random models with a part that can be left out: `python -m bench.left_out COUNT SEED`.
 
 Each model is checked with everything and without what does not count; answers and hidden run-time errors are compared.
 Runs are carried over from parts of any size, also where that is not worth while.

@@ -1,4 +1,4 @@
-"""Random formulas and traces through all monitors: `python bench/monitor_agreement.py COUNT SEED [FEATURE=VALUE ...]`.
+"""Random formulas and traces through all monitors: `python -m bench.monitor_agreement COUNT SEED [FEATURE=VALUE ...]`.
 
 The offline monitors have to agree with the oracle (`tests.support.exact_monitor`) on truth and robustness at every
 instant, however the trace is cut into portions; the online monitor on the verdict after every portion, on the moment of

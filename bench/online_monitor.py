@@ -1,4 +1,4 @@
-"""Samples that the online monitor takes in a second of CPU time: `python bench/online_monitor.py [SAMPLES]`.
+"""Samples that the online monitor takes in a second of CPU time: `python -m bench.online_monitor [SAMPLES]`.
 
 Three columns of random numbers, one row a second on average at irregular instants, laid out so that no formula is
 violated before the end: a monitor that knows its verdict has nothing left to do. `pushed` counts samples in arrays of

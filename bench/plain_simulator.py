@@ -4,7 +4,7 @@ It reads the same networks as tachk and draws runs with the same meaning, withou
 process draws anew in each step, every clock is a number that grows, guards are functions. Expressions are translated to
 Python once, so that it is no slower than a program that was written by hand for one model. Ranges are not checked.
 
-    python bench/simulation.py speed    compares the two
+    python -m bench.simulation speed    compares the two
 """
 
 from __future__ import annotations

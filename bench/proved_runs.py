@@ -1,4 +1,4 @@
-"""Formulas that `verify` proves, on simulated runs: `python bench/proved_runs.py NETWORKS SEED`.
+"""Formulas that `verify` proves, on simulated runs: `python -m bench.proved_runs NETWORKS SEED`.
 
 Proves random formulas for random networks and judges runs of these by them. Prints how many runs end how and what
 the verdicts are, and each one on which a proved formula is false. Exit status 1 if there is one.

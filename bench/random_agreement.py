@@ -1,4 +1,4 @@
-"""Random networks through all engines: `python bench/random_agreement.py COUNT SEED [FEATURE=VALUE ...]`.
+"""Random networks through all engines: `python -m bench.random_agreement COUNT SEED [FEATURE=VALUE ...]`.
 
 Prints how often each engine reached which conclusion, and every disagreement with the seed that reproduces it.
 On each network obligations are compared, too: whether a run avoids a goal for ever, and whether one does in which time
@@ -8,7 +8,7 @@ Features are the fields of `tests.support.Shape`, for instance ``priorities=True
 `SHAPES` take turns. ``smt=N`` asks the second engine too, for runs of up to N steps. Ctrl-C ends it with what is
 known so far. Exit status 1 after a disagreement.
 
-    python bench/random_agreement.py COUNT SEED verdicts
+    python -m bench.random_agreement COUNT SEED verdicts
 
 compares whole verdicts with and without each reduction, on small networks, many with interchangeable processes
 (`tests.support.reductions.verdict_agreement`). One reduction alone and one combination are tried on each; they take

@@ -1,4 +1,4 @@
-"""Random formulas through the oracle and RTAMT: `python bench/rtamt_agreement.py COUNT SEED [half-open]`.
+"""Random formulas through the oracle and RTAMT: `python -m bench.rtamt_agreement COUNT SEED [half-open]`.
 
 Needs `pip install rtamt` beside tachk. RTAMT's offline dense-time monitor is asked where its semantics is the same:
 closed bounded windows, the until whose left operand holds at the witness too (written ``f U (f && g)`` here), and only

@@ -1,4 +1,4 @@
-"""Simulated runs: `python bench/simulation.py speed` and `python bench/simulation.py agree NETWORKS SEED`.
+"""Simulated runs: `python -m bench.simulation speed` and `python -m bench.simulation agree NETWORKS SEED`.
 
 `speed` prints transitions a second of one core without recording, and of a plain simulator in Python. `agree` draws
 runs of random networks with every policy, replays each, and prints every disagreement with the seed that reproduces it;

@@ -1,6 +1,6 @@
 """The monitors of the core against exact definitions, on random formulas and traces.
 
-`python bench/monitor_agreement.py 10000 0` asks the same many more times.
+`python -m bench.monitor_agreement 10000 0` asks the same many more times.
 """
 
 from __future__ import annotations
