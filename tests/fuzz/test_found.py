@@ -188,3 +188,9 @@ def test_rules_are_read(capsys: pytest.CaptureFixture[str]) -> None:
     Path("rules").write_text(RULES)
     listening = ("--listen", "9001", "--listen", "9002")
     assert run(capsys, "proxy", *listening, "--show", "--script", "rules")[0] == 0
+
+
+def test_a_time_beyond_doubles_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("late.jsonl").write_text('{"t": 0, "x": 1}\n{"t": 1e309, "x": 2}\n')
+    status, told = run(capsys, "monitor", "G (x < 9)", "late.jsonl", "--online")
+    assert (status, "the time 1e+309 is too large to be counted" in told) == (2, True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 
 _UNIT = re.compile(r"\s*(\d+(?:\.\d+)?)?\s*(\S.*?)?\s*")
@@ -18,6 +19,14 @@ def decimal(value: Fraction, most_digits: int = 9) -> str:
             sign = "-" if value < 0 else ""
             return sign + (f"{text[:-digits]}.{text[-digits:]}" if digits else text)
     return str(value)
+
+
+def shortened(value: Fraction) -> str:
+    """A number as its nearest double is written; one that is too large for a double with its first digits."""
+    try:
+        return repr(float(value))
+    except OverflowError:
+        return f"{(Decimal(value.numerator) / Decimal(value.denominator)).normalize():.17g}"
 
 
 def duration(value: Fraction, time_unit: str) -> str:

@@ -23,6 +23,7 @@ import numpy as np
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.base.span import Source, Span
 from tachk.base.time_limit import check_time
+from tachk.model.quantity import shortened
 from tachk.recordings.traces.arrivals import belongs, topic_of
 from tachk.recordings.traces.compressed import open_bytes, torn
 from tachk.recordings.traces.csv_beginning import ByteStream
@@ -167,7 +168,7 @@ class JsonStream:
                 notes = (rounding_note(USUAL_DECIMALS if self.decimals is None else self.decimals),)
             if last is not None and last[0] != event.time and last[1] >= time:
                 raise UsageError(
-                    f"{self.name}: rounded, the times {float(last[0])!r} and {float(event.time)!r} are the same",
+                    f"{self.name}: rounded, the times {shortened(last[0])} and {shortened(event.time)} are the same",
                     "give more --decimals, or write times alike that should be equal",
                 )
             last = event.time, time
@@ -196,12 +197,12 @@ class JsonStream:
         ticks = time * 10**decimals
         if ticks.denominator != 1:
             raise UsageError(
-                f"{self.name}: the time {float(event.time)} has too many digits to be counted exactly",
+                f"{self.name}: the time {shortened(event.time)} has too many digits to be counted exactly",
                 f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}",
             )
         if abs(ticks) > LARGEST_TIME:
             raise UsageError(
-                f"{self.name}: the time {float(event.time)} is too large to be counted in units of 1e-{decimals}",
+                f"{self.name}: the time {shortened(event.time)} is too large to be counted in units of 1e-{decimals}",
                 "allow fewer --decimals",
             )
         return time
