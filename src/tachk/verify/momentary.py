@@ -99,7 +99,8 @@ def with_momentary_triggers(
     in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
     watched, momentary = _watched(network, committed, ends, in_chains)
     left = bounded.after(monotonic() - started)
-    notes = {of: _note(of, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
+    notes = {of: _not_known(of, found[of]) for of in goals if found[of].answer is Answer.UNKNOWN}
+    notes |= {of: _note(of, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
     return tuple(_noted(verdict, notes) for verdict in verdicts)
 
 
@@ -141,6 +142,11 @@ def _note(of: _Moment, answer: Verdict) -> str:
             )
         case Answer.FAILS:
             return ""
+
+
+def _not_known(of: _Moment, answer: Verdict) -> str:
+    shown, truth = " ".join(of.text.split()), "true" if of.truth else "false"
+    return f"whether `{shown}` is also {truth} for no time, in committed locations, is not known ({answer.reason})"
 
 
 def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Expression | None:

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
 import pytest
 
 import tachk
+from tachk.engine.options import Limits
+from tachk.engine.outcome import Statistics
 from tachk.meaning.discrete import prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
 from tachk.model.connectives import somebody_committed
 from tachk.model.expressions import Constant, LocationTest
 from tachk.model.network import Network
+from tachk.model.query import Query
 from tachk.model.run import TimedState
 from tachk.verify import momentary
+from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import _decided_plainly
 from tests.support import Shape, random_case
 from tests.unit.verify.test_times import LEFT_IN_A_CHAIN
@@ -71,11 +77,17 @@ def test_a_demand_that_lapses_in_a_chain(text: str, note: str) -> None:
     assert [found.startswith(note) for found in verdict.notes] == [True]
 
 
-def test_what_is_not_known_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(momentary, "FEWEST_STATES", 4)
-    text = LEFT_IN_A_CHAIN.replace("to Occ { sync stop!; }", "").replace("to Cross { guard x >= 10; }", "")
-    (verdict,) = tachk.loads(text).verify("G (Train.Appr -> F[0, 20] Train.Stop)", limits=tachk.Limits(states=100))
-    assert all("not known" in note for note in verdict.notes)
+def undecided(network: Network, queries: Sequence[Query], limits: Limits) -> list[Verdict]:
+    return [Verdict(query, Answer.UNKNOWN, True, "state limit", Statistics()) for query in queries]
+
+
+def test_what_is_not_known_is_said() -> None:
+    model = tachk.loads(LEFT_IN_A_CHAIN)
+    (verdict,) = model.verify("G (Train.Appr -> F[0, 20] Train.Cross)")
+    bare = replace(verdict, notes=())
+    (noted,) = momentary.with_momentary_triggers(model.network, [bare], Limits(), undecided)
+    unknown = "whether `Train.Appr` is also true for no time, in committed locations, is not known (state limit)"
+    assert noted.notes == (unknown,)
 
 
 def visited(network: Network, condition: LocationTest, most: int = 4000) -> bool | None:
