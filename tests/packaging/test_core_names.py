@@ -3,7 +3,10 @@ undefined what a program does (one-definition rule, C++20 [basic.def.odr])."""
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import subprocess
 from collections import defaultdict
 from pathlib import Path
 
@@ -41,6 +44,22 @@ def test_each_type_is_defined_once() -> None:
             places[name].add(path.relative_to(CORE).as_posix())
     assert len(places) > 250
     assert {name: sorted(found) for name, found in places.items() if len(found) > 1} == {}
+
+
+def test_all_sources_of_the_engine_can_be_compiled_as_one(tmp_path: Path) -> None:
+    """CMake compiles them in groups, and a new source changes who is in which: names of anonymous namespaces differ."""
+    compiler = shutil.which(os.environ.get("CXX", "c++"))
+    if compiler is None:
+        pytest.skip("needs a compiler")
+    listing = (CORE / "CMakeLists.txt").read_text(encoding="utf-8")
+    begin = listing.index("add_library(tachk_core")
+    sources = re.findall(r"[\w/]+\.cpp", listing[begin : listing.index(")", begin)])
+    assert len(sources) > 90
+    whole = tmp_path / "whole.cpp"
+    whole.write_text("".join(f'#include "{CORE / source}"\n' for source in sources), encoding="utf-8")
+    command = [compiler, "-std=c++20", "-fsyntax-only", f"-I{CORE}", whole]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_what_is_found() -> None:

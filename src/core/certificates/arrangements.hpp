@@ -1,8 +1,8 @@
 // Symbolic states with the members of groups in other places. A set that holds states up to exchanges covers what
 // exchanges lead into it. Which exchanges are tried is a guess: members are sorted by what is known of them, as the
 // search for certificates does; those of a ring come to every place. Whatever is tried is sound, because each exchange
-// maps the program onto itself, which whoever gives groups must have proved. tachk.meaning.judge.arrangements is the same in
-// Python.
+// maps the program onto itself, which whoever gives groups must have proved. tachk.meaning.judge.arrangements is the
+// same in Python.
 #pragma once
 
 #include <algorithm>

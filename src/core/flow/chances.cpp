@@ -8,9 +8,9 @@
 namespace tachk {
 namespace {
 
-class Decoder {
+class ChancesDecoder {
  public:
-  Decoder(std::span<const std::int64_t> image, const Program& program) : image_(image), program_(program) {}
+  ChancesDecoder(std::span<const std::int64_t> image, const Program& program) : image_(image), program_(program) {}
 
   Chances decode() {
     Chances chances;
@@ -87,7 +87,7 @@ double Number::value(Machine& machine, std::int32_t* slots) const {
 }
 
 Chances decode_chances(std::span<const std::int64_t> image, const Program& program) {
-  return Decoder(image, program).decode();
+  return ChancesDecoder(image, program).decode();
 }
 
 }  // namespace tachk

@@ -1,6 +1,6 @@
-// The code of a program as the machine runs it. Stack code (see tachk.engine.compiler.bytecode) is easy to generate and to
-// check but slow to run: most instructions only move numbers to the stack. Here an instruction names its operands, and
-// what stack code does in two to five instructions (load, constant, compare, jump) is one.
+// The code of a program as the machine runs it. Stack code (see tachk.engine.compiler.bytecode) is easy to generate and
+// to check but slow to run: most instructions only move numbers to the stack. Here an instruction names its operands,
+// and what stack code does in two to five instructions (load, constant, compare, jump) is one.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The numbers of src/tachk/engine/compiler/bytecode.py (instructions) and src/tachk/model/fault.py (faults); a test compares
-// them. What an instruction does is documented there.
+// The numbers of src/tachk/engine/compiler/bytecode.py (instructions) and src/tachk/model/fault.py (faults); a test
+// compares them. What an instruction does is documented there.
 #pragma once
 
 #include <cstdint>

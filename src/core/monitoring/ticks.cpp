@@ -138,14 +138,14 @@ bool scale_plain(const std::int64_t* times, std::size_t count, std::int64_t fact
   return scale_as(times, count, factor, start, ticks);
 }
 
-constexpr Loops plain = {count_block_plain, all_finite_plain, scale_plain};
+constexpr Loops plain_loops = {count_block_plain, all_finite_plain, scale_plain};
 
 const Loops& loops() {
 #if defined(__x86_64__)
   static const bool has_wide = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   if (has_wide) return wide;
 #endif
-  return plain;
+  return plain_loops;
 }
 
 CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {0, 0, fault, row, false}; }

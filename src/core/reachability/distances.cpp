@@ -13,7 +13,7 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint32_t far = UINT32_MAX;
+constexpr std::uint32_t unreached = UINT32_MAX;
 
 // The slots whose values can differ, clocks and locations included where they can.
 std::vector<std::uint32_t> varying(const Program& program) {
@@ -57,7 +57,7 @@ class Search {
   bool wants(const Successor&) const { return true; }
   void take(const Successor& successor) {
     const std::uint32_t target = state(successor.slots);
-    if (source_ != far && (before_[target].empty() || before_[target].back() != source_))
+    if (source_ != unreached && (before_[target].empty() || before_[target].back() != source_))
       before_[target].push_back(source_);
     if (goals_.meets_any(successor.slots, successor.zone)) is_goal_[target] = true;
     const ZoneView zone = graph_.packed(successor.slots, successor.zone);
@@ -77,7 +77,7 @@ class Search {
 
   // Distances back from the goal, as levels.
   Distances told(bool whole) {
-    std::vector<std::uint32_t> distance(before_.size(), far);
+    std::vector<std::uint32_t> distance(before_.size(), unreached);
     std::deque<std::uint32_t> queue;
     for (std::uint32_t n = 0; n < is_goal_.size(); ++n)
       if (is_goal_[n]) {
@@ -88,12 +88,12 @@ class Search {
       const std::uint32_t here = queue.front();
       queue.pop_front();
       for (const std::uint32_t there : before_[here])
-        if (distance[there] == far) {
+        if (distance[there] == unreached) {
           distance[there] = distance[here] + 1;
           queue.push_back(there);
         }
     }
-    Distances result{std::move(levels_), before_.size(), whole, !before_.empty() && distance[0] != far};
+    Distances result{std::move(levels_), before_.size(), whole, !before_.empty() && distance[0] != unreached};
     const std::uint32_t initial = result.reached ? distance[0] : 0;
     for (auto& [key, number] : numbers_)
       if (distance[number] < initial) result.levels.set(key, initial - distance[number]);
@@ -110,7 +110,7 @@ class Search {
   std::vector<bool> is_goal_;
   std::vector<std::uint32_t> waiting_;
   std::uint32_t number_ = no_node;
-  std::uint32_t source_ = far;
+  std::uint32_t source_ = unreached;
 };
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace tachk {
 namespace {
 
-using Edges = std::span<const std::uint32_t>;
+using EdgeNumbers = std::span<const std::uint32_t>;
 using Verdict = const char*;  // what is wrong; null if nothing is
 
 class Judge {
@@ -21,7 +21,7 @@ class Judge {
   Verdict begin();
   // Lets time pass until then.
   Verdict wait(std::int64_t until);
-  Verdict fire(Edges edges);
+  Verdict fire(EdgeNumbers edges);
   bool reached(const Goal& goal);
 
  private:
@@ -32,9 +32,9 @@ class Judge {
   bool holds(const Condition& condition);
   bool invariants();
   bool hears(std::uint32_t number, std::int32_t channel);
-  Verdict takes_part(Edges edges);
-  Verdict synchronise(Edges edges);
-  bool somebody_stays_out(Edges edges, std::int32_t channel);
+  Verdict takes_part(EdgeNumbers edges);
+  Verdict synchronise(EdgeNumbers edges);
+  bool somebody_stays_out(EdgeNumbers edges, std::int32_t channel);
 
   const Program& program_;
   const std::int64_t unit_;
@@ -106,7 +106,7 @@ bool Judge::hears(std::uint32_t number, std::int32_t channel) {
          reading_.channel(other) == channel;
 }
 
-bool Judge::somebody_stays_out(Edges edges, std::int32_t channel) {
+bool Judge::somebody_stays_out(EdgeNumbers edges, std::int32_t channel) {
   for (const std::uint32_t p : listeners_[static_cast<std::size_t>(channel)]) {
     if (std::any_of(edges.begin(), edges.end(), [&](std::uint32_t each) { return edge(each).process == p; })) continue;
     const auto& leaving = reading_.leaving(p);
@@ -117,7 +117,7 @@ bool Judge::somebody_stays_out(Edges edges, std::int32_t channel) {
 }
 
 // Whether edges begin where their processes are, and the committed rule admits them.
-Verdict Judge::takes_part(Edges edges) {
+Verdict Judge::takes_part(EdgeNumbers edges) {
   int most = 0;
   for (std::size_t p = 0; p < program_.processes.size(); ++p) most = std::max(most, reading_.location(p).commitment());
   bool admitted = false;
@@ -129,7 +129,7 @@ Verdict Judge::takes_part(Edges edges) {
   return admitted ? nullptr : "another process is in a committed location";
 }
 
-Verdict Judge::synchronise(Edges edges) {
+Verdict Judge::synchronise(EdgeNumbers edges) {
   const Edge& sender = edge(edges.front());
   if (sender.internal()) return edges.size() == 1 ? nullptr : "an internal edge takes nobody along";
   if (!sender.sends) return "nobody sends";
@@ -145,7 +145,7 @@ Verdict Judge::synchronise(Edges edges) {
   return broadcast && somebody_stays_out(edges, channel) ? "somebody who can receive a broadcast stays out" : nullptr;
 }
 
-Verdict Judge::fire(Edges edges) {
+Verdict Judge::fire(EdgeNumbers edges) {
   if (edges.empty()) return "nobody takes part";
   if (std::any_of(edges.begin(), edges.end(), [&](std::uint32_t each) { return each >= program_.edges.size(); }))
     return "there is no such edge";

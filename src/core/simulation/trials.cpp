@@ -10,7 +10,7 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint64_t steps_at_once = 1'000'000;
+constexpr std::uint64_t steps_of_a_trial = 1'000'000;
 
 class Watch {
  public:
@@ -67,7 +67,7 @@ class Watch {
       if (++trial.transitions > asked_.bound.steps) return stop(trial, Ending::horizon, now);
       if (asked_.measures()) keep(trial, measured());
       at_once = now == before ? at_once + 1 : 0;
-      if (at_once >= steps_at_once) return stop(trial, Ending::zeno, now);
+      if (at_once >= steps_of_a_trial) return stop(trial, Ending::zeno, now);
       if (trial.transitions >= order_.most_steps) return stop(trial, Ending::steps, now);
     }
   }

@@ -9,7 +9,7 @@
 namespace tachk {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 struct Interval {
   double low;
@@ -20,7 +20,7 @@ struct Interval {
 // Of values of which at least one may be undefined.
 Interval around(std::initializer_list<double> corners) {
   for (const double corner : corners)
-    if (std::isnan(corner)) return {-infinity, infinity};
+    if (std::isnan(corner)) return {-unlimited, unlimited};
   return {std::min(corners), std::max(corners)};
 }
 
@@ -33,7 +33,7 @@ Interval combined(ValueOperator operation, const Interval& l, const Interval& r)
     case ValueOperator::multiply:
       return around({l.low * r.low, l.low * r.high, l.high * r.low, l.high * r.high});
     case ValueOperator::divide:
-      if (r.low <= 0 && r.high >= 0) return {-infinity, infinity};
+      if (r.low <= 0 && r.high >= 0) return {-unlimited, unlimited};
       return around({l.low / r.low, l.low / r.high, l.high / r.low, l.high / r.high});
     case ValueOperator::minimum:
       return {std::min(l.low, r.low), std::min(l.high, r.high)};
@@ -41,7 +41,7 @@ Interval combined(ValueOperator operation, const Interval& l, const Interval& r)
       return {std::max(l.low, r.low), std::max(l.high, r.high)};
     default:
       if (l.is_point() && r.is_point()) return around({std::fmod(l.low, r.low)});
-      return {-infinity, infinity};
+      return {-unlimited, unlimited};
   }
 }
 

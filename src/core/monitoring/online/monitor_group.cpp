@@ -8,7 +8,7 @@ namespace tachk {
 namespace {
 
 // Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits.
-constexpr std::int64_t furthest = largest_tick / 2;
+constexpr std::int64_t furthest_tick = largest_tick / 2;
 
 bool is_truth(double value) { return value == 0.0 || value == 1.0; }
 
@@ -56,7 +56,7 @@ RowFault MonitorGroup::check(int128 tick) const {
   if (!progress_.begun) return RowFault::none;
   const int128 since = tick - progress_.origin;
   if (since < progress_.now) return RowFault::backwards;
-  return since >= furthest ? RowFault::too_far : RowFault::none;
+  return since >= furthest_tick ? RowFault::too_far : RowFault::none;
 }
 
 void MonitorGroup::reach(int128 tick) {
@@ -129,8 +129,8 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
     row = first_backwards(times, count);
     return RowFault::backwards;
   }
-  if (tick(count - 1) - origin >= furthest) {
-    while (tick(row) - origin < furthest) ++row;
+  if (tick(count - 1) - origin >= furthest_tick) {
+    while (tick(row) - origin < furthest_tick) ++row;
     return RowFault::too_far;
   }
   const std::int64_t* const ticks = counted ? times : ticks_.data();
