@@ -22,6 +22,9 @@ struct ModelFault : std::exception {
   std::int32_t position;
 };
 
+// What clocks may be set to in runs with exact times, in time units.
+inline constexpr Raw largest_exact_reset = INT32_MAX;
+
 class Machine {
  public:
   // A clock set to more than `largest_reset` time units is a fault: the zones could not represent it.

@@ -1,13 +1,7 @@
 #include "runs/reading.hpp"
 
 namespace tachk {
-namespace {
-
-constexpr Raw largest_given_reset = INT32_MAX;
-
-}  // namespace
-
-Reading::Reading(const Program& program) : program_(program), machine_(program, largest_given_reset) {
+Reading::Reading(const Program& program) : program_(program), machine_(program, largest_exact_reset) {
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) metas_.push_back(slot);
   for (const Process& process : program.processes) leaving_.emplace_back(process.locations.size());

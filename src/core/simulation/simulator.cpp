@@ -7,7 +7,6 @@
 namespace tachk {
 namespace {
 
-constexpr Raw largest_reset = INT32_MAX;
 constexpr std::uint64_t most_idle_draws = 100'000;
 // In units of time:
 constexpr Ticks near = 1;      // how far hybrid clocks are followed before something happens
@@ -22,7 +21,7 @@ Simulator::Simulator(const Program& program, const Chances& chances, const Table
       chances_(chances),
       tables_(tables),
       policy_(policy),
-      machine_(program, largest_reset),
+      machine_(program, largest_exact_reset),
       random_(0, 0),
       state_{{}, ClockValues(program.dimension(), ticks_per_unit)},
       flow_(chances, ticks_per_unit) {
@@ -341,7 +340,7 @@ void Simulator::update() {
     change_.clocks |= clock_group(reset.clock);
     const Ticks copied = state_.clocks.value(reset.source, now_);
     const Ticks advance = Ticks{reset.value} * unit();
-    if (copied > largest_reset * unit() + latest_end - advance) throw ModelFault(FaultKind::bound, no_code);
+    if (copied > largest_exact_reset * unit() + latest_end - advance) throw ModelFault(FaultKind::bound, no_code);
     state_.clocks.set(reset.clock, copied + advance, now_);
   }
 }

@@ -39,10 +39,13 @@ enum class Ending : std::int32_t {
   end_of_time,  // it has no bound on time, and the ticks are used up
 };
 
+// A run that takes more transitions at one time is taken for Zeno.
+inline constexpr std::uint64_t most_steps_at_once = 1'000'000;
+
 struct RunLimits {
   Ticks until = latest_end;
   std::uint64_t steps = UINT64_MAX;
-  std::uint64_t steps_at_once = 1'000'000;
+  std::uint64_t steps_at_once = most_steps_at_once;
 };
 
 class Simulator {

@@ -11,7 +11,6 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint64_t steps_of_a_replication = 1'000'000;
 constexpr std::uint64_t streams = std::uint64_t{1} << 62;  // these numbers are not those of runs
 
 // Where a run has come a level nearer.
@@ -99,7 +98,7 @@ class Splitter {
       if (++steps > asked_.bound.steps) return std::nullopt;
       if (++result.transitions % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
       at_once = now == before ? at_once + 1 : 0;
-      if (at_once >= steps_of_a_replication || steps >= order_.most_steps) {
+      if (at_once >= most_steps_at_once || steps >= order_.most_steps) {
         ++result.unknown;
         return std::nullopt;
       }

@@ -10,8 +10,6 @@
 namespace tachk {
 namespace {
 
-constexpr std::uint64_t steps_of_a_trial = 1'000'000;
-
 class Watch {
  public:
   Watch(const Simulation& simulation, const Asked& asked, const TrialOrder& order)
@@ -67,7 +65,7 @@ class Watch {
       if (++trial.transitions > asked_.bound.steps) return stop(trial, Ending::horizon, now);
       if (asked_.measures()) keep(trial, measured());
       at_once = now == before ? at_once + 1 : 0;
-      if (at_once >= steps_of_a_trial) return stop(trial, Ending::zeno, now);
+      if (at_once >= most_steps_at_once) return stop(trial, Ending::zeno, now);
       if (trial.transitions >= order_.most_steps) return stop(trial, Ending::steps, now);
     }
   }

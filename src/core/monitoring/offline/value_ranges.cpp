@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <optional>
 
 namespace tachk {
 namespace {
-
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 struct Interval {
   double low;
@@ -17,10 +14,12 @@ struct Interval {
   bool is_point() const { return low == high; }
 };
 
+constexpr Interval any_value{Bounds<double>::least, Bounds<double>::greatest};
+
 // Of values of which at least one may be undefined.
 Interval around(std::initializer_list<double> corners) {
   for (const double corner : corners)
-    if (std::isnan(corner)) return {-unlimited, unlimited};
+    if (std::isnan(corner)) return any_value;
   return {std::min(corners), std::max(corners)};
 }
 
@@ -33,7 +32,7 @@ Interval combined(ValueOperator operation, const Interval& l, const Interval& r)
     case ValueOperator::multiply:
       return around({l.low * r.low, l.low * r.high, l.high * r.low, l.high * r.high});
     case ValueOperator::divide:
-      if (r.low <= 0 && r.high >= 0) return {-unlimited, unlimited};
+      if (r.low <= 0 && r.high >= 0) return any_value;
       return around({l.low / r.low, l.low / r.high, l.high / r.low, l.high / r.high});
     case ValueOperator::minimum:
       return {std::min(l.low, r.low), std::min(l.high, r.high)};
@@ -41,7 +40,7 @@ Interval combined(ValueOperator operation, const Interval& l, const Interval& r)
       return {std::max(l.low, r.low), std::max(l.high, r.high)};
     default:
       if (l.is_point() && r.is_point()) return around({std::fmod(l.low, r.low)});
-      return {-unlimited, unlimited};
+      return any_value;
   }
 }
 
