@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest, Unary
@@ -31,6 +31,17 @@ def both(one: Expression | None, other: Expression) -> Expression:
 
 def either(one: Expression, other: Expression) -> Expression:
     return Binary(BinaryOperator.OR, one, other, BOOL, other.span)
+
+
+def conjuncts(condition: Expression | None) -> Iterator[Expression]:
+    """The conditions that are joined by ``&&``, in order; of None, which is always true, none."""
+    pending = [] if condition is None else [condition]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, Binary) and part.operator is BinaryOperator.AND:
+            pending += [part.right, part.left]
+        else:
+            yield part
 
 
 def somebody_committed(network: Network) -> Expression:

@@ -15,7 +15,7 @@ from math import prod
 from tachk.analysis.fold import Known, apply_binary, cannot_fail, fold, fold_place
 from tachk.base.operators import BinaryOperator
 from tachk.model.cell_layout import default_cells
-from tachk.model.connectives import both, negation
+from tachk.model.connectives import both, conjuncts, negation
 from tachk.model.expressions import (
     BOOL,
     Assign,
@@ -221,7 +221,7 @@ class BehindIt(_Kept):
         chosen = self._any_name(self._variable.name)
         it = {self._variable: Reference(chosen)}
         left: list[Expression] = []
-        for part in _conjuncts(edge.guard):
+        for part in conjuncts(edge.guard):
             values = [fold(part, self._with(name)) for name in self._names]
             truths = {bool(value.value) if isinstance(value, Constant) else None for value in values}
             if None in truths:
@@ -280,17 +280,6 @@ def _expressions(edge: Edge) -> Iterator[Expression]:
     if edge.synchronisation is not None:
         yield edge.synchronisation.channel
     yield from edge.updates
-
-
-def _conjuncts(condition: Expression | None) -> Iterator[Expression]:
-    match condition:
-        case None:
-            return
-        case Binary(BinaryOperator.AND, left, right):
-            yield from _conjuncts(left)
-            yield from _conjuncts(right)
-        case _:
-            yield condition
 
 
 def _bounds(variable: Variable) -> tuple[int, int]:

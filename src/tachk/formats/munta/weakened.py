@@ -5,18 +5,17 @@ What is never reached in such a network is never reached in the model: it can wa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import UnsupportedError
-from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.formats.munta.cases import CaseFinder, case_finder
 from tachk.formats.munta.invariants import constant_invariant
 from tachk.meaning.discrete import prepare
-from tachk.model.connectives import both
-from tachk.model.expressions import Binary, Expression, Field, Index, Reference, Variable
+from tachk.model.connectives import both, conjuncts
+from tachk.model.expressions import Expression, Field, Index, Reference, Variable
 from tachk.model.network import Edge, Location, Network
 from tachk.model.types import ArrayType, ChannelType, RecordType, Type
 
@@ -84,7 +83,7 @@ def _loosened(location: Location, finder: CaseFinder, tell: Callable[[Weakening]
     if location.invariant is None:
         return location
     kept: Expression | None = None
-    for part in _conjuncts(location.invariant):
+    for part in conjuncts(location.invariant):
         try:
             constant_invariant(part, part.span, finder)
         except UnsupportedError:
@@ -92,12 +91,3 @@ def _loosened(location: Location, finder: CaseFinder, tell: Callable[[Weakening]
         else:
             kept = both(kept, part)
     return replace(location, invariant=kept)
-
-
-def _conjuncts(condition: Expression) -> Iterator[Expression]:
-    match condition:
-        case Binary(BinaryOperator.AND, left, right):
-            yield from _conjuncts(left)
-            yield from _conjuncts(right)
-        case _:
-            yield condition

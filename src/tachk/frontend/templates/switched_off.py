@@ -10,7 +10,8 @@ from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.scope import Scope, ValueSymbol
-from tachk.model.expressions import Binary, Constant, Expression
+from tachk.model.connectives import conjuncts
+from tachk.model.expressions import Constant, Expression
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
 
@@ -22,7 +23,11 @@ def switched_off(guard: ast.Expression | None, value: Expression | None, scope: 
     Args:
         value: the guard with its constants folded.
     """
-    if guard is None or value is None or not _has_false_part(value):
+    if (
+        guard is None
+        or value is None
+        or not any(isinstance(part, Constant) and part.value == 0 for part in conjuncts(value))
+    ):
         return False
     silent = replace(context, findings=DiagnosticCollector())
     pending = [guard]
@@ -34,17 +39,6 @@ def switched_off(guard: ast.Expression | None, value: Expression | None, scope: 
             folded = condition(part, scope, silent)
             if isinstance(folded, Constant) and folded.value == 0:
                 return True
-    return False
-
-
-def _has_false_part(value: Expression) -> bool:
-    pending = [value]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, Constant) and part.value == 0:
-            return True
-        if isinstance(part, Binary) and part.operator is BinaryOperator.AND:
-            pending += [part.left, part.right]
     return False
 
 
