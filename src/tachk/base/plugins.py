@@ -1,25 +1,21 @@
-"""What extends tachk from above: rows of tables that lower packages read and do not import.
+"""Tables that lower packages read and whose rows stand in higher ones, which they do not import.
 
-A row is named ``module:object`` and loaded when its table is first read. Packages that are installed beside tachk add
-rows by entry points of the group ``tachk.GROUP``.
+A row is named ``module:object`` and loaded when its table is first read.
 """
 
 from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
 from typing import Any
 
-_BUILT_IN = {"captures": ("tachk.xrce.captures:DDS_XRCE",)}
+_ROWS = {"captures": ("tachk.xrce.captures:DDS_XRCE",)}
 
 
 @cache
-def plugins(group: str) -> tuple[Any, ...]:
-    """The rows of a table: those that come with tachk, then those of other packages in the order of their names."""
-    own = (_loaded(row) for row in _BUILT_IN.get(group, ()))
-    others = (each.load() for each in sorted(entry_points(group=f"tachk.{group}"), key=lambda each: each.name))
-    return (*own, *others)
+def plugins(table: str) -> tuple[Any, ...]:
+    """The rows of a table, in order."""
+    return tuple(map(_loaded, _ROWS[table]))
 
 
 def _loaded(row: str) -> Any:
