@@ -1,4 +1,4 @@
-"""How many edges the select labels of an edge stand for."""
+"""The limit on the combinations of values that the select labels of one edge have."""
 
 from __future__ import annotations
 

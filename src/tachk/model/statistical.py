@@ -55,7 +55,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class FormulaPath:
-    """What is asked of each run: whether a formula with several temporal operators is true on it.
+    """A formula with several temporal operators, which is true or false on each run.
 
     Attributes:
         bound: a time, at which runs end. What a run leaves open then is unknown.

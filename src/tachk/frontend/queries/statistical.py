@@ -24,7 +24,7 @@ from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.hybrid_clocks import computed_clocks, named_clocks
 from tachk.frontend.loaded import LoadedModel, with_hybrid_clocks
 from tachk.frontend.queries.queries import UncheckedQuery
-from tachk.frontend.queries.run_formulas import Reading, operators_in, read_run_formula, refuse_foreign
+from tachk.frontend.queries.run_formulas import OperandReader, operators_in, read_run_formula, refuse_foreign
 from tachk.model.expressions import Conditional, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import (
@@ -143,7 +143,7 @@ class _StatisticalQueryReader:
             if interval is None or not _is_within(interval[0][1], bound):
                 return self._formula_path(inner, bound, runs)
             (since, bound), rest = interval
-        # What comes first is read first, so that its mistakes are told.
+        # The parts are read from left to right, so that the first mistake in the text is reported.
         held = None if before is None else self._condition(before)
         return Path(bound, runs, always, self._condition(rest), held, since)
 
@@ -151,7 +151,7 @@ class _StatisticalQueryReader:
         """A formula with several operators. Its runs end where it is decided, or at the bound before."""
         if bound is not None and bound.scale is not Scale.TIME:
             raise self._unsupported("the bound of a formula with intervals is a time", inner)
-        reading = Reading(self._condition, self._value, self._model.scope, self._context)
+        reading = OperandReader(self._condition, self._value, self._model.scope, self._context)
         found = read_run_formula(inner, None if bound is None else bound.limit, reading)
         reach = found.reach if bound is None else min(found.reach, bound.limit)
         return FormulaPath(RunBound(Scale.TIME, reach), runs, found.formula)

@@ -133,7 +133,7 @@ class Columns:
         return np.cumsum(rows, axis=0, dtype=np.int32, out=rows)
 
     def matrices(self, dimension: int) -> Numbers:
-        """Of each zone the bounds that are told, as in `tachk.meaning.dbm`, none of them made tighter."""
+        """The bounds that the file gives for each zone, in the form of `tachk.meaning.dbm`, without tightening."""
         matrices = np.full((len(self.constraints), dimension * dimension), INFINITY)
         np.minimum.at(matrices, (np.repeat(np.arange(len(matrices)), self.constraints), self.places), self.bounds)
         return matrices.reshape(-1, dimension, dimension)

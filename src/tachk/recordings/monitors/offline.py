@@ -80,7 +80,7 @@ def judge(
         try:
             return _judged(formulas, recording.supposed(), judging, source)
         except (InputError, UsageError):
-            pass  # something is not as supposed, or wrong, which is told below
+            pass  # the rows are out of order, or the trace has an error: below every row is checked first
     return _judged(formulas, recording, judging, source)
 
 
