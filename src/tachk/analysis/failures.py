@@ -55,7 +55,7 @@ def can_fail(expression: Expression, known: Known) -> bool:
 
     ``x / y``, for one, cannot where the range of ``y`` leaves out 0, and ``n = m`` cannot where all of ``m`` fits.
     """
-    return _Scope(known).fails(expression)
+    return _NarrowedScope(known).fails(expression)
 
 
 def location_can_fail(location: Location, known: Known) -> bool:
@@ -73,14 +73,14 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
     asked = edge.updates if updates is None else updates
     before, fails = ({}, False) if edge.guard is None else _narrowed(fold(edge.guard, known), known)
     if updates is None and edge.synchronisation is not None:
-        fails = fails or _Scope(known, before).fails(edge.synchronisation.channel)
+        fails = fails or _NarrowedScope(known, before).fails(edge.synchronisation.channel)
     if updates is None and fails:
         return True
     receives = edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE
     # What the sender does comes between the guard of a receiver and its updates.
     narrow = {} if receives else before
     for update in edge.updates:
-        if update in asked and _Scope(known, narrow).fails(update):
+        if update in asked and _NarrowedScope(known, narrow).fails(update):
             return True
         narrow = {v: range_ for v, range_ in narrow.items() if v not in written_variables([update])}
     return False
@@ -92,7 +92,7 @@ def _narrowed(guard: Expression, known: Known) -> tuple[dict[Variable, Interval]
     found: dict[Variable, Interval] = {}
     fails = False
     for part in conjuncts(guard):
-        fails = fails or _Scope(known, found).fails(part)
+        fails = fails or _NarrowedScope(known, found).fails(part)
         match part:
             case Binary(operator, Reference(variable), Constant(value)) if is_integer(variable.type):
                 pass
@@ -122,7 +122,7 @@ def _narrowed(guard: Expression, known: Known) -> tuple[dict[Variable, Interval]
 
 
 @dataclass(frozen=True, slots=True)
-class _Scope:
+class _NarrowedScope:
     """Where an expression is evaluated.
 
     Attributes:
@@ -141,7 +141,7 @@ class _Scope:
     def _interval(self, expression: Expression) -> Interval:
         return interval(expression, self.known, self.narrow)
 
-    def _repeated(self, variable: Variable) -> _Scope:
+    def _repeated(self, variable: Variable) -> _NarrowedScope:
         low, high = cell_range(variable.type)
         return replace(self, times=self.times * (high - low + 1))
 
@@ -179,7 +179,7 @@ class _Scope:
                 return (
                     inner(*arguments)
                     or any(not p.reference and not self._fits(a, p.type) for p, a in pairs)
-                    or _Scope(self.known, times=self.times)._statement_fails(function.body, function.result)
+                    or _NarrowedScope(self.known, times=self.times)._statement_fails(function.body, function.result)
                 )
             case Comma(items) | Aggregate(items):
                 return inner(*items)

@@ -100,13 +100,13 @@ class Estimable:
         """
         from tachk.simulation.orders import ordered, orders_of
         from tachk.simulation.statistics.estimate import Settings, estimate
-        from tachk.simulation.statistics.sampling import RunSource as Source
+        from tachk.simulation.statistics.sampling import RunSource
 
         if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
             raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
         loaded = simulated(self.loaded, self.path)
         orders = orders_of([fault] if isinstance(fault, str) else list(fault))
-        settings = Settings(Source(seed, 0, threads, max_steps), confidence, epsilon, runs)
+        settings = Settings(RunSource(seed, 0, threads, max_steps), confidence, epsilon, runs)
         asked = list(_asked(loaded, queries))
         if not asked:
             raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
@@ -144,9 +144,9 @@ def answers_among(
         return {}
     from tachk.simulation.statistics.answers import answer_statistical
     from tachk.simulation.statistics.estimate import Settings
-    from tachk.simulation.statistics.sampling import RunSource as Source
+    from tachk.simulation.statistics.sampling import RunSource
 
-    settings = Settings(Source(options.seed, 0, max(options.threads, 1)))
+    settings = Settings(RunSource(options.seed, 0, max(options.threads, 1)))
     found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, limits)
     for number, formula in enumerate(formulas, 1):
         query = found.get(number)

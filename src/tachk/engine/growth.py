@@ -67,7 +67,7 @@ def _grows(model: PreparedNetwork, path: Sequence[Transition], where: Expression
     if any(zone[x, y] >= INFINITY for zone in walk.ending(reached[-1], where)):
         return True
 
-    def goes_on(state: _Reached, rest: Sequence[Transition]) -> bool:
+    def goes_on(state: _ReachedZone, rest: Sequence[Transition]) -> bool:
         states = walk.along(rest, state)
         return states is not None and bool(walk.ending(states[-1], where))
 
@@ -93,7 +93,7 @@ def _returns(seen: Sequence[object]) -> Iterator[tuple[int, int]]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Reached:
+class _ReachedZone:
     """A state on a path: the valuations there, and the move that led there."""
 
     here: Situation
@@ -116,9 +116,9 @@ class _PathWalk:
         self.situations: dict[DiscreteState, Situation] = {}
         self.steps = 0
 
-    def along(self, path: Iterable[Transition], start: _Reached | None = None) -> list[_Reached] | None:
+    def along(self, path: Iterable[Transition], start: _ReachedZone | None = None) -> list[_ReachedZone] | None:
         """The states of a path from the initial one on, or from another one; None if it cannot be taken."""
-        reached = [start or _Reached(*symbolic.initial_situation(self.model))]
+        reached = [start or _ReachedZone(*symbolic.initial_situation(self.model))]
         for transition in path:
             following = self._after(reached[-1], transition)
             if following is None:
@@ -126,16 +126,16 @@ class _PathWalk:
             reached.append(following)
         return reached
 
-    def ending(self, state: _Reached, where: Expression) -> Federation:
+    def ending(self, state: _ReachedZone, where: Expression) -> Federation:
         """The valuations for which a predicate holds."""
         return symbolic.intersections(state.zones, symbolic.where(self.model, state.here, where))
 
-    def seen(self, state: _Reached) -> tuple[DiscreteState, tuple[tuple[int, ...], ...]]:
+    def seen(self, state: _ReachedZone) -> tuple[DiscreteState, tuple[tuple[int, ...], ...]]:
         """What the rest of the path may depend on. Where it comes back to the same, it has probably been a loop."""
         zones = self._widened(dbm.reset(zone, self.spare, 0) for zone in state.zones)
         return state.here.discrete, tuple(zone.bounds for zone in zones)
 
-    def loops(self, start: _Reached, path: Sequence[Transition], goes_on: Callable[[_Reached], bool]) -> bool:
+    def loops(self, start: _ReachedZone, path: Sequence[Transition], goes_on: Callable[[_ReachedZone], bool]) -> bool:
         """Whether the path can be taken again and again from there, each time in at least one time unit, before the run
         goes on: from all valuations, or from those that remain when what the path does not lead to is left out until
         nothing changes."""
@@ -148,9 +148,9 @@ class _PathWalk:
                 left = next(iter(symbolic.intersections([left], again)), None)
         return False
 
-    def _behind(self, start: _Reached, path: Sequence[Transition]) -> Federation:
+    def _behind(self, start: _ReachedZone, path: Sequence[Transition]) -> Federation:
         """Where the path leads to in at least one time unit, with the spare clock at 0."""
-        state: _Reached | None = start
+        state: _ReachedZone | None = start
         for transition in path:
             state = None if state is None else self._after(state, transition)
             if state is not None:
@@ -168,7 +168,7 @@ class _PathWalk:
         """The zones without what nothing can tell, whatever the clocks show that nothing looks at."""
         return [reduce(dbm.free, self.unread, wide) for zone in zones for wide in widen(self.constants, zone)]
 
-    def _after(self, state: _Reached, transition: Transition) -> _Reached | None:
+    def _after(self, state: _ReachedZone, transition: Transition) -> _ReachedZone | None:
         self.steps += 1
         if self.steps > MOST_STEPS:
             raise _OutOfSteps
@@ -179,10 +179,10 @@ class _PathWalk:
         if move.target not in self.situations:
             self.situations[move.target] = symbolic.situation(self.model, move.target)
         there = self.situations[move.target]
-        return _Reached(there, symbolic.elapse(there, fired), move)
+        return _ReachedZone(there, symbolic.elapse(there, fired), move)
 
 
-def _last_reset(reached: Sequence[_Reached], clock: int) -> int:
+def _last_reset(reached: Sequence[_ReachedZone], clock: int) -> int:
     """The number of the state from which on the clock is not set any more."""
     resets = (
         number

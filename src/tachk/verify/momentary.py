@@ -44,7 +44,7 @@ FEWEST_STATES = 20_000
 
 
 @dataclass(frozen=True, slots=True)
-class _Moment:
+class _MomentaryCondition:
     """Attributes:
     text: of a condition.
     truth: whether it matters that the condition is true, or that it is false.
@@ -53,9 +53,17 @@ class _Moment:
     text: str
     truth: bool
 
+    @property
+    def shown(self) -> str:
+        return f"`{' '.join(self.text.split())}`"
+
+    @property
+    def value(self) -> str:
+        return "true" if self.truth else "false"
+
 
 @dataclass(frozen=True, slots=True)
-class _End:
+class _EdgeEnd:
     """An edge that may be one side of a synchronisation."""
 
     process: int
@@ -63,7 +71,7 @@ class _End:
     target: int
 
 
-_Ends = Mapping[tuple[Variable, bool], set[_End]]
+_Ends = Mapping[tuple[Variable, bool], set[_EdgeEnd]]
 
 _OPEN, _LASTING, _RISEN = Constant(0), Constant(1), Constant(2)
 """What is noted of a condition: it was false when the chain began; it was true then; it was false and has been true
@@ -83,7 +91,7 @@ def with_momentary_triggers(
     if isinstance(committed, Constant):
         return tuple(verdicts)
     stored = 0
-    conditions: dict[_Moment, Expression] = {}
+    conditions: dict[_MomentaryCondition, Expression] = {}
     for verdict in verdicts:
         if _may_be_noted(verdict):
             conditions |= _moments(verdict.query.observer)
@@ -108,45 +116,43 @@ def _may_be_noted(verdict: Verdict) -> bool:
     return verdict.query.observer is not None and verdict.answer is Answer.HOLDS
 
 
-def _moments(observer: Observer | None) -> dict[_Moment, Expression]:
+def _moments(observer: Observer | None) -> dict[_MomentaryCondition, Expression]:
     """What may be so for no time, each as a condition."""
     if observer is None:
         return {}
-    found = {_Moment(text, True): condition for text, condition in observer.triggers}
-    return found | {_Moment(text, False): negation(condition) for text, condition in observer.demanded}
+    found = {_MomentaryCondition(text, True): condition for text, condition in observer.triggers}
+    return found | {_MomentaryCondition(text, False): negation(condition) for text, condition in observer.demanded}
 
 
-def _noted(verdict: Verdict, notes: Mapping[_Moment, str]) -> Verdict:
+def _noted(verdict: Verdict, notes: Mapping[_MomentaryCondition, str]) -> Verdict:
     own = [notes[of] for of in _moments(verdict.query.observer) if notes.get(of)] if _may_be_noted(verdict) else []
     return replace(verdict, notes=(*verdict.notes, *own)) if own else verdict
 
 
 def _reached(
-    network: Network, goals: Mapping[_Moment, Expression], limits: Limits, decide: Deciding
-) -> Mapping[_Moment, Verdict]:
+    network: Network, goals: Mapping[_MomentaryCondition, Expression], limits: Limits, decide: Deciding
+) -> Mapping[_MomentaryCondition, Verdict]:
     """Whether each of the goals is reached."""
     queries = [Query(f"momentary {number}", QueryKind.POSSIBLY, goal) for number, goal in enumerate(goals.values())]
     verdicts = decide(network, queries, limits) if queries else ()
     return dict(zip(goals, verdicts, strict=True))
 
 
-def _note(of: _Moment, answer: Verdict) -> str:
-    shown, truth = " ".join(of.text.split()), "true" if of.truth else "false"
+def _note(of: _MomentaryCondition, answer: Verdict) -> str:
     match answer.answer:
         case Answer.HOLDS:
-            return f"`{shown}` is also {truth} for no time, in committed locations; that does not count"
+            return f"{of.shown} is also {of.value} for no time, in committed locations; that does not count"
         case Answer.UNKNOWN:
             return (
-                f"`{shown}` is also {truth} in committed locations, where it does not count; "
-                f"whether it is {truth} only there at some moment is not known ({answer.reason})"
+                f"{of.shown} is also {of.value} in committed locations, where it does not count; "
+                f"whether it is {of.value} only there at some moment is not known ({answer.reason})"
             )
         case Answer.FAILS:
             return ""
 
 
-def _not_known(of: _Moment, answer: Verdict) -> str:
-    shown, truth = " ".join(of.text.split()), "true" if of.truth else "false"
-    return f"whether `{shown}` is also {truth} for no time, in committed locations, is not known ({answer.reason})"
+def _not_known(of: _MomentaryCondition, answer: Verdict) -> str:
+    return f"whether {of.shown} is also {of.value} for no time, in committed locations, is not known ({answer.reason})"
 
 
 def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Expression | None:
@@ -176,17 +182,17 @@ def _some_committed(network: Network, places: Iterable[tuple[int, int]]) -> Expr
 
 def _ends_by_channel(network: Network) -> _Ends:
     """For each channel, the edges that send on it (True) and that receive (False)."""
-    found: defaultdict[tuple[Variable, bool], set[_End]] = defaultdict(set)
+    found: defaultdict[tuple[Variable, bool], set[_EdgeEnd]] = defaultdict(set)
     for number, process in enumerate(network.processes):
         for edge in process.edges:
             if edge.synchronisation is not None:
                 for channel in roots(edge.synchronisation.channel):
                     sends = edge.synchronisation.direction is Direction.SEND
-                    found[channel, sends].add(_End(number, edge.source, edge.target))
+                    found[channel, sends].add(_EdgeEnd(number, edge.source, edge.target))
     return found
 
 
-def _partners(edge: Edge, ends: _Ends) -> set[_End]:
+def _partners(edge: Edge, ends: _Ends) -> set[_EdgeEnd]:
     """The edges with which the edge may synchronise."""
     if edge.synchronisation is None:
         return set()
@@ -200,8 +206,8 @@ def _nodes(condition: Expression) -> Iterator[Expression]:
 
 
 def _watched(
-    network: Network, committed: Expression, ends: _Ends, conditions: Mapping[_Moment, Expression]
-) -> tuple[Network, Mapping[_Moment, Expression]]:
+    network: Network, committed: Expression, ends: _Ends, conditions: Mapping[_MomentaryCondition, Expression]
+) -> tuple[Network, Mapping[_MomentaryCondition, Expression]]:
     """The network with a variable for each condition, and what is true where it has been true for no time.
 
     The variables are set before a transition changes anything, so they tell of the states before it.

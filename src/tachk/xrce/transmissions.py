@@ -179,7 +179,7 @@ def _created(found: Datagrams) -> set[int]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Message:
+class _PacketMessage:
     """A message as one packet has it; ``dropped``: its receiver did not take it."""
 
     client: Endpoint
@@ -192,7 +192,7 @@ class _Message:
     dropped: bool = False
 
 
-def _messages(reading: CaptureReading | SerialReading) -> Iterator[_Message]:
+def _messages(reading: CaptureReading | SerialReading) -> Iterator[_PacketMessage]:
     for found in reading.pieces():
         messages = found.messages
         dropped = reading.dropped if isinstance(reading, SerialReading) else frozenset()
@@ -204,7 +204,7 @@ def _messages(reading: CaptureReading | SerialReading) -> Iterator[_Message]:
             start, size = int(messages.starts[number]), int(messages.sizes[number])
             if first.client is not None and first.agent is not None:
                 octets = messages.octets[start : start + size].tobytes()
-                yield _Message(
+                yield _PacketMessage(
                     first.client,
                     first.agent,
                     first.to_agent,
@@ -222,13 +222,13 @@ class _Leg:
     def __init__(self, client: Endpoint, agent: Endpoint) -> None:
         self.client = client
         self.agent = agent
-        self.messages: list[_Message] = []
+        self.messages: list[_PacketMessage] = []
 
-    def add(self, message: _Message) -> None:
+    def add(self, message: _PacketMessage) -> None:
         self.messages.append(message)
 
     @cached_property
-    def creation(self) -> _Message | None:
+    def creation(self) -> _PacketMessage | None:
         """The first CREATE_CLIENT."""
         return next(
             (m for m in self.messages if m.to_agent and any(e.kind is SubmessageKind.CREATE_CLIENT for e in m.events)),
@@ -296,18 +296,18 @@ def _recording(legs: Sequence[_Leg], problem: str) -> Capture:
     return Capture(tuple(links), tuple(sorted(sent, key=lambda one: one.packet)), problem)
 
 
-def _seen_once(link: int, message: _Message) -> Transmission:
+def _seen_once(link: int, message: _PacketMessage) -> Transmission:
     arrivals = () if message.dropped else None
     return Transmission(link, message.to_agent, message.time, message.packet, arrivals, message.events)
 
 
-def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) -> Iterator[Transmission]:
+def _matched(link: int, before: Sequence[_PacketMessage], behind: Sequence[_PacketMessage]) -> Iterator[Transmission]:
     """Messages before a relay with those behind it that have the same bytes.
 
     What comes out and never went in counts as sent there.
     """
     entered: dict[bytes, list[int]] = defaultdict(list)
-    left: dict[bytes, list[_Message]] = defaultdict(list)
+    left: dict[bytes, list[_PacketMessage]] = defaultdict(list)
     for number, message in enumerate(before):
         entered[message.octets].append(number)
     for message in behind:
@@ -326,8 +326,8 @@ def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) 
 
 
 def _equal_ones(
-    before: Sequence[_Message], numbers: Sequence[int], behind: Sequence[_Message]
-) -> Iterator[tuple[int, _Message]]:
+    before: Sequence[_PacketMessage], numbers: Sequence[int], behind: Sequence[_PacketMessage]
+) -> Iterator[tuple[int, _PacketMessage]]:
     """Which of some messages with the same bytes is which of those that came out.
 
     Nothing tells them apart but the time. If there are not more than went in, the last that came out is the last that

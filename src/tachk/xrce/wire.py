@@ -101,7 +101,7 @@ _ALONE = frozenset({0xA, 0xB, _APPLICATION})
 """Kinds of objects that belong to no other."""
 
 
-class _Text(c.Adapter):  # type: ignore[misc]
+class _ZeroEndedText(c.Adapter):  # type: ignore[misc]
     """A text and the zero behind it."""
 
     def _decode(self, obj: bytes, context: object, path: str) -> str:
@@ -132,14 +132,14 @@ class _Aligned(c.Construct):  # type: ignore[misc]
         c.stream_write(stream, bytes(missing), missing, path)
 
 
-class _Ordered:
+class _ByteOrder:
     """What has more than one byte, in one of the two orders."""
 
     def __init__(self, little: bool) -> None:
         self.u16, self.u32 = (c.Int16ul, c.Int32ul) if little else (c.Int16ub, c.Int32ub)
         self.i16, self.i32 = (c.Int16sl, c.Int32sl) if little else (c.Int16sb, c.Int32sb)
         length = c.FocusedSeq("length", _Aligned(4), "length" / self.u32)
-        self.text = _Text(c.Prefixed(length, c.GreedyBytes))
+        self.text = _ZeroEndedText(c.Prefixed(length, c.GreedyBytes))
         self.octets = c.Prefixed(length, c.GreedyBytes)
         self.properties = c.PrefixedArray(length, c.Struct("name" / self.text, "value" / self.text))
         self.moment = c.Struct("seconds" / self.i32, "nanoseconds" / self.u32)
@@ -150,7 +150,7 @@ _REQUEST = c.Struct("request" / c.Bytes(2), "object" / c.Bytes(2))
 _RESULT = c.Struct("status" / c.Int8ub, "implementation" / c.Int8ub)
 
 
-def _client(order: _Ordered) -> Any:
+def _client(order: _ByteOrder) -> Any:
     return c.Struct(
         "peer" / _PEER,
         "key" / c.Bytes(4),
@@ -162,7 +162,7 @@ def _client(order: _Ordered) -> Any:
     )
 
 
-def _agent(order: _Ordered) -> Any:
+def _agent(order: _ByteOrder) -> Any:
     return c.Struct(
         "peer" / _PEER,
         "has_properties" / c.Flag,
@@ -170,7 +170,7 @@ def _agent(order: _Ordered) -> Any:
     )
 
 
-def _object(order: _Ordered) -> Any:
+def _object(order: _ByteOrder) -> Any:
     """What an object is to be, or is: ObjectVariant."""
     forms = {_REFERENCE: order.text, _XML: order.text, _BINARY: order.octets}
     described = c.Struct(
@@ -189,7 +189,7 @@ def _object(order: _Ordered) -> Any:
     )
 
 
-def _information(order: _Ordered) -> Any:
+def _information(order: _ByteOrder) -> Any:
     return c.Struct(
         "base" / _REQUEST,
         "result" / _RESULT,
@@ -200,7 +200,7 @@ def _information(order: _Ordered) -> Any:
     )
 
 
-def _read(order: _Ordered) -> Any:
+def _read(order: _ByteOrder) -> Any:
     control = c.Struct(
         "_control" / _Aligned(2),
         "max_samples" / order.u16,
@@ -222,7 +222,7 @@ def _read(order: _Ordered) -> Any:
 @cache
 def payloads(little: bool) -> Mapping[SubmessageKind, Any]:
     """What a submessage of each kind carries, in one of the two byte orders."""
-    order = _Ordered(little)
+    order = _ByteOrder(little)
     u16, moment = order.u16, order.moment
     carried = c.Struct("base" / _REQUEST, "sample" / c.GreedyBytes)
     return {

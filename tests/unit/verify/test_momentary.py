@@ -127,7 +127,7 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
         if isinstance(committed, Constant):
             continue
         ends = momentary._ends_by_channel(case.network)
-        conditions = {momentary._Moment("it", True): condition}
+        conditions = {momentary._MomentaryCondition("it", True): condition}
         watched, goals = momentary._watched(case.network, committed, ends, conditions)
         (answer,) = momentary._reached(watched, goals, tachk.Limits(states=5000), _decided_plainly).values()
         expected = visited(case.network, condition)

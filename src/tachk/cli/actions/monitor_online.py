@@ -35,7 +35,7 @@ _PATIENCE = 0.2
 """Seconds between two looks at a file that may grow."""
 
 
-class _GrowingFile:
+class _AwaitedFile:
     """A file read beyond its end: whoever reads waits for more, until the time is over."""
 
     def __init__(self, path: Path) -> None:
@@ -141,8 +141,8 @@ def _open(judged: Judged, rows: RowByRow) -> CsvRecording | JsonStream | LivePac
     if rows.follow and is_compressed(path):
         raise UsageError(f"{path}: a compressed file cannot be followed", "leave out --follow")
     if not lines:
-        return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
-    growing: ByteStream = _GrowingFile(path) if rows.follow else open_bytes(path)
+        return open_csv_stream(_AwaitedFile(path), str(path), judged.time, judged.unit)
+    growing: ByteStream = _AwaitedFile(path) if rows.follow else open_bytes(path)
     return JsonStream(str(path), growing, judged.time, judged.unit, growing.readline())
 
 

@@ -56,7 +56,7 @@ class SchedulePhase:
 
 
 @dataclass(slots=True)
-class _Moments:
+class _LeastMoments:
     """The least moments that satisfy a growing set of difference constraints, with undo.
 
     Moment k is the beginning of phase k; moment 0 is fixed at 0. A constraint ``t_a - t_b < c`` is kept as a lower
@@ -111,7 +111,7 @@ def earliest(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement
     Takes for each requirement the first conjunction with which a solution is left, and then the least moments. Where
     choices have to be taken back too often, z3 finds some run instead.
     """
-    moments = _Moments([0] * (len(phases) + 1), [[] for _ in range(len(phases) + 1)])
+    moments = _LeastMoments([0] * (len(phases) + 1), [[] for _ in range(len(phases) + 1)])
     choices: list[tuple[int, int, int]] = []  # requirement, next conjunction to try, length of the undo list before
     number, alternative, taken_back = 0, 0, 0
     while number < len(requirements):

@@ -83,7 +83,7 @@ class SymbolicAction:
 
 
 @dataclass(frozen=True, slots=True)
-class _Choice:
+class _JointEdges:
     """Edges that may fire together: the sender or internal edge first, then the receivers in the order of processes."""
 
     instances: tuple[Instance, ...]
@@ -118,7 +118,7 @@ def actions(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) 
     return found
 
 
-def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) -> Iterator[_Choice]:
+def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) -> Iterator[_JointEdges]:
     receivers: list[list[Instance]] = [[] for _ in network.processes]
     for instance in moment.instances:
         if instance.receives:
@@ -131,7 +131,7 @@ def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int])
         if first.receives or first.open is False:
             continue
         if not first.sends:
-            yield _Choice((first,), conj(first.open, admitted(first)), network.default_priority)
+            yield _JointEdges((first,), conj(first.open, admitted(first)), network.default_priority)
             continue
         for condition, channel in first.channels:
             sent = conj(first.open, condition)
@@ -140,13 +140,13 @@ def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int])
             if not moment.channels[channel].broadcast:
                 for receiver, hears in (pair for own in hearing for pair in own):
                     whole = all_of([sent, hears, admitted(first, receiver)])
-                    yield _Choice((first, receiver), whole, priorities[channel])
+                    yield _JointEdges((first, receiver), whole, priorities[channel])
                 continue
             options = [[(None, neg(any_of(h for _, h in own))), *own] for own in hearing if own]
             for chosen in product(*options):
                 heard = tuple(instance for instance, _ in chosen if instance is not None)
                 whole = all_of([sent, *(hears for _, hears in chosen), admitted(first, *heard)])
-                yield _Choice((first, *heard), whole, priorities[channel])
+                yield _JointEdges((first, *heard), whole, priorities[channel])
 
 
 def _hears(receiver: Instance, channel: int) -> Formula:
@@ -181,7 +181,7 @@ def sometimes(formula: Formula, moment: z3.ArithRef, first: z3.ArithRef) -> Form
     if isinstance(formula, bool):
         return formula
     whole = _without_choices(z3.And(formula, moment >= first), moment)
-    comparisons = [_Comparison.of(each, moment) for each in _comparisons(whole, moment)]
+    comparisons = [_MovingComparison.of(each, moment) for each in _comparisons(whole, moment)]
     roots: dict[str, z3.ArithRef] = {}
     for each in comparisons:
         if each.root is not None:
@@ -195,7 +195,7 @@ def sometimes(formula: Formula, moment: z3.ArithRef, first: z3.ArithRef) -> Form
 
 
 @dataclass(frozen=True, slots=True)
-class _Comparison:
+class _MovingComparison:
     """A comparison ``factor * moment + rest ~ 0``, with the moment at which its sides are equal."""
 
     whole: z3.BoolRef
@@ -204,7 +204,7 @@ class _Comparison:
     root: z3.ArithRef | None
 
     @staticmethod
-    def of(whole: z3.BoolRef, moment: z3.ArithRef) -> _Comparison:
+    def of(whole: z3.BoolRef, moment: z3.ArithRef) -> _MovingComparison:
         difference = whole.arg(0) - whole.arg(1)
         rest = z3.simplify(z3.substitute(difference, (moment, z3.RealVal(0))))
         at_one = z3.substitute(difference, (moment, z3.RealVal(1)))
@@ -212,7 +212,7 @@ class _Comparison:
         if not z3.is_rational_value(factor) or factor.as_fraction().denominator != 1:
             raise ValueError(f"{whole} is not linear in {moment}")
         number = factor.as_fraction().numerator
-        return _Comparison(whole, number, rest, z3.simplify(-rest / number) if number else None)
+        return _MovingComparison(whole, number, rest, z3.simplify(-rest / number) if number else None)
 
     def behind(self, moment: z3.ArithRef, root: z3.ArithRef) -> z3.BoolRef:
         """The comparison just behind a root."""

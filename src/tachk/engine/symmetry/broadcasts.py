@@ -35,7 +35,7 @@ Cell = tuple[Variable, int | None]
 
 
 @dataclass(frozen=True, slots=True)
-class _Listener:
+class _BroadcastReceiver:
     """An edge that receives a broadcast, and what its updates do.
 
     Attributes:
@@ -67,7 +67,7 @@ def order_matters(network: Network, known: Known, members: Sequence[tuple[int, .
     return None
 
 
-def _listeners(network: Network, known: Known, process: int) -> Iterator[_Listener]:
+def _listeners(network: Network, known: Known, process: int) -> Iterator[_BroadcastReceiver]:
     for edge in network.processes[process].edges:
         if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
             continue
@@ -80,7 +80,7 @@ def _listeners(network: Network, known: Known, process: int) -> Iterator[_Listen
             plain = frozenset(each for each in sets if each is not None)
             indices = frozenset(cell for update in updates for cell in _read_in_place(update))
             writes = frozenset(cell for cell, _ in plain)
-            yield _Listener(process, edge, _cell(channel), indices, writes, plain)
+            yield _BroadcastReceiver(process, edge, _cell(channel), indices, writes, plain)
             continue
         mentioned = (cell for expression in with_bodies(updates) for cell in _mentioned(expression, known))
         reads = frozenset(cell for cell in mentioned if cell[0].kind is not VariableKind.FRAME)
@@ -90,10 +90,10 @@ def _listeners(network: Network, known: Known, process: int) -> Iterator[_Listen
         hidden = (
             {(v, None) for v in written_variables(updates) if v.kind is not VariableKind.FRAME} if called else set()
         )
-        yield _Listener(process, edge, _cell(channel), reads, written | hidden, frozenset())
+        yield _BroadcastReceiver(process, edge, _cell(channel), reads, written | hidden, frozenset())
 
 
-def _commute(one: _Listener, other: _Listener) -> bool:
+def _commute(one: _BroadcastReceiver, other: _BroadcastReceiver) -> bool:
     return not (
         _meet(one.writes, other.reads)
         or _meet(one.reads, other.writes)
@@ -106,7 +106,7 @@ def _commute(one: _Listener, other: _Listener) -> bool:
     )
 
 
-def _same_constant(one: _Listener, other: _Listener, cell: Cell, another: Cell) -> bool:
+def _same_constant(one: _BroadcastReceiver, other: _BroadcastReceiver, cell: Cell, another: Cell) -> bool:
     """Whether both only set the same cell to the same constant."""
     values = {value for where, value in one.sets if where == cell} | {v for where, v in other.sets if where == cell}
     known = any(where == cell for where, _ in one.sets) and any(where == cell for where, _ in other.sets)

@@ -51,7 +51,7 @@ _SHOWN = {"exponentialrate": "exponential rate", "assignment": "update"}
 
 
 @dataclass(slots=True)
-class _Node:
+class _NodeElement:
     """A location or branchpoint with its name in the document."""
 
     element: Element
@@ -61,7 +61,7 @@ class _Node:
 
 
 @dataclass(slots=True)
-class _Transition:
+class _EdgeElement:
     """An edge between nodes that exist."""
 
     element: Element
@@ -81,8 +81,8 @@ class TemplateReader:
         self.element = element
         self.extract = extract
         self.diagnostics: list[Diagnostic] = []
-        self.nodes: list[_Node] = []
-        self.transitions: list[_Transition] = []
+        self.nodes: list[_NodeElement] = []
+        self.transitions: list[_EdgeElement] = []
         self.initial: str | None = None
         name = element.first("name")
         self.name_element = name
@@ -126,7 +126,7 @@ class TemplateReader:
                 wanted = wanted if IDENTIFIER.fullmatch(wanted) else f"_{wanted}"
                 name = _unused(wanted, used | proper)
             used.add(name)
-            self.nodes.append(_Node(element, name, None if name == text else text))
+            self.nodes.append(_NodeElement(element, name, None if name == text else text))
             identifier = element.attributes.get("id", "")
             if identifier in by_id:
                 self.report("E0124", element.tag, f"two locations of `{self.name}` have the id `{identifier}`", None)
@@ -150,7 +150,7 @@ class TemplateReader:
         own = identifier.removeprefix(f"{self.name}.")
         return own if element.name == "branchpoint" and own != identifier and _is_free(own) else ""
 
-    def _outline_node(self, node: _Node) -> None:
+    def _outline_node(self, node: _NodeElement) -> None:
         kind = "branchpoint" if node.element.name == "branchpoint" else "location"
         names = f"{self.name}, {kind} {node.name}"
         name = node.element.first("name")
@@ -187,7 +187,7 @@ class TemplateReader:
             return
         names = f"{self.name}, edge {ends[0]} -> {ends[1]}"
         self.extract.mark(element, names)
-        transition = _Transition(element, ends[0], ends[1], self._outline_labels(element, names, EDGE_LABELS))
+        transition = _EdgeElement(element, ends[0], ends[1], self._outline_labels(element, names, EDGE_LABELS))
         self.extract.end_line(element)
         self.transitions.append(transition)
 
@@ -315,7 +315,7 @@ class TemplateReader:
         for transition in self.transitions:
             yield from transition.labels.values()
 
-    def _location(self, node: _Node, texts: Extracted) -> tuple[ast.LocationDeclaration, dict[str, LabelLayout]]:
+    def _location(self, node: _NodeElement, texts: Extracted) -> tuple[ast.LocationDeclaration, dict[str, LabelLayout]]:
         place = texts.tag(node.element)
         name = node.element.first("name")
         identifier = ast.Identifier(
@@ -342,7 +342,7 @@ class TemplateReader:
         }
         return location, _label_layouts(node.labels, printed)
 
-    def _edge(self, transition: _Transition, texts: Extracted) -> tuple[ast.EdgeDeclaration, dict[str, LabelLayout]]:
+    def _edge(self, transition: _EdgeElement, texts: Extracted) -> tuple[ast.EdgeDeclaration, dict[str, LabelLayout]]:
         check_time()
         labels = transition.labels
         place = texts.tag(transition.element)
@@ -380,7 +380,7 @@ class TemplateReader:
         self.diagnostics += diagnostics
         return nothing if value is None else value
 
-    def _picture(self, node: _Node, labels: dict[str, LabelLayout]) -> NodeLayout:
+    def _picture(self, node: _NodeElement, labels: dict[str, LabelLayout]) -> NodeLayout:
         name = node.element.first("name")
         attributes = node.element.attributes
         return NodeLayout(

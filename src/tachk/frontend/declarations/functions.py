@@ -121,7 +121,7 @@ def _with_parameters(
                 Reference(variable), not constant, "constant parameter" if constant else "parameter", variable.span
             )
         inner.declare(parameter.name, symbol, context.findings)
-    body = _Body(result, inner, context).block(node.body, inner)
+    body = _FunctionBody(result, inner, context).block(node.body, inner)
     if body is None or result is None or None in parameters:
         return None
     if not isinstance(result, VoidType) and not _returns(body):
@@ -153,7 +153,7 @@ def _returns(statement: Statement) -> bool:
             return False
 
 
-class _Body:
+class _FunctionBody:
     """Elaborates the statements of one function."""
 
     def __init__(self, result: Type | None, scope: Scope, context: Context) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -35,6 +35,21 @@ _FOREIGN = {
 """UPPAAL's other operators, and what to write in their place."""
 
 
+_OPERATORS: Mapping[type[syntax.Formula], RunOperator] = {
+    syntax.Not: RunOperator.NOT,
+    syntax.And: RunOperator.AND,
+    syntax.Or: RunOperator.OR,
+    syntax.Rise: RunOperator.RISE,
+    syntax.Fall: RunOperator.FALL,
+    syntax.Eventually: RunOperator.EVENTUALLY,
+    syntax.Always: RunOperator.ALWAYS,
+    syntax.Once: RunOperator.ONCE,
+    syntax.Historically: RunOperator.HISTORICALLY,
+    syntax.Until: RunOperator.UNTIL,
+    syntax.Since: RunOperator.SINCE,
+}
+
+
 @dataclass(frozen=True, slots=True)
 class ReadFormula:
     """Attributes:
@@ -46,7 +61,7 @@ class ReadFormula:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class OperandReader:
     """How the parts of a formula are read.
 
     Attributes:
@@ -67,7 +82,7 @@ def operators_in(span: Span) -> tuple[str, ...]:
     return tuple(token.text for token in marked if token.type in TEMPORAL)
 
 
-def read_run_formula(span: Span, limit: Fraction | None, reading: Reading) -> ReadFormula:
+def read_run_formula(span: Span, limit: Fraction | None, reading: OperandReader) -> ReadFormula:
     """The formula in a text.
 
     Args:
@@ -138,7 +153,7 @@ def _as_formula(part: RunFormula | Expression) -> RunFormula:
     return part if isinstance(part, RunFormula) else RunFormula(RunOperator.AND, (part, part))
 
 
-def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expression:
+def _converted(formula: syntax.Formula, reading: OperandReader) -> RunFormula | Expression:
     """The formula with its names resolved; a condition without connectives is an expression."""
     match formula:
         case syntax.TruthConstant(value=value):
@@ -150,12 +165,10 @@ def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expres
         case syntax.Implies(left=left, right=right):
             inverse = RunFormula(RunOperator.NOT, (_converted(left, reading),))
             return RunFormula(RunOperator.OR, (inverse, _converted(right, reading)))
-        case syntax.Not() | syntax.And() | syntax.Or():
-            return RunFormula(_operator(formula), _operands(formula, reading))
+        case syntax.Not() | syntax.And() | syntax.Or() | syntax.Rise() | syntax.Fall():
+            return RunFormula(_OPERATORS[type(formula)], _operands(formula, reading))
         case syntax.WeakUntil():
             raise InternalError("W has been written out")
-        case syntax.Rise() | syntax.Fall():
-            return RunFormula(_operator(formula), _operands(formula, reading))
         case (
             syntax.Eventually(interval=interval)
             | syntax.Always(interval=interval)
@@ -164,14 +177,10 @@ def _converted(formula: syntax.Formula, reading: Reading) -> RunFormula | Expres
             | syntax.Until(interval=interval)
             | syntax.Since(interval=interval)
         ):
-            return RunFormula(_operator(formula), _operands(formula, reading), _window(interval))
+            return RunFormula(_OPERATORS[type(formula)], _operands(formula, reading), _window(interval))
 
 
-def _operator(formula: syntax.Formula) -> RunOperator:
-    return RunOperator[type(formula).__name__.upper()]
-
-
-def _operands(formula: syntax.Formula, reading: Reading) -> tuple[RunFormula | Expression, ...]:
+def _operands(formula: syntax.Formula, reading: OperandReader) -> tuple[RunFormula | Expression, ...]:
     return tuple(_converted(operand, reading) for operand in syntax.operands(formula))
 
 

@@ -110,12 +110,12 @@ def _divided(values: Values, holds: Callable[[int, int], bool], other: int) -> l
     return [part for part in (chosen, rest) if part]
 
 
-class _Fault:
+class _FaultLeaf:
     def __repr__(self) -> str:
         return "a run-time error"
 
 
-FAULT: Final = _Fault()
+FAULT: Final = _FaultLeaf()
 """The answer where something cannot be evaluated."""
 
 

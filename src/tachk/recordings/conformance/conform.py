@@ -178,7 +178,7 @@ def conform(
 
 
 @dataclass(frozen=True, slots=True)
-class _Answer:
+class _SearchOutcome:
     """What one search has found, about a part or the whole.
 
     Attributes:
@@ -209,11 +209,11 @@ class _ConformanceSearch:
         self.options = options
         self.limits = limits
         self.explain = explain
-        self.answers: list[_Answer] = []
+        self.answers: list[_SearchOutcome] = []
 
     def part(
         self, part: IndependentComponent, queues: Queues, to_the_end: bool = False, states: int | None = None
-    ) -> _Answer:
+    ) -> _SearchOutcome:
         own = restricted(queues, part)
         following = follow(self.network, self.mapping, own, part.processes, to_the_end)
         check_selections(following.network)
@@ -229,11 +229,13 @@ class _ConformanceSearch:
         found = outcome.goals[0]
         accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
         reason = "" if accepted is not None else outcome.reason or "unknown"
-        answer = _Answer(part, accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest)
+        answer = _SearchOutcome(
+            part, accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest
+        )
         self.answers.append(answer)
         return answer
 
-    def apart(self, parts: Sequence[IndependentComponent], delays: Sequence[int]) -> list[_Answer] | None:
+    def apart(self, parts: Sequence[IndependentComponent], delays: Sequence[int]) -> list[_SearchOutcome] | None:
         """An answer for each part; None if these do not tell of the whole.
 
         A short search for runs with cut windows comes first: most recordings that are runs need no other one.
@@ -242,7 +244,7 @@ class _ConformanceSearch:
         quick = self._cut(parts, delays[0], states)
         if len(quick) == len(parts) and quick[-1].accepted:
             return quick
-        free: list[_Answer] = []
+        free: list[_SearchOutcome] = []
         for part in parts:
             try:
                 free.append(self.part(part, self.queues))
@@ -261,13 +263,15 @@ class _ConformanceSearch:
                 return found
         return None
 
-    def _cut(self, parts: Sequence[IndependentComponent], delay: int, states: int | None = None) -> list[_Answer]:
+    def _cut(
+        self, parts: Sequence[IndependentComponent], delay: int, states: int | None = None
+    ) -> list[_SearchOutcome]:
         """Answers of parts up to the first that is not accepted, with windows cut so that nothing arrives before it is
         sent. None of them if there is no room for that."""
         cut = set_apart(self.queues, parts, delay)
         if cut is None:
             return []
-        found: list[_Answer] = []
+        found: list[_SearchOutcome] = []
         for part in parts:
             found.append(self.part(part, cut, to_the_end=True, states=states))
             if not found[-1].accepted:
@@ -286,7 +290,7 @@ def _total(statistics: Iterable[Statistics]) -> Statistics:
     return first
 
 
-def _reached(answer: _Answer) -> Reached | None:
+def _reached(answer: _SearchOutcome) -> Reached | None:
     found = answer.found if answer.accepted else answer.furthest
     if found is None:
         return None
@@ -294,7 +298,7 @@ def _reached(answer: _Answer) -> Reached | None:
     return Reached(answer.part, answer.following, answer.queues, answer.program, path, actions)
 
 
-def _run(answer: _Answer, exact: bool) -> ConformingRun:
+def _run(answer: _SearchOutcome, exact: bool) -> ConformingRun:
     found, path = answer.found, answer.found.path or ()
     if not exact:
         return ConformingRun(answer.following, path, None)
@@ -302,13 +306,13 @@ def _run(answer: _Answer, exact: bool) -> ConformingRun:
     return ConformingRun(answer.following, path, moments)
 
 
-def _earliest(search: _ConformanceSearch, refusing: Sequence[_Answer]) -> Rejection | None:
+def _earliest(search: _ConformanceSearch, refusing: Sequence[_SearchOutcome]) -> Rejection | None:
     """Where the recording leaves the model first, of all parts that do not go along with it."""
     found = [refusal for answer in refusing if (refusal := _furthest(search, answer)) is not None]
     return min(found, key=lambda each: (each.event is None, each.event or 0), default=None)
 
 
-def _furthest(search: _ConformanceSearch, answer: _Answer) -> Rejection | None:
+def _furthest(search: _ConformanceSearch, answer: _SearchOutcome) -> Rejection | None:
     """A run of a part that goes along with the recording as far as any that was found."""
     following, queues, program, found = answer.following, answer.queues, answer.program, answer.furthest
     if found is None:

@@ -25,7 +25,7 @@ from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.followers import Following, follow
 from tachk.recordings.conformance.parts import restricted
 from tachk.recordings.conformance.queues import Constants, Queues, make_queues
-from tachk.recordings.conformance.refusal import End, end_of
+from tachk.recordings.conformance.refusal import FinalState, end_of
 from tachk.recordings.conformance.resumed import resumed
 
 _BEFORE = 60
@@ -64,7 +64,7 @@ class _Start:
     """
 
     reached: Reached
-    end: End | None
+    end: FinalState | None
 
 
 def smallest_edit(

@@ -108,7 +108,7 @@ def set_apart(queues: Queues, parts: Iterable[IndependentComponent], delay: int 
     earliest = [list(queue.earliest) for queue in queues.queues]
     latest = [list(queue.latest) for queue in queues.queues]
     needed = [list(queue.needed) for queue in queues.queues]
-    cuts: dict[int, list[_Cut]] = defaultdict(list)
+    cuts: dict[int, list[_WindowCut]] = defaultdict(list)
     for number, queue in enumerate(queues.queues):
         for place, needs in enumerate(queue.needed):
             for other, count in needs:
@@ -121,7 +121,7 @@ def set_apart(queues: Queues, parts: Iterable[IndependentComponent], delay: int 
                     latest[other][count - 1] = time
                     earliest[number][place] = time
                     order = queues.queues[other].events[count - 1]
-                    cuts[time].append(_Cut(order, (other, count), (number, place)))
+                    cuts[time].append(_WindowCut(order, (other, count), (number, place)))
                 elif latest[other][count - 1] > earliest[number][place]:
                     return None
     for group in cuts.values():
@@ -142,7 +142,7 @@ def set_apart(queues: Queues, parts: Iterable[IndependentComponent], delay: int 
     )
 
 
-class _Cut(NamedTuple):
+class _WindowCut(NamedTuple):
     """Two windows that meet: the place of the needed event in the recording, it, and what needs it."""
 
     order: int

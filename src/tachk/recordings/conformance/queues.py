@@ -113,7 +113,7 @@ def make_queues(
     outgoing = [_is_output(visible, kept) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
-    clock = _Clock.of(recording, origin, scale, (tolerance, late))
+    clock = _RecordingClock.of(recording, origin, scale, (tolerance, late))
     queues = []
     for (visible, common, found), outputs in zip(entries, outgoing, strict=True):
         events = [recording.events[number] for number, _ in found]
@@ -225,7 +225,7 @@ def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | N
 
 
 @dataclass(frozen=True, slots=True)
-class _Clock:
+class _RecordingClock:
     """Times since the model starts as whole numbers, since there are many of them.
 
     Attributes:
@@ -239,11 +239,11 @@ class _Clock:
     origin: int
 
     @staticmethod
-    def of(recording: EventLog, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _Clock:
+    def of(recording: EventLog, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _RecordingClock:
         """In which all times of a recording, and others in units of the model, are whole."""
         different = {event.time.denominator for event in recording.events}
         parts = lcm(lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others))
-        return _Clock(parts, scale * parts, int(origin * scale * parts))
+        return _RecordingClock(parts, scale * parts, int(origin * scale * parts))
 
     def ticks(self, times: Iterable[Fraction]) -> list[int]:
         """The parts at times of the recording."""
@@ -327,7 +327,7 @@ class _ColumnClause:
 
 
 @dataclass(frozen=True, slots=True)
-class _Clause:
+class _RecordingClause:
     """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, and the
     places of those that tell what a queue has in common."""
 
@@ -337,7 +337,7 @@ class _Clause:
     per: tuple[int, ...]
 
 
-def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
+def _clause_of(number: int, visible: VisibleEvents) -> _RecordingClause:
     limited = []
     for place, (name, expression) in enumerate(visible.columns):
         match expression:
@@ -349,7 +349,7 @@ def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
                 pass
     place_of = {column.index: place for place, column in limited}
     names = tuple(name for name, _ in visible.columns)
-    return _Clause(number, names, tuple(limited), tuple(place_of[variable] for variable in visible.per))
+    return _RecordingClause(number, names, tuple(limited), tuple(place_of[variable] for variable in visible.per))
 
 
 class _EventStreamReader:
@@ -368,7 +368,7 @@ class _EventStreamReader:
 
     def entries(self) -> list[_Entry]:
         entries: dict[tuple[int, tuple[int | None, ...]], _Entry] = {}
-        named: dict[str, list[_Clause]] = {}
+        named: dict[str, list[_RecordingClause]] = {}
         for number, visible in enumerate(self.mapping.visible):
             for values in product(*(index_range(index_type(v)) for v in visible.per)):
                 entries[number, values] = (visible, dict(zip(visible.per, values, strict=True)), [])
@@ -381,7 +381,7 @@ class _EventStreamReader:
             entries[clause.number, tuple([said[n] for n in clause.per])][2].append((position, said))
         return list(entries.values())
 
-    def _clause(self, event: RecordedEvent, clauses: Sequence[_Clause]) -> tuple[_Clause, _Values]:
+    def _clause(self, event: RecordedEvent, clauses: Sequence[_RecordingClause]) -> tuple[_RecordingClause, _Values]:
         """The clause that the event belongs to, and what its columns say."""
         misses: list[str] = []
         for clause in clauses:

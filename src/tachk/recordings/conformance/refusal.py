@@ -60,7 +60,7 @@ class AllowedEvents:
 
 
 @dataclass(frozen=True, slots=True)
-class End:
+class FinalState:
     """The state in which a run ends.
 
     Attributes:
@@ -74,7 +74,9 @@ class End:
     zones: tuple[Zone, ...]
 
 
-def end_of(following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]) -> End:
+def end_of(
+    following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
+) -> FinalState:
     """The state in which a path ends; found by the core, or by the reference where the core cannot tell.
 
     Args:
@@ -85,7 +87,7 @@ def end_of(following: Following, program: Program, path: Sequence[Transition], a
     return end_by_reference(following, path) if found is None else _end_in_slots(following, *found)
 
 
-def _end_in_slots(following: Following, slots: tuple[int, ...], bounds: tuple[int, ...]) -> End:
+def _end_in_slots(following: Following, slots: tuple[int, ...], bounds: tuple[int, ...]) -> FinalState:
     place = processes = len(following.network.processes)
     values = {}
     for variable in following.network.all_variables():
@@ -93,20 +95,25 @@ def _end_in_slots(following: Following, slots: tuple[int, ...], bounds: tuple[in
             count = cell_count(variable.type)
             values[variable] = slots[place : place + count]
             place += count
-    return End(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
+    return FinalState(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
 
 
-def end_by_reference(following: Following, path: Sequence[Transition]) -> End:
+def end_by_reference(following: Following, path: Sequence[Transition]) -> FinalState:
     """The same by the meaning of the network."""
     model = prepare(following.network)
     discrete, zones = _end(model, path)
     layout = model.layout
     values = {v: discrete.values[n : n + cell_count(v.type)] for v, n in layout.first.items()}
-    return End(discrete.locations, values, tuple(zones))
+    return FinalState(discrete.locations, values, tuple(zones))
 
 
 def offers(
-    network: Network, mapping: RecordingMap, following: Following, queues: Queues, happened: Sequence[int], end: End
+    network: Network,
+    mapping: RecordingMap,
+    following: Following,
+    queues: Queues,
+    happened: Sequence[int],
+    end: FinalState,
 ) -> AllowedEvents:
     """What the model could do behind a run.
 
@@ -162,7 +169,7 @@ def offers(
     return AllowedEvents(allowed, whole and not pending)
 
 
-def state_text(following: Following, end: End) -> str:
+def state_text(following: Following, end: FinalState) -> str:
     """The locations of the processes of the model."""
     processes = zip(following.network.processes, end.locations, strict=True)
     named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
@@ -190,7 +197,7 @@ def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteSt
     return states[-1], [] if zone is None else [zone]
 
 
-def _start(model: PreparedNetwork, following: Following, happened: Sequence[int], end: End) -> DiscreteState:
+def _start(model: PreparedNetwork, following: Following, happened: Sequence[int], end: FinalState) -> DiscreteState:
     """The state of the network that knows of each queue only what is near."""
     values = list(model.layout.initial)
     for variable, first in model.layout.first.items():

@@ -19,13 +19,13 @@ from tachk.model.expressions import Reference, Variable, VariableKind
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, clock_count
 from tachk.recordings.conformance.followers import Following
-from tachk.recordings.conformance.refusal import End
+from tachk.recordings.conformance.refusal import FinalState
 
 _FOLLOWERS = "recording."
 """So the names of variables begin that belong to the processes which follow a recording."""
 
 
-def resumed(following: Following, before: Following, end: End) -> Following | None:
+def resumed(following: Following, before: Following, end: FinalState) -> Following | None:
     """The network that follows what is left of a recording, from the state on in which a run along its beginning ends.
 
     Args:
@@ -136,7 +136,7 @@ def _cells(whole: Term) -> Iterator[tuple[Term, Type]]:
             yield whole, type_
 
 
-def _values(following: Following, before: Following, end: End) -> list[Term]:
+def _values(following: Following, before: Following, end: FinalState) -> list[Term]:
     """What gives the variables their values. The positions begin anew."""
     own = {variable.name: variable for variable in following.network.variables if variable.name.startswith(_FOLLOWERS)}
     positions = {id(position) for position in before.positions}

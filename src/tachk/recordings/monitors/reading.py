@@ -60,7 +60,7 @@ class TraceSemantics(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Signals:
+class _NodeSignals:
     """What nodes are worth over a trace; an object rather than a function, so that reports can be pickled.
 
     Attributes:
@@ -112,7 +112,7 @@ class HeldValues:
         return self.truth(program, trace), robustness
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
-        return Explainer(program, _Signals(program, trace), _Certainty(program, trace), 2 * trace.end + 1)
+        return Explainer(program, _NodeSignals(program, trace), _Certainty(program, trace), 2 * trace.end + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +153,7 @@ class Lines:
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
         # When a violation is certain would have to be asked of prefixes, whose last lines are not known.
         return Explainer(
-            self.shown_program(program), _Signals(program, trace, self.parts), None, 2 * trace.end * self.parts + 1
+            self.shown_program(program), _NodeSignals(program, trace, self.parts), None, 2 * trace.end * self.parts + 1
         )
 
 

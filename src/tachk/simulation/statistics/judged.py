@@ -56,7 +56,7 @@ def _formula_sampler(network: Network, path: FormulaPath, source: RunSource) -> 
     drawing = SimulationOptions(
         source.seed, reach.until, steps=source.most_steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
     )
-    judge = _Judge(network, path.formula, conditions)
+    judge = _RunJudge(network, path.formula, conditions)
 
     def trials(numbers: range) -> Trials:
         drawn = runs.draw(drawing, numbers, RecordedChanges(observed=True))
@@ -86,7 +86,7 @@ def _conditions(formula: RunFormula) -> Iterable[Expression]:
 
 
 @dataclass(slots=True)
-class _Judge:
+class _RunJudge:
     """Attributes:
     programs: by the ticks of a time unit of the trace.
     """

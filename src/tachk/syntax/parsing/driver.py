@@ -34,10 +34,10 @@ def drive(start: str, tokens: list[Token]) -> tuple[Any, tuple[Diagnostic, ...]]
     Returns:
         What the builder made of them, or None if even recovery failed, and the syntax errors.
     """
-    return _Run(start, tokens).to_the_end()
+    return _ParserPass(start, tokens).to_the_end()
 
 
-class _Run:
+class _ParserPass:
     """One pass over the tokens.
 
     ``inserted`` holds tokens that are not part of the text (supplied ones, ERROR) and come next, the last one first.

@@ -77,7 +77,7 @@ def walk(
     for done, values in enumerate(combinations):
         fixed = dict(zip(free, values, strict=True))
         infers = bool(bound) and may_infer(_extremes(statuses.shape, fixed))
-        box = _Box(statuses, tuple(axes) if infers else (AxisKind.ANY,) * len(axes), fixed, decide)
+        box = _CellBox(statuses, tuple(axes) if infers else (AxisKind.ANY,) * len(axes), fixed, decide)
         box.settle(len(combinations) - done)
 
 
@@ -87,7 +87,7 @@ def _extremes(shape: Sequence[int], fixed: dict[int, int]) -> list[Cell]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Box:
+class _CellBox:
     """The cells with given values on some axes.
 
     Attributes:

@@ -94,7 +94,7 @@ def _moments(ours: Sequence[Transmission], from_client: bool, stream: int) -> tu
         for arrival in _arrivals(one, from_client)
     ]
     at_sender.sort(key=lambda pair: (pair[0], pair[1].packet))
-    follower = _Follower(stream)
+    follower = _StreamFollower(stream)
     return tuple(
         moment
         for time, one in at_sender
@@ -108,7 +108,7 @@ def _arrivals(one: Transmission, from_client: bool) -> Sequence[int]:
     return [arrival.time for arrival in one.arrivals]
 
 
-class _Follower:
+class _StreamFollower:
     def __init__(self, stream: int) -> None:
         self._stream = stream
         self._sent = 0

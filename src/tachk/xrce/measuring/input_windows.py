@@ -30,8 +30,8 @@ def unanswered(recording: Capture) -> int:
     return sum(_unanswered(_at_client(recording, link)) for link in range(len(recording.links)))
 
 
-def _unanswered(stream: Sequence[_Said | _Heard]) -> int:
-    answers = [number for number, each in enumerate(stream) if isinstance(each, _Said)]
+def _unanswered(stream: Sequence[_SentAcknack | _Heard]) -> int:
+    answers = [number for number, each in enumerate(stream) if isinstance(each, _SentAcknack)]
     heard = [each for each in stream[: answers[-1]] if isinstance(each, _Heard)] if answers else []
     return max(sum(not each.begins for each in heard) - len(answers), 0)
 
@@ -50,7 +50,7 @@ def input_history(recordings: Iterable[Capture]) -> Iterator[Setting]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Said:
+class _SentAcknack:
     """An ACKNACK that the client sends: ``first``, and the numbers that are missing."""
 
     time: int
@@ -70,9 +70,9 @@ class _Heard:
     begins: bool = False
 
 
-def _at_client(recording: Capture, link: int) -> list[_Said | _Heard]:
+def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _Heard]:
     """In the order of times; empty where nobody has seen what arrived."""
-    found: list[tuple[int, int, _Said | _Heard]] = []
+    found: list[tuple[int, int, _SentAcknack | _Heard]] = []
     for one in recording.transmissions:
         if one.link != link:
             continue
@@ -81,7 +81,7 @@ def _at_client(recording: Capture, link: int) -> list[_Said | _Heard]:
     return [each for _, _, each in sorted(found, key=lambda row: row[:2])]
 
 
-def _of(time: int, event: SubmessageEvent) -> Iterator[_Said | _Heard]:
+def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Heard]:
     fields = event.fields
     if event.kind is SubmessageKind.CREATE_CLIENT:
         yield _Heard(time, 0, False, False, begins=True)
@@ -91,14 +91,14 @@ def _of(time: int, event: SubmessageEvent) -> Iterator[_Said | _Heard]:
             and fields["subject"] == FIRST_RELIABLE_STREAM
             and isinstance(fields["missing"], list)
         ):
-            yield _Said(time, int(str(fields["first"])), frozenset(fields["missing"]))
+            yield _SentAcknack(time, int(str(fields["first"])), frozenset(fields["missing"]))
     elif event.kind is SubmessageKind.HEARTBEAT and fields["subject"] == FIRST_RELIABLE_STREAM:
         yield _Heard(time, int(str(fields["last"])), False, False)
     elif event.stream == FIRST_RELIABLE_STREAM and event.sequence is not None and event.place == 0:
         yield _Heard(time, event.sequence, True, event.kind is SubmessageKind.FRAGMENT and not fields["last"])
 
 
-def _differences(stream: Sequence[_Said | _Heard], size: int) -> int:
+def _differences(stream: Sequence[_SentAcknack | _Heard], size: int) -> int:
     """How many ACKNACKs are not what a client with so many slots would have said."""
     client, waiting, wrong = _InputStream(size), deque[_Heard](), 0
     sleeps = _unanswered(stream) > 0

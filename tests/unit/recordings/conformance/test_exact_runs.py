@@ -21,7 +21,7 @@ from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.exact_runs import moments_of_trace, run_by_reference
 from tachk.recordings.conformance.followers import Following
-from tachk.recordings.conformance.refusal import End, end_by_reference, end_of
+from tachk.recordings.conformance.refusal import FinalState, end_by_reference, end_of
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[4]
@@ -66,11 +66,11 @@ def test_moments_are_in_units_of_time() -> None:
 
 def test_core_and_reference_end_a_run_in_the_same_state(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the recording of a changed capture leaves the model."""
-    found: list[tuple[End, End]] = []
+    found: list[tuple[FinalState, FinalState]] = []
 
     def both(
         following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
-    ) -> End:
+    ) -> FinalState:
         end = end_of(following, program, path, actions)
         found.append((end, end_by_reference(following, path)))
         return end

@@ -18,7 +18,7 @@ from tachk.xrce.report.measurement import ModelTime, measurement_to_json, measur
 
 
 @dataclass(frozen=True, slots=True)
-class Measuring:
+class MeasureArguments:
     """``form``: text, json or settings; ``model``: whose constants settings are, if any."""
 
     files: tuple[Path, ...]
@@ -28,7 +28,7 @@ class Measuring:
     output: Path | None
 
 
-def run_measure(measuring: Measuring) -> ExitStatus:
+def run_measure(measuring: MeasureArguments) -> ExitStatus:
     """Raises UsageError for a file that is no capture, for a model without a unit of time, and for a capture with
     something of which a model for recordings does not speak."""
     time = _time_of(measuring.model)

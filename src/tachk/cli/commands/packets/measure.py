@@ -46,7 +46,7 @@ def command(seconds: float | None, **given: Any) -> None:
     dead time are told with minimum, median and maximum, the packets they came from and how sure they are, and as
     constants of a model: tachk verify MODEL $(tachk measure FILE --for MODEL --format settings)
     """
-    from tachk.cli.actions.packets.measure import Measuring, run_measure
+    from tachk.cli.actions.packets.measure import MeasureArguments, run_measure
 
-    arguments = options.distributed(given, Measuring)
+    arguments = options.distributed(given, MeasureArguments)
     options.finish(lambda: run_measure(*arguments), seconds)

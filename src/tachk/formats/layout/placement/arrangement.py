@@ -54,7 +54,7 @@ class LayerStop:
 
 def arrange(sketch: Sketch, direction: FlowDirection, traversal: Traversal) -> TemplateDrawing | None:
     """Places everything; None if that would take too long, because edges are very many or very long."""
-    plan = _Plan(sketch, direction, traversal)
+    plan = _LayerPlan(sketch, direction, traversal)
     if not plan.layers:
         return None
     layering = Layering(plan.layers, plan.links)
@@ -64,7 +64,7 @@ def arrange(sketch: Sketch, direction: FlowDirection, traversal: Traversal) -> T
     return _LayerCanvas(plan, layering, cross).drawing()
 
 
-class _Plan:
+class _LayerPlan:
     """Everything that stands on a layer: the nodes of the sketch by their numbers, then the stops of the edges.
 
     Attributes:
@@ -175,7 +175,7 @@ def _stop_extent(stop: LayerStop, direction: FlowDirection) -> Extent:
 class _LayerCanvas:
     """The layers set out along the flow; along the flow a place is (along, across)."""
 
-    def __init__(self, plan: _Plan, layering: Layering, cross: dict[int, float]) -> None:
+    def __init__(self, plan: _LayerPlan, layering: Layering, cross: dict[int, float]) -> None:
         self.plan = plan
         self.cross = _snapped(layering, plan, cross)
         self.start: list[int] = []
@@ -283,7 +283,7 @@ class _LayerCanvas:
         return name, Box(left, top, left + labels_width, top + labels_height) if labels_height else None
 
 
-def _snapped(layering: Layering, plan: _Plan, cross: dict[int, float]) -> dict[int, int]:
+def _snapped(layering: Layering, plan: _LayerPlan, cross: dict[int, float]) -> dict[int, int]:
     """The coordinates on the grid, still without overlap."""
     snapped: dict[int, int] = {}
     for layer in layering.layers:

@@ -133,7 +133,7 @@ def _csv_runs(recording: CsvRecording) -> Iterator[tuple[str, CsvRecording]]:
     for run, (first, end) in _runs(rows).items():
         content = b"".join(lines[first:end])
         name = _named(recording, run)
-        yield run, replace(recording, name=name, opened=_Opened(content), line=numbers[first], size=None)
+        yield run, replace(recording, name=name, opened=_BytesOpener(content), line=numbers[first], size=None)
 
 
 def _is_one_run(recording: CsvRecording, place: int) -> bool:
@@ -150,7 +150,7 @@ def _is_one_run(recording: CsvRecording, place: int) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class _Opened:
+class _BytesOpener:
     content: bytes
 
     def __call__(self) -> io.BytesIO:
