@@ -32,6 +32,7 @@ MODEL = """
     property met : A<> Q.Asleep;
     property most : bounds{P.A}: x;
     property formula : G (P.A -> F[0,3] P.B);
+    property likely : Pr[<=20] (<> P.B);
 """
 
 
@@ -65,6 +66,7 @@ def test_what_is_written_can_be_read(written: dict[str, Any], tmp_path: Path) ->
         (("results", 0, "stats", "states_stored"), 10**400, "too large"),
         (("results", 0, "stats", "seconds"), float("inf"), "no number of JSON"),
         (("results", 0, "title"), "\ud800", "surrogates"),
+        (("estimates", 0, "found", "high"), "x", "$.runs[0].estimates[0].found"),
     ],
 )
 @pytest.mark.parametrize("command", ["report", "chart"])
