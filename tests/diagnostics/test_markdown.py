@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from tachk.base.diagnostics.codes.all_codes import CODES
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.span import Source, Span
 from tachk.formats.loading.load import load_model
 from tachk.syntax.query_files import parse_queries
@@ -94,7 +94,7 @@ def test_block(block: Block) -> None:
 
 @pytest.mark.parametrize("block", blocks(), ids=str)
 def test_codes_are_explained(block: Block) -> None:
-    assert {diagnostic.code for diagnostic in reported(block)} <= CODES.keys()
+    assert {diagnostic.code for diagnostic in reported(block)} <= all_explanations().keys()
 
 
 # ---- advice ---------------------------------------------------------------------------------------------------------

@@ -8,8 +8,8 @@ from random import Random
 
 import pytest
 
-from tachk.base.diagnostics.codes.all_codes import CODES
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.diagnostics.render import render
 from tachk.base.resources import data_root
 from tachk.base.span import Source
@@ -29,7 +29,9 @@ def seeds() -> list[str]:
     texts = [path.read_text(encoding="utf-8") for path in sorted((data_root() / "models" / "classics").glob("*.ta"))]
     for path in sorted((Path(__file__).parents[1] / "diagnostics").glob("*.md")):
         texts += re.findall(r"^```ta\n(.*?)^```$", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    return texts + [text for explanation in CODES.values() for text in (explanation.bad, explanation.good) if text]
+    return texts + [
+        text for explanation in all_explanations().values() for text in (explanation.bad, explanation.good) if text
+    ]
 
 
 def mutate(text: str, random: Random) -> str:

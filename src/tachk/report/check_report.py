@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import tachk
-from tachk.base.diagnostics.codes.all_codes import CODES
 from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.diagnostics.render_json import diagnostic_to_json
 from tachk.base.span import Span
 
@@ -134,7 +134,7 @@ def checks_to_sarif(checks: Sequence[Checked]) -> dict[str, Any]:
 
 
 def _sarif_rule(code: str) -> dict[str, Any]:
-    explanation = CODES.get(code)
+    explanation = all_explanations().get(code)
     if explanation is None:
         return {"id": code}
     return {

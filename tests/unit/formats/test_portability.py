@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.base.diagnostics.codes.all_codes import CODES
+from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
@@ -126,12 +126,16 @@ system query;
         assert [d for d in portability(model, version) if d.code.startswith("E")] == []
 
 
-EXPLAINED = [code for code in CODES if code.startswith(("E081", "E0822", "E0823")) and CODES[code].bad]
+EXPLAINED = {
+    code: explanation
+    for code, explanation in explanations("other_tools").items()
+    if code.startswith(("E081", "E0822", "E0823")) and explanation.bad
+}
 
 
 @pytest.mark.parametrize("code", EXPLAINED)
 def test_examples_of_the_explanations(code: str) -> None:
-    for text, expected in ((CODES[code].bad, True), (CODES[code].good, False)):
+    for text, expected in ((EXPLAINED[code].bad, True), (EXPLAINED[code].good, False)):
         declared = text if "process" in text else f"{text} process P() {{ state a; init a; }}"
         source = text if "system" in text else f"{declared} system P;"
         assert (code in [found_code for found_code, _ in found(source, UppaalVersion.UPPAAL_4_1)]) == (

@@ -7,15 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from tachk.base.diagnostics.codes.deep_codes import DEEP_CODES
-from tachk.base.diagnostics.codes.model_codes import MODEL_CODES
-from tachk.base.diagnostics.codes.observer_codes import OBSERVER_CODES
-from tachk.base.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 
 TACHK = Path(__file__).resolve().parents[3] / "src" / "tachk"
+MODEL_CODES = {
+    code: explanation
+    for group in ("names", "types", "systems", "recordings")
+    for code, explanation in explanations(group).items()
+}
 
 
 def findings(text: str) -> tuple[Diagnostic, ...]:
@@ -48,5 +50,5 @@ def test_every_reported_code_is_explained() -> None:
         for path in (TACHK / room).rglob("*.py")
         for code in re.findall(r'"([EW]0\d{3})"', path.read_text("utf-8"))
     }
-    others = OBSERVER_CODES.keys() | DEEP_CODES.keys() | STATISTICS_CODES.keys()
+    others = {code for group in ("observers", "semantic_lint", "statistics") for code in explanations(group)}
     assert reported - others == set(MODEL_CODES)

@@ -6,14 +6,16 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.base.diagnostics.codes.sentence_codes import SENTENCE_CODES
 from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import NOWHERE, Source, Span
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Duration, Formula, Not, Rise
 from tachk.syntax.sentences import tree as s
 from tachk.syntax.sentences.parser import parse_sentence, with_full_stop
 from tachk.syntax.sentences.printer import print_sentence
+
+SENTENCE_CODES = explanations("sentences")
 
 
 def read(text: str) -> s.Sentence:

@@ -3,10 +3,12 @@ from __future__ import annotations
 import pytest
 
 import tachk
-from tachk.base.diagnostics.codes.deep_codes import DEEP_CODES
+from tachk.base.diagnostics.explanation import explanations
 from tachk.engine.options import Limits
 from tachk.model.run import TimedTrace
 from tachk.verify.semantic_lint.findings import DeepCheck
+
+DEEP_CODES = explanations("semantic_lint")
 
 
 def check(text: str, **limits: float) -> DeepCheck:

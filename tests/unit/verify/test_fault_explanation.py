@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tachk.base.diagnostics.codes.run_time_codes import RUN_TIME_CODES
+from tachk.base.diagnostics.explanation import explanations
 from tachk.base.diagnostics.render import render
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
@@ -16,6 +16,8 @@ from tachk.model.run import RunTimeFault
 from tachk.verify.fault_explanation import diagnostic_of, explain
 from tachk.verify.verdict import Verdict
 from tachk.verify.verify import verify
+
+RUN_TIME_CODES = explanations("run_time_errors")
 
 
 def first(text: str) -> Verdict:

@@ -1,1 +1,1 @@
-"""What is said about a text, and where: a `diagnostic` has a `span` and a code, whose explanation is in `codes`."""
+"""What is said about a text, and where: a `diagnostic` has a `span` and a code; `explanation` reads what codes mean."""

@@ -30,7 +30,7 @@ class Diagnostic:
     """One finding about one place of the input.
 
     Attributes:
-        code: stable identifier, ``E0214`` or ``W0103``; a key of `tachk.base.diagnostics.codes.all_codes.CODES`.
+        code: stable identifier, ``E0214`` or ``W0103``; a key of `explanation.all_explanations()`.
         message: one sentence, lower case, without a full stop; must make sense on its own.
         span: the primary place.
         help: how to mend it, or None where nothing useful can be said.

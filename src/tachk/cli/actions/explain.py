@@ -7,8 +7,8 @@ import re
 from fractions import Fraction
 from math import lcm
 
-from tachk.base.diagnostics.codes.all_codes import CODES, explain
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.explanation import all_explanations, explain
 from tachk.cli.exit_status import ExitStatus
 from tachk.logic.durations import resolve, scaled
 from tachk.logic.fragment import outside_fragment
@@ -44,7 +44,7 @@ def run_explain(what: str) -> ExitStatus:
 def _message(code: str) -> str:
     text = explain(code)
     if text is None:
-        close = difflib.get_close_matches(code.upper(), CODES, n=3)
+        close = difflib.get_close_matches(code.upper(), all_explanations(), n=3)
         help = f"did you mean {' or '.join(close)}?" if close else "a code is a letter and four digits, such as E0101"
         raise UsageError(f"no message has the code {code}", help)
     return text

@@ -8,8 +8,8 @@ from math import exp
 import pytest
 
 import tachk
-from tachk.base.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
 from tachk.base.diagnostics.diagnostic import InputError, TachkError, UnsupportedError
+from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries.statistical import read_statistical
@@ -17,6 +17,8 @@ from tachk.model.statistical import StatisticalQuery
 from tachk.simulation.statistics.deciding import Decision, Errors
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, estimate
 from tachk.simulation.statistics.sampling import RunSource
+
+STATISTICS_CODES = explanations("statistics")
 
 SURE = Settings(RunSource(seed=4), confidence=0.999, runs=20_000)
 

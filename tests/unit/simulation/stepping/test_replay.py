@@ -11,8 +11,8 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.base.diagnostics.codes.runs.run_codes import RUN_CODES
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source
 from tachk.cli.main import app
 from tachk.engine.simulation.policy import Policy
@@ -143,7 +143,7 @@ def test_lines_that_are_not_understood_are_named(line: str) -> None:
 
 
 def test_the_examples_of_the_explanations() -> None:
-    step, line = RUN_CODES["E0921"], RUN_CODES["E0922"]
+    step, line = explanations("runs").values()
     model = "clock x; process P() { init location A { to B { guard x > 10; } } location B; } system P;"
     assert _replayed(model, step.bad).refusal is not None
     assert _replayed(model, step.good).refusal is None

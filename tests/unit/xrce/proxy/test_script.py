@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.base.diagnostics.codes.all_codes import CODES
 from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.span import Source
 from tachk.xrce.proxy.rules import EVERY, Chosen, ChosenPackets, Deed, PacketDirection, RelayRule, RuleWindow
 from tachk.xrce.proxy.script import parse_script
@@ -122,7 +122,7 @@ def test_wrong_rules(text: str, column: int, code: str, message: str) -> None:
     assert found.span.source.line_column(found.span.start) == (2, column)
     assert found.code == code
     assert message in found.message
-    assert code in CODES
+    assert code in all_explanations()
 
 
 def test_every_wrong_line_is_told() -> None:

@@ -1,1 +1,0 @@
-"""Codes about runs: recorded ones, written ones, and those that are drawn."""
