@@ -475,8 +475,16 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
         elif node.name in FLOATING_FUNCTIONS:
             context.error("E0750", node.span, f"the function `{node.name}` on floating point numbers is not supported")
         else:
-            context.error("E0201", node.span, f"unknown function `{node.name}`", scope.suggestion(node.name))
+            context.error("E0201", node.span, f"unknown function `{node.name}`", _meant(node, scope, context))
     return symbol
+
+
+def _meant(node: ast.NameExpression, scope: Scope, context: Context) -> str | None:
+    """A help text for a function that is not known."""
+    from tachk.syntax.formulas.foreign_operators import operator_as_call  # only queries with mistakes need it
+
+    operator = operator_as_call(node.name, node.span) if context.in_query else None
+    return operator.help if operator is not None else scope.suggestion(node.name)
 
 
 def _argument(

@@ -28,9 +28,11 @@ from tachk.recordings.monitors.references import expanded, references
 from tachk.recordings.traces.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
 from tachk.syntax.formula import Duration, Formula
+from tachk.syntax.formulas.foreign_operators import operator_as_call
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
-from tachk.syntax.formulas.tokens import WORDS, operator_word
+from tachk.syntax.formulas.tokens import is_sentence
+from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.sentences.parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import is_xml, read_source
@@ -337,7 +339,7 @@ def _without_comment(line: str) -> str:
 
 
 def _read(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic, ...]:
-    if span.text.rstrip().endswith("."):
+    if span.text.rstrip().endswith(".") and is_sentence(lexer().cut(span.source, span.start, span.end).tokens[:-1]):
         return _sentence(name, title, span)
     formula, found = parse_formula(span)
     if formula is None:
@@ -350,8 +352,10 @@ def _called_words(formula: Formula) -> Iterator[Diagnostic]:
     """A finding for each operator that is written as a function: ``always(p)``."""
     for call in nodes_of_kind(formula, ast.CallExpression):
         function = call.function
-        if isinstance(function, ast.NameExpression) and function.name.lower() in WORDS:
-            yield operator_word(function.name, function.span, "(")
+        if isinstance(function, ast.NameExpression):
+            found = operator_as_call(function.name, function.span)
+            if found is not None:
+                yield found
 
 
 def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic, ...]:

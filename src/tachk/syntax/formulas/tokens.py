@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
-from tachk.base.diagnostics.diagnostic import Diagnostic
-from tachk.base.span import Span
 from tachk.syntax.parsing.tokens import END, Token
 
 PREFIX = frozenset("FGOH")
@@ -31,18 +29,6 @@ WORDS = {
     **dict.fromkeys(("unless", "weak_until"), "W"),
 }
 """How others write the operators."""
-
-
-def operator_word(word: str, span: Span, following: str) -> Diagnostic:
-    """The diagnostic for a word that stands for an operator with a letter, and what follows it."""
-    letter = WORDS[word.lower()]
-    if letter == "W":
-        help_ = "the operator is written W"
-    elif following == "[":
-        help_ = f"the operator is written {letter}, with the interval right behind it, as in {letter}[0, 5]"
-    else:
-        help_ = f"the operator is written {letter}; an interval can stand right behind it, as in {letter}[0, 5]"
-    return Diagnostic("E0104", f"unknown word '{word}'", span, help_)
 
 
 TEMPORAL = frozenset({"FORMULA_PREFIX", "FORMULA_INFIX", "EDGE", "IMPLIES"})
@@ -98,8 +84,11 @@ def is_temporal(marked: list[Token]) -> bool:
 
 
 def is_sentence(tokens: list[Token]) -> bool:
-    """Whether a text is to be read as a sentence: it ends with a full stop."""
-    return len(tokens) > 1 and tokens[-1].text == "." and tokens[-1].type != "STRING"
+    """Whether a text is to be read as a sentence: it ends with a full stop, which is not the point of a number."""
+    if len(tokens) < 2 or tokens[-1].text != "." or tokens[-1].type == "STRING":
+        return False
+    number = tokens[-2].type == "INTEGER" and tokens[-2].span.end == tokens[-1].span.start
+    return not number or any(token.text.lower() in SENTENCE_WORDS for token in tokens)
 
 
 def lacks_full_stop(tokens: list[Token]) -> bool:

@@ -155,6 +155,7 @@ class _ParserPass:
         for token in tokens[first:index]:
             depth += (token.text in _OPENING) - (token.text in _CLOSING)
         depth = max(depth, 0)
+        braces_end = tokens[first].type != "PROPERTY"
         while tokens[index].type != END:
             token = tokens[index]
             if token.type in ("PROCESS", "SYSTEM") and index > 0:
@@ -165,7 +166,7 @@ class _ParserPass:
                 if depth == 0:
                     return index if token.text == "}" else index + 1
                 depth -= 1
-                if depth == 0 and token.text == "}":
+                if depth == 0 and token.text == "}" and braces_end:
                     return index + 1 + (tokens[index + 1].text == ";")
             elif token.text == ";" and depth == 0:
                 return index + 1

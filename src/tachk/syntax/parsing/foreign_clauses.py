@@ -10,6 +10,7 @@ from tachk.syntax.parsing.situation import ParseSituation
 from tachk.syntax.parsing.tokens import END, Token
 
 _ASSIGNMENTS = ("=", ":=", "+=", "-=", "*=", "/=", "++", "--")
+_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=", "&&", "||", "and", "or")
 _GUARDS = ("when", "if", "where", "condition", "provided")
 _RESETS = ("reset", "set", "do", "update", "effect", "action")
 
@@ -44,10 +45,9 @@ def _bare_clause(situation: ParseSituation) -> Diagnostic | None:
     text = _until(tokens, index)
     if token.type in ("NAME", "IF", "DO") or token.text in _GUARDS:
         if token.text in _GUARDS:
-            condition = _until(tokens, index + 1)
-            return _unknown(token, f"write `guard {_without_parentheses(condition)};`")
-        if token.text in _RESETS and tokens[index + 1].type == "NAME":
-            rest = _until(tokens, index + 1)
+            return _unknown(token, f"write `{_guarded(tokens, index + 1)}`")
+        if token.text in _RESETS and (tokens[index + 1].type == "NAME" or following in ("(", "{")):
+            rest = _without_parentheses(_until(tokens, index + 1 + (following == "{")))
             update = rest if any(sign in rest for sign in _ASSIGNMENTS) else f"{rest} = 0"
             return _unknown(token, f"write `assign {update};`")
         if following in ("!", "?"):
@@ -55,6 +55,8 @@ def _bare_clause(situation: ParseSituation) -> Diagnostic | None:
             return Diagnostic("E0101", message, token.span, f"write `sync {text};`")
         if any(sign in following for sign in _ASSIGNMENTS):
             return Diagnostic("E0101", "an update begins with `assign`", token.span, _joined(situation, text))
+        if following in _COMPARISONS:
+            return Diagnostic("E0101", "a condition begins with `guard`", token.span, f"write `guard {text};`")
     return None
 
 
@@ -91,6 +93,23 @@ def _until(tokens: Sequence[Token], begin: int) -> str:
 
 def _without_parentheses(text: str) -> str:
     return text[1:-1].strip() if text.startswith("(") and text.endswith(")") and text.count("(") == 1 else text
+
+
+def _guarded(tokens: Sequence[Token], begin: int) -> str:
+    """The clauses for a condition, behind which an update may stand: ``(x > 3) x = 0``."""
+    closing = begin
+    if tokens[begin].text == "(":
+        depth = 0
+        while tokens[closing].type != END:
+            depth += (tokens[closing].text == "(") - (tokens[closing].text == ")")
+            if not depth:
+                break
+            closing += 1
+        update = _until(tokens, closing + 1)
+        if tokens[closing + 1].type == "NAME" and any(sign in update for sign in _ASSIGNMENTS):
+            condition = " ".join(tokens[begin].span.to(tokens[closing].span).text.split())
+            return f"guard {_without_parentheses(condition)}; assign {update};"
+    return f"guard {_without_parentheses(_until(tokens, begin))};"
 
 
 def _unknown(token: Token, help_: str) -> Diagnostic:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import Span
-from tachk.syntax.formulas.tokens import PREFIX
-from tachk.syntax.parsing.situation import ParseSituation, query_start
+from tachk.syntax.formulas.foreign_operators import NO_INSTANT
+from tachk.syntax.formulas.tokens import EDGES, PREFIX
+from tachk.syntax.parsing.contextual import PATHS
+from tachk.syntax.parsing.situation import ParseSituation, is_formula, query_start
 from tachk.syntax.parsing.tokens import Token
 
-_NEXT = "there is no next instant in dense time: F(0, d] p says that p comes within d, rise(p) that it begins"
-_BEFORE = "there is no last instant in dense time: O(0, d] p says that p was there within d, rise(p) that it begins"
 _RELEASE = "for `p R q` write `q W (p && q)`: q holds up to the instant at which p does, that one included"
 _SAME = "write `p == q` for conditions, and `(p -> q) && (q -> p)` for formulas"
 _BOUNDS = {
@@ -27,15 +27,21 @@ _INFIX = {
     **dict.fromkeys(("iff", "equiv", "xnor"), _SAME),
     **dict.fromkeys(("implies", "then"), "write -> for 'implies'"),
 }
-"""Words between two operands."""
+"""Words between two operands of a formula."""
 
-_PREFIX = {
-    **dict.fromkeys(("X", "N", "next"), _NEXT),
-    **dict.fromkeys(("Y", "Z", "prev", "previous", "yesterday"), _BEFORE),
+_INFIX_OF_CONDITIONS = {
+    **dict.fromkeys(("iff", "equiv", "xnor"), "write `p == q`"),
+    **dict.fromkeys(("implies", "then"), "write imply for 'implies'"),
 }
-"""Words in front of an operand."""
+"""The same in a query, whose operands are conditions."""
 
-_SIGNS = {"<->": _SAME, "<=>": _SAME}
+_NEVER = dict.fromkeys(("never", "no"), "write ! in front of what must not be, as in G !p")
+
+_SIGNS = {"<->": _SAME, "<=>": _SAME, "==>": "write -> for 'implies'"}
+_SIGNS_OF_CONDITIONS = {
+    **dict.fromkeys(("<->", "<=>"), "write `p == q`"),
+    "==>": "write imply for 'implies'",
+}
 
 
 def foreign_formula(situation: ParseSituation) -> Diagnostic | None:
@@ -44,28 +50,29 @@ def foreign_formula(situation: ParseSituation) -> Diagnostic | None:
     if begin is None:
         return None
     tokens = situation.tokens
+    signs = _SIGNS if is_formula(situation) else _SIGNS_OF_CONDITIONS
     for place in range(begin, min(situation.index + 1, len(tokens))):
         found = (
-            _sign(tokens[place : place + 2])
+            _sign(tokens[place : place + 2], signs)
             or _underscore(tokens[place : place + 2])
             or _comparison(tokens[max(place - 1, 0) : place + 4])
         )
         if found is not None:
             return found
-    return _word(situation) or _number(situation)
+    return _word(situation) or _braces(situation) or _path(situation) or _number(situation)
 
 
 def _touch(first: Token, second: Token) -> bool:
     return first.span.end == second.span.start
 
 
-def _sign(tokens: Sequence[Token]) -> Diagnostic | None:
+def _sign(tokens: Sequence[Token], meanings: Mapping[str, str]) -> Diagnostic | None:
     if len(tokens) < 2 or not _touch(*tokens):
         return None
     text = tokens[0].text + tokens[1].text
-    if text not in _SIGNS:
+    if text not in meanings:
         return None
-    return Diagnostic("E0101", f"'{text}' is not an operator", tokens[0].span.to(tokens[1].span), _SIGNS[text])
+    return Diagnostic("E0101", f"'{text}' is not an operator", tokens[0].span.to(tokens[1].span), meanings[text])
 
 
 def _underscore(tokens: Sequence[Token]) -> Diagnostic | None:
@@ -94,13 +101,40 @@ def _comparison(tokens: Sequence[Token]) -> Diagnostic | None:
 
 
 def _word(situation: ParseSituation) -> Diagnostic | None:
-    tokens, index = situation.tokens, situation.index
-    if situation.start != "formula_fragment" and not any(token.type == "FORMULA" for token in tokens):
+    token, formula = situation.token, is_formula(situation)
+    infix = _INFIX if formula else _INFIX_OF_CONDITIONS
+    if token.type == "NAME" and token.text in infix:
+        return _unknown(token, infix[token.text])
+    before = situation.tokens[situation.index - 1] if situation.index else token
+    if not formula or before.type != "NAME" or situation.tokens[situation.index - 2].text == ".":
         return None
-    if situation.token.type == "NAME" and situation.token.text in _INFIX:
-        return _unknown(situation.token, _INFIX[situation.token.text])
-    if index and tokens[index - 1].type == "NAME" and tokens[index - 1].text in _PREFIX:
-        return _unknown(tokens[index - 1], _PREFIX[tokens[index - 1].text])
+    if before.text in EDGES:
+        message = f"'{before.text}' wants parentheses around its operand"
+        return Diagnostic("E0101", message, before.span, f"as in {before.text}(p)")
+    prefix = {**NO_INSTANT, **_NEVER} if situation.start == "formula_fragment" else NO_INSTANT
+    return _unknown(before, prefix[before.text]) if before.text in prefix else None
+
+
+def _braces(situation: ParseSituation) -> Diagnostic | None:
+    """``{p} -> {q}``."""
+    token = situation.token
+    if token.text not in ("{", "}"):
+        return None
+    return Diagnostic("E0101", "braces do not group conditions", token.span, "write ( and ) in place of { and }")
+
+
+def _path(situation: ParseSituation) -> Diagnostic | None:
+    """``AG p`` and ``p --> q``, which are about all runs, where a formula about one run is wanted."""
+    tokens, index = situation.tokens, situation.index
+    if situation.start != "formula_fragment":
+        return None
+    before = tokens[index - 1] if index else situation.token
+    message = "is about all runs of a model; a formula is wanted"
+    if before.text in PATHS:
+        help_ = f"a formula speaks about one run: write {before.text[1]} in place of {before.text}"
+        return Diagnostic("E0101", f"'{before.text}' {message}", before.span, help_)
+    if situation.token.text == "-->":
+        return Diagnostic("E0101", f"'-->' {message}", situation.token.span, "write `G (p -> F q)` for `p --> q`")
     return None
 
 

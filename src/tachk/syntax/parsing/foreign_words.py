@@ -6,7 +6,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import Span
 from tachk.base.time_units import SPELLINGS
 from tachk.syntax.parsing.contextual import PATHS
-from tachk.syntax.parsing.situation import ParseSituation, item_start, query_start
+from tachk.syntax.parsing.situation import ParseSituation, is_formula, item_start, query_start
 from tachk.syntax.parsing.tokens import END, Token
 
 _TEMPLATE_WORDS = ("template", "automaton", "module", "proctype", "class")
@@ -69,7 +69,7 @@ def _operator(situation: ParseSituation) -> Diagnostic | None:
     if pair not in _OPERATORS or (pair == "<>" and situation.tokens[place - 1].text in ("A", "E")):
         return None
     mend = _OPERATORS[pair]
-    if pair == "=>" and situation.start == "formula_fragment":
+    if pair == "=>" and is_formula(situation):
         mend = "write -> for 'implies', >= for 'at least'"
     span = situation.tokens[place].span.to(situation.token.span)
     return Diagnostic("E0101", f"'{pair}' is not an operator", span, mend)

@@ -27,12 +27,15 @@ def as_legacy(tokens: list[Token], comparisons: dict[str, str], start: str) -> l
 
 
 def _comparisons(tokens: list[Token], terminals: dict[str, str]) -> list[Token]:
-    """Join ``=`` and a directly following ``<`` or ``>``."""
+    """Join ``=`` and a directly following ``<`` or ``>``, but in properties, which UPPAAL 3.x does not have."""
     output: list[Token] = []
+    in_property = False
     for token in tokens:
+        in_property = token.type == "PROPERTY" or (in_property and token.text != ";")
         before = output[-1] if output else None
         if (
             before is not None
+            and not in_property
             and before.text == "="
             and token.text in ("<", ">")
             and before.span.end == token.span.start

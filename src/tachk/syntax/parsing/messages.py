@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.span import Span
-from tachk.syntax.formulas.tokens import PREFIX, WORDS, lacks_full_stop, operator_word
+from tachk.syntax.formulas.foreign_operators import operator_word
+from tachk.syntax.formulas.tokens import PREFIX, WORDS, lacks_full_stop
 from tachk.syntax.parsing.contextual import PATHS, SPELLING
 from tachk.syntax.parsing.foreign_clauses import foreign_clause, untyped_constant
 from tachk.syntax.parsing.foreign_formulas import foreign_formula, trailing_point
@@ -176,7 +177,8 @@ def _temporal_word(situation: ParseSituation) -> Diagnostic | None:
         following = tokens[place + 1].text if place + 1 < len(tokens) else ""
         if letter and token.type == "NAME" and following not in (".", ")", "==", "!=", "<", ">", "<=", ">="):
             return operator_word(token.text, token.span, following)
-    if tokens[begin].type == "QUANTIFIER" and situation.token.text in ("->",):
+    arrow = situation.token.text == "->" and tokens[situation.index - 1].text != "<"
+    if tokens[begin].type == "QUANTIFIER" and arrow:
         return Diagnostic(
             "E0101",
             "'->' stands in formulas, not in queries",

@@ -9,6 +9,9 @@ from tachk.syntax.parsing.tokens import END, Token
 
 CLOSES = {")": "(", "]": "[", "}": "{"}
 
+_SYMBOLIC = frozenset({"QUANTIFIER", "SUP", "INF", "BOUNDS"})
+"""What a query begins with that is not a temporal formula."""
+
 
 @dataclass(frozen=True, slots=True)
 class ParseSituation:
@@ -41,6 +44,17 @@ def query_start(situation: ParseSituation) -> int | None:
     if situation.tokens[item].type != "PROPERTY":
         return None
     return next((i + 1 for i in range(item, situation.index) if situation.tokens[i].text == ":"), None)
+
+
+def is_formula(situation: ParseSituation) -> bool:
+    """Whether the token stands in a temporal formula, or in a text that would be one if it had an operator."""
+    if situation.start == "formula_fragment":
+        return True
+    begin = query_start(situation)
+    if begin is None or begin >= len(situation.tokens):
+        return False
+    tokens = until_end(situation.tokens, begin)
+    return bool(tokens) and tokens[0].type not in _SYMBOLIC and all(token.text != "-->" for token in tokens)
 
 
 def item_start(situation: ParseSituation) -> int:
