@@ -481,6 +481,8 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
 
 def _meant(node: ast.NameExpression, scope: Scope, context: Context) -> str | None:
     """A help text for a function that is not known."""
+    if node.name == "arrived":
+        return "`arrived` is about recorded traces; of a model write `rise(P.location)`, or `change(x)` of a variable"
     from tachk.syntax.formulas.foreign_operators import operator_as_call  # only queries with mistakes need it
 
     operator = operator_as_call(node.name, node.span) if context.in_query else None

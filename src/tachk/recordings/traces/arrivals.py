@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.trace import Ticks
 
 _ARRIVED = re.compile(r"arrived\((?P<topic>.*)\)", re.DOTALL)
@@ -42,6 +43,16 @@ def arriving(wanted: Iterable[str], columns: Collection[str]) -> dict[str, tuple
         if topic is not None and (parts := tuple(column for column in columns if belongs(column, topic))):
             found[name] = parts
     return found
+
+
+def no_arrivals(name: str, topic: str, help: str) -> UsageError:
+    """The error about a recording that does not tell when something arrives.
+
+    Args:
+        name: of the recording.
+        help: what to write instead.
+    """
+    return UsageError(f"{name} does not tell when `{topic}` arrives", help)
 
 
 def counted(flags: NDArray[np.uint8], times: Ticks) -> NDArray[np.float64]:

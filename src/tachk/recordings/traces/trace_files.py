@@ -6,7 +6,7 @@ A format is loaded when a trace of it is opened: the command line names all of t
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -144,7 +144,12 @@ class _Ready:
     def columns(self) -> tuple[str, ...]:
         return tuple(self._trace.columns)
 
-    def read(self, columns: object = None) -> Trace:
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        from tachk.recordings.traces.arrivals import arriving, no_arrivals, topic_of
+
+        for name in arriving(columns or (), self.columns):
+            topic = topic_of(name) or ""
+            raise no_arrivals(self.name, topic, f"write `change({topic})`, if the value changes then")
         return self._trace
 
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.time_units import NANOSECONDS
+from tachk.recordings.traces.arrivals import arriving, no_arrivals, topic_of
 from tachk.recordings.traces.trace import Trace, Values, cut_off_warning
 from tachk.recordings.traces.trace_header import no_such_column
 from tachk.xrce.events import DEFAULT_PORT
@@ -73,7 +74,10 @@ class PacketRecording:
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
         wanted = self.columns if columns is None else columns
+        arrivals = arriving(wanted, self.columns)
         for column in wanted:
+            if column in arrivals:
+                raise no_arrivals(self.name, topic_of(column) or "", _instead(arrivals[column]))
             if column not in self.signals:
                 raise no_such_column(column, self.columns, self.name)
         times = self.recorded.times
@@ -89,6 +93,13 @@ class PacketRecording:
             packets=self.recorded.packets,
             warnings=self.warnings,
         )
+
+
+def _instead(columns: Sequence[str]) -> str:
+    """What to write in place of the arrivals of some columns: each packet gives all columns a value, so that every
+    packet would be an arrival of all."""
+    count = next((name for name in columns if name.endswith(".delivered")), columns[0])
+    return f"write `change({count})`: a capture holds packets, and what they change"
 
 
 def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> PacketRecording:

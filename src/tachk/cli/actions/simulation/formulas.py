@@ -7,15 +7,19 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.model.network import Network
+from tachk.recordings.monitors.compiler import arrival_argument, column_name
 from tachk.recordings.monitors.conditions import with_numbers_as_conditions
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
 from tachk.recordings.monitors.offline import Judging, judge
+from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace
-from tachk.simulation.columns import Column, columns_for
+from tachk.simulation.columns import Column, all_columns, chosen_columns, columns_for
+from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
 
 
 def formulas_for(given: str | None, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
@@ -26,9 +30,33 @@ def formulas_for(given: str | None, definitions: Mapping[str, str]) -> tuple[Nam
 
 
 def columns_with(network: Network, record: Sequence[str], formulas: Iterable[NamedFormula]) -> tuple[Column, ...]:
-    """What is recorded: the chosen columns, and those that the formulas read."""
+    """What is recorded: the chosen columns, and those that the formulas read. Raises InputError for arrivals."""
     read = [each.beside(_of_model(network, each.named_formulas)).within(()) for each in formulas]
-    return columns_for(network, record, (name for f in read for name in f.columns - f.constant_names))
+    _check_arrivals(network, read)
+    needed = dict.fromkeys(name for f in read for name in f.columns - f.constant_names)
+    of_rows = {TIME}.difference(_of_model(network, [TIME]))
+    return columns_for(network, record, (name for name in needed if name not in of_rows))
+
+
+def _check_arrivals(network: Network, formulas: Iterable[NamedFormula]) -> None:
+    """Raises InputError for `arrived(x)`: a run has values and no messages."""
+    found = []
+    for named in formulas:
+        for call in nodes_of_kind(named.formula, ast.CallExpression):
+            if (argument := arrival_argument(call)) is not None:
+                topic = column_name(argument)
+                message = f"a run of a model does not tell when `{topic}` arrives"
+                found.append(Diagnostic("E0901", message, call.span, _instead_of_arrival(network, topic)))
+    if found:
+        raise InputError(found)
+
+
+def _instead_of_arrival(network: Network, topic: str) -> str:
+    if _of_model(network, [topic]):
+        is_location = chosen_columns(network, [topic])[0].truth and topic not in {c.name for c in all_columns(network)}
+        return f"write `rise({topic})`" if is_location else f"write `change({topic})`, if the value changes then"
+    place = next((f"{each.name}.{location.name}" for each in network.processes for location in each.locations), "P.loc")
+    return f"write `rise({place})` of the location that a synchronization leads to, or `change(x)` of what it assigns"
 
 
 def _of_model(network: Network, names: Iterable[str]) -> list[str]:

@@ -1,7 +1,8 @@
 """Several recordings of one time as one: every value is held until its column changes, whichever file it comes from.
 
 The whole begins when all that give a column have begun, for before that something is not known, and ends when the last
-one of all does.
+one of all does. What only arrives need not have begun: nothing arrives before. Where nothing else is read, the whole
+begins with the first one in which something may arrive.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import chain
 from math import lcm
 from pathlib import Path
 
@@ -46,12 +48,12 @@ class JoinedRecording:
         return tuple(self.places)
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        arrivals = {name: self._place_of(name, parts) for name, parts in arriving(columns or (), self.columns).items()}
+        arrivals = {name: self._places_of(name, parts) for name, parts in arriving(columns or (), self.columns).items()}
         wanted = self.columns if columns is None else tuple(name for name in self.columns if name in columns)
         for name in columns or ():
             if name not in self.places and name not in arrivals:
                 raise no_such_column(name, self.columns, self.name)
-        asked = [*(self.places[name] for name in wanted), *arrivals.values()]
+        asked = [*(self.places[name] for name in wanted), *chain.from_iterable(arrivals.values())]
         traces = [
             recording.read([own for number, own in asked if number == place])
             for place, recording in enumerate(self.recordings)
@@ -63,14 +65,16 @@ class JoinedRecording:
         )
         return self._joined(traces, factors, scale, wanted, arrivals)
 
-    def _place_of(self, name: str, parts: Sequence[str]) -> tuple[int, str]:
-        """The recording of a column of arrivals, and its name there. Raises UsageError if there are several."""
-        numbers = {self.places[part][0] for part in parts}
-        if len(numbers) > 1:
-            raise UsageError(f"{self.name}: {name} is about several files", "name a column of one of them")
-        number, own = self.places[parts[0]]
+    def _places_of(self, name: str, parts: Sequence[str]) -> tuple[tuple[int, str], ...]:
+        """The recordings in which something arrives in a column of arrivals, and the name of the column there."""
         topic = topic_of(name) or ""
-        return number, arrivals_of(own[: len(own) - (len(parts[0]) - len(topic))])
+        places = []
+        for part in parts:
+            number, own = self.places[part]
+            inside = len(part) - len(topic)
+            # a column that is called after its file may be shorter there than what follows the name of the file
+            places.append((number, arrivals_of(own[: len(own) - inside] if inside < len(own) else own)))
+        return tuple(dict.fromkeys(places))
 
     def _factor(self, trace: Trace) -> Fraction:
         """How many units of the whole make one of a trace."""
@@ -83,12 +87,15 @@ class JoinedRecording:
         factors: list[Fraction],
         scale: int,
         wanted: Sequence[str],
-        arrivals: Mapping[str, tuple[int, str]],
+        arrivals: Mapping[str, Sequence[tuple[int, str]]],
     ) -> Trace:
         origins = [trace.origin * factor for trace, factor in zip(traces, factors, strict=True)]
         ends = [trace.clock(trace.end) * factor for trace, factor in zip(traces, factors, strict=True)]
-        giving = {self.places[name][0] for name in wanted} or range(len(traces))
-        begin = max(origins[number] for number in giving)
+        giving = {self.places[name][0] for name in wanted}
+        if not giving and not arrivals:
+            giving = set(range(len(traces)))
+        first = (origins[number] for number, _ in chain.from_iterable(arrivals.values()))
+        begin = max(origins[number] for number in giving) if giving else min(first)
         if (max(ends) - min(origins)) * scale > _LAST_TICK:
             raise UsageError(
                 f"{self.name} is too long to be counted in {scale} ticks per unit of time", "--decimals 3 rounds times"
@@ -112,9 +119,9 @@ class JoinedRecording:
             if own in traces[number].texts:
                 values = texts.recoded(values, traces[number].labels, name)
             columns[name] = values[np.searchsorted(times[number], instants, side="right") - 1]
-        for name, (number, own) in arrivals.items():
-            arrived = times[number][traces[number].columns[own] != 0]
-            columns[name] = np.isin(instants, arrived).astype(np.uint8)
+        for name, places in arrivals.items():
+            arrived = [times[number][traces[number].columns[own] != 0] for number, own in places]
+            columns[name] = np.isin(instants, np.concatenate(arrived)).astype(np.uint8)
         end = int((max(ends) - begin) * scale)
         joined = Trace(self.name, instants, columns, end, scale, self.unit, begin)
         return texts.on(

@@ -12,6 +12,7 @@ from traceback import clear_frames
 from typing import Any, Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.logs.foreign import not_installed, reading
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.trace_hdf5 import plain_texts
@@ -41,10 +42,13 @@ class MdfRecording:
         return tuple(self.channels)
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        wanted = self.columns if columns is None else tuple(columns)
-        for name in wanted:
-            if name not in self.channels:
+        names = self.columns if columns is None else tuple(columns)
+        arrivals = arriving(names, self.columns)
+        for name in names:
+            if name not in self.channels and name not in arrivals:
                 raise no_such_column(name, self.columns, self.name)
+        parts = (part for parts in arrivals.values() for part in parts)
+        wanted = tuple(dict.fromkeys((*(name for name in names if name not in arrivals), *parts)))
         tables: list[TraceSource] = []
         with _reading(Path(self.name)) as file:
             for name in wanted:
@@ -62,9 +66,8 @@ class MdfRecording:
             first = min(float(times[0]) for times in masters if len(times))
             return TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([first, max(ends)],)).read()
         tables.append(TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([max(ends)],)))
-        return JoinedRecording(
-            self.name, tuple(tables), {name: (place, name) for place, name in enumerate(wanted)}
-        ).read()
+        places = {name: (place, name) for place, name in enumerate(wanted)}
+        return JoinedRecording(self.name, tuple(tables), places).read(names)
 
 
 def open_mdf(path: Path, unit: str | None) -> TraceSource:
