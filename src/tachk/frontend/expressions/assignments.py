@@ -29,7 +29,9 @@ def assignment(
             context.error("E0302", node.span, f"a clock cannot be set to {describe(value.type)}")
             return None
         if operator is not None:
-            help = "write `x = x + e`" if operator is BinaryOperator.ADD else None
+            place, step = node.target.span.text, node.value.span.text
+            step = step if step.isalnum() else f"({step})"
+            help = f"write `{place} = {place} + {step}`" if operator is BinaryOperator.ADD else None
             context.error("E0750", node.span, f"`{operator}=` on a clock is not supported", help)
             return None
         if clock_sum(value) is None:

@@ -35,7 +35,7 @@ def foreign_clause(situation: ParseSituation) -> Diagnostic | None:
             update = _until(tokens, index + 1)
             guard = Span(situation.token.span.source, tokens[first].span.start, tokens[index - 1].span.end)
             help_ = f"write `{guard.text}; assign {update};`"
-            return Diagnostic("E0101", "'->' does not fit here", situation.token.span, help_)
+            return Diagnostic("E0101", "'->' does not fit here", _clause(tokens, first, index), help_)
     return None
 
 
@@ -44,30 +44,34 @@ def _bare_clause(situation: ParseSituation) -> Diagnostic | None:
     following = tokens[index + 1].text if index + 1 < len(tokens) else ""
     text = _until(tokens, index)
     if token.type in ("NAME", "IF", "DO") or token.text in _GUARDS:
+        clause = _clause(tokens, index, index)
         if token.text in _GUARDS:
-            return _unknown(token, f"write `{_guarded(tokens, index + 1)}`")
+            return _unknown(token, clause, f"write `{_guarded(tokens, index + 1)}`")
         if token.text in _RESETS and (tokens[index + 1].type == "NAME" or following in ("(", "{")):
             rest = _without_parentheses(_until(tokens, index + 1 + (following == "{")))
             update = rest if any(sign in rest for sign in _ASSIGNMENTS) else f"{rest} = 0"
-            return _unknown(token, f"write `assign {update};`")
+            return _unknown(token, clause, f"write `assign {update};`")
         if following in ("!", "?"):
             message = "a synchronisation begins with `sync`"
-            return Diagnostic("E0101", message, token.span, f"write `sync {text};`")
+            return Diagnostic("E0101", message, clause, f"write `sync {text};`")
         if any(sign in following for sign in _ASSIGNMENTS):
-            return Diagnostic("E0101", "an update begins with `assign`", token.span, _joined(situation, text))
+            return _update(situation, text)
         if following in _COMPARISONS:
-            return Diagnostic("E0101", "a condition begins with `guard`", token.span, f"write `guard {text};`")
+            return Diagnostic("E0101", "a condition begins with `guard`", clause, f"write `guard {text};`")
     return None
 
 
-def _joined(situation: ParseSituation, text: str) -> str:
-    """How to write an assignment that stands behind another clause."""
+def _update(situation: ParseSituation, text: str) -> Diagnostic:
+    """An assignment that lacks its word, perhaps behind one that has it."""
+    tokens, index = situation.tokens, situation.index
     before = _clause_before(situation, behind=True)
-    if before is not None and situation.tokens[before].text == "assign":
-        end = situation.index - 2
-        clause = Span(situation.token.span.source, situation.tokens[before].span.start, situation.tokens[end].span.end)
-        return f"write `{clause.text}, {text};`: commas join assignments"
-    return f"write `assign {text};`"
+    joined = before is not None and tokens[before].text == "assign"
+    first = before if before is not None and joined else index
+    help_ = f"write `assign {text};`"
+    if joined:
+        written = tokens[first].span.to(tokens[index - 2].span)
+        help_ = f"write `{written.text}, {text};`: commas join assignments"
+    return Diagnostic("E0101", "an update begins with `assign`", _clause(tokens, first, index), help_)
 
 
 def _clause_before(situation: ParseSituation, behind: bool = False) -> int | None:
@@ -83,12 +87,26 @@ def _clause_before(situation: ParseSituation, behind: bool = False) -> int | Non
 
 def _until(tokens: Sequence[Token], begin: int) -> str:
     """The text up to the end of a clause."""
-    last = begin
-    while last < len(tokens) and tokens[last].text not in (";", "{", "}") and tokens[last].type != END:
-        last += 1
-    if last == begin:
-        return ""
-    return " ".join(tokens[begin].span.to(tokens[last - 1].span).text.split())
+    end = _end(tokens, begin)
+    return "" if end == begin else " ".join(tokens[begin].span.to(tokens[end - 1].span).text.split())
+
+
+def _end(tokens: Sequence[Token], begin: int) -> int:
+    """The index behind the last token of a clause, where its semicolon should stand."""
+    end = begin
+    while end < len(tokens) and tokens[end].text not in (";", "{", "}") and tokens[end].type != END:
+        end += 1
+    return end
+
+
+def _clause(tokens: Sequence[Token], first: int, begin: int) -> Span:
+    """The clause that begins at ``first`` and breaks at ``begin``, with its semicolon, as in ``reset {x};``."""
+    end = _end(tokens, begin)
+    if end > begin and tokens[end].text == "{":
+        inner = _end(tokens, end + 1)
+        end = inner + 1 if tokens[inner].text == "}" else end
+    last = end if tokens[end].text == ";" else end - 1
+    return tokens[first].span.to(tokens[max(last, begin)].span)
 
 
 def _without_parentheses(text: str) -> str:
@@ -112,5 +130,5 @@ def _guarded(tokens: Sequence[Token], begin: int) -> str:
     return f"guard {_without_parentheses(_until(tokens, begin))};"
 
 
-def _unknown(token: Token, help_: str) -> Diagnostic:
-    return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, help_)
+def _unknown(token: Token, clause: Span, help_: str) -> Diagnostic:
+    return Diagnostic("E0104", f"unknown word '{token.text}'", clause, help_)

@@ -55,7 +55,7 @@ def foreign_formula(situation: ParseSituation) -> Diagnostic | None:
         found = (
             _sign(tokens[place : place + 2], signs)
             or _underscore(tokens[place : place + 2])
-            or _comparison(tokens[max(place - 1, 0) : place + 4])
+            or _comparison(tokens[max(place - 1, 0) : place + 5])
         )
         if found is not None:
             return found
@@ -95,7 +95,8 @@ def _comparison(tokens: Sequence[Token]) -> Diagnostic | None:
         return None
     if not inside and tokens[0].type == "NAME" and not _touch(tokens[0], sign):
         return None
-    span = (tokens[1] if inside else sign).span.to(bound.span)
+    closing = tokens[4] if inside and len(tokens) > 4 and tokens[4].text in ("]", "}") else bound
+    span = tokens[0].span.to(closing.span)
     interval = _BOUNDS[sign.text].format(bound.text)
     return Diagnostic("E0130", "an interval has two bounds", span, f"write {tokens[0].text}{interval}")
 

@@ -99,7 +99,7 @@ def _negation(situation: ParseSituation) -> Diagnostic | None:
     before = situation.tokens[situation.index - 1] if situation.index else situation.token
     if before.type != "NAME" or before.text not in ("no", "never") or query_start(situation) is None:
         return None
-    mend = f"write `not {situation.token.text}`" if before.text == "no" else "write `A[] not ...`"
+    mend = "write not" if before.text == "no" else "write `A[] not ...`"
     return Diagnostic("E0104", f"unknown word '{before.text}'", before.span, mend)
 
 
@@ -117,7 +117,9 @@ def _leads_to(situation: ParseSituation) -> Diagnostic | None:
     token = situation.token
     if query_start(situation) is None or token.text not in ("leads", "leads_to", "leadsto"):
         return None
-    return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, "write p --> q")
+    following = situation.tokens[situation.index + 1]
+    span = token.span.to(following.span) if following.text == "to" else token.span
+    return Diagnostic("E0104", f"unknown word '{token.text}'", span, "write -->")
 
 
 def _end(situation: ParseSituation) -> Diagnostic | None:
@@ -154,7 +156,7 @@ def _arrow(situation: ParseSituation) -> Diagnostic | None:
         "E0101",
         f"'{span.text}' does not fit here: inside a location an edge begins with `to`",
         span,
-        f"write `to {target};` or `to {target} {{ ... }}`",
+        f"write `to {target}`",
     )
 
 

@@ -85,10 +85,12 @@ def _interface(situation: ParseSituation) -> Diagnostic | None:
     item = situation.tokens[item_start(situation)]
     if item.text != "IO" or situation.token.text != "{" or situation.tokens[situation.index - 1].type != "NAME":
         return None
+    behind = situation.tokens[situation.index :]
+    closing = next((token for token in behind if token.text == "}"), situation.token)
     return Diagnostic(
         "E0750",
         "'IO' declarations, which only refinement checking uses, are not supported",
-        item.span.to(situation.token.span),
+        item.span.to(closing.span),
         "remove the declaration; it has no meaning for verification",
     )
 
@@ -183,9 +185,18 @@ def _temporal_word(situation: ParseSituation) -> Diagnostic | None:
             "E0101",
             "'->' stands in formulas, not in queries",
             situation.token.span,
-            f"write imply, or G in place of {tokens[begin].text} to make this a formula about every run",
+            _arrow_help(until_end(tokens, begin)),
         )
     return None
+
+
+def _arrow_help(query: Sequence[Token]) -> str:
+    path = query[0].text
+    if path != "A[]":
+        return "write imply"
+    if any(token.text in PREFIX for token in query):
+        return f"write G in place of {path}: this is a formula about every run"
+    return f"write imply, or G in place of {path} to make this a formula about every run"
 
 
 def _outcome(situation: ParseSituation) -> Diagnostic | None:
@@ -215,7 +226,8 @@ def _no_query(situation: ParseSituation) -> Diagnostic | None:
             "E0115",
             "this is a condition, not a query",
             tokens[begin].span.to(tokens[index - 1].span),
-            "put A[] (always), E<> (possibly), A<> or E[] in front; G and F make it a temporal formula",
+            "put A[] (always), E<> (possibly), A<> or E[] in front"
+            + ("" if any(token.text == "deadlock" for token in tokens) else "; G and F make it a temporal formula"),
         )
     for place in (index - 1, index - 2):
         words = [t.text for t in tokens[place : place + 3]] if place >= begin else [""]

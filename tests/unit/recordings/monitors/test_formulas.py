@@ -368,8 +368,8 @@ def test_what_is_no_name_is_said_to_be_none(tmp_path: Path) -> None:
         ("[]_[0,5] p", "[]_", "the operator is written G, with the interval right behind it"),
         ("p release q", "release", "q W (p && q)"),
         ("next p", "next", "no next instant"),
-        ("F{<=5} p", "{<=5", "write F[0, 5]"),
-        ("F<5 p", "<5", "write F[0, 5)"),
+        ("F{<=5} p", "F{<=5}", "write F[0, 5]"),
+        ("F<5 p", "F<5", "write F[0, 5)"),
     ],
 )
 def test_spellings_of_other_tools_are_translated(formula: str, place: str, help: str) -> None:
