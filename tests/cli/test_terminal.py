@@ -192,3 +192,33 @@ def test_a_full_disk_is_told(arguments: list[str]) -> None:
         command = [sys.executable, "-m", "tachk", *arguments]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (2, "error: standard output: No space left on device\n")
+
+
+BROKEN_OFF = """
+import os, signal, sys
+from tachk.simulation import tables
+from tachk.cli.main import run
+
+rows_of = tables._rows
+
+def broken_off(trace):
+    os.kill(os.getpid(), signal.{name})
+    return rows_of(trace)
+
+tables._rows = broken_off
+run()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("file", ["runs.csv", "runs.jsonl"])
+def test_who_is_broken_off_leaves_no_half_written_file(model: Path, tmp_path: Path, name: str, file: str) -> None:
+    (tmp_path / "runs.csv").write_text("old")
+    command = [sys.executable, "-c", BROKEN_OFF.format(name=name), "simulate", str(model), "-o", str(tmp_path / file)]
+    done = subprocess.run(command, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (
+        -getattr(signal, name),
+        b"error: interrupted before there was an answer\n",
+    )
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["m.ta", "runs.csv"]
+    assert (tmp_path / "runs.csv").read_text() == "old"

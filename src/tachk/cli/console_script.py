@@ -13,6 +13,7 @@ import click
 
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import end_by, prepare_streams
+from tachk.cli.termination import Termination
 
 RARELY = (50_000, 20, 20)
 """When garbage is collected: by default Python looks for it every few hundred objects, which is a tenth of a start."""
@@ -22,6 +23,8 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
     """Runs a command line, which returns its status, and ends the program with that."""
     gc.set_threshold(*RARELY)
     prepare_streams()
+    termination = Termination()
+    termination.heed()
     try:
         status = command()
         sys.stdout.flush()
@@ -36,11 +39,12 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
         print(f"error: standard output: {error.strerror or error}", file=sys.stderr)
     except (click.Abort, KeyboardInterrupt):
         status = ExitStatus.INTERRUPTED
+        print("error: interrupted", file=sys.stderr)
     if status == ExitStatus.PIPE_CLOSED:
         _leave_unwritten()
         end_by(getattr(signal, "SIGPIPE", signal.SIGTERM))
     if status == ExitStatus.INTERRUPTED:
-        end_by(signal.SIGINT)
+        end_by(termination.signal)
     gc.freeze()  # or Python looks through everything once more for what it could free
     sys.exit(status)
 

@@ -10,6 +10,7 @@ from random import Random
 
 from tachk.base.diagnostics.diagnostic import TachkError
 from tachk.base.exact_numbers import DIGITS, exact_number, is_whole
+from tachk.base.whole_files import write_whole
 from tachk.meaning.run_view import RunNames, Snapshot
 from tachk.meaning.step import StepError
 from tachk.model.fault import EvaluationFault
@@ -177,7 +178,7 @@ class Stepper:
         path = Path(rest)
         path = path if path.suffix else path.with_suffix(SUFFIX)
         text = run_text(self.session.names, self.session.trace, [f"a run of {self._model}"], self._constants)
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
         steps = "1 step is" if self.session.position == 1 else f"{self.session.position} steps are"
         yield f"{steps} in {path}; tachk replay {self._model} {path} tells them"
 

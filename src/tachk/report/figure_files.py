@@ -11,6 +11,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import whole_file
 
 FORMATS = (".svg", ".png", ".pdf")
 
@@ -35,7 +36,9 @@ def write_figure(path: str | Path, draw: Callable[[], Figure], style: Mapping[An
     if target.suffix.lower() not in FORMATS:
         raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
     with rc_context({**_STYLE, **style}):
-        draw().savefig(target, dpi=150, metadata=_METADATA if target.suffix.lower() == ".svg" else None)
+        figure, form = draw(), target.suffix.lower().removeprefix(".")
+        with whole_file(target) as part:
+            figure.savefig(part, format=form, dpi=150, metadata=_METADATA if form == "svg" else None)
 
 
 def svg_of(draw: Callable[[], Figure], style: Mapping[Any, Any]) -> str:

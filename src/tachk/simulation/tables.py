@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.time_units import NANOSECONDS
+from tachk.base.whole_files import whole_file, whole_text
 from tachk.recordings.traces.trace import LARGEST_TICK, Trace
 
 RUN = "{run}"
@@ -60,7 +61,7 @@ def run_writer(path: Path) -> Iterator[Writer]:
 
 @contextmanager
 def _csv(path: Path) -> Iterator[Writer]:
-    with path.open("w", encoding="utf-8", newline="") as out:
+    with whole_text(path, newline="") as out:
         begun = False
 
         def write(number: int, trace: Trace) -> None:
@@ -77,7 +78,7 @@ def _csv(path: Path) -> Iterator[Writer]:
 
 @contextmanager
 def _json_lines(path: Path) -> Iterator[Writer]:
-    with path.open("w", encoding="utf-8") as out:
+    with whole_text(path) as out:
 
         def write(number: int, trace: Trace) -> None:
             head = f'{{"run": {number}, "time": '
@@ -105,7 +106,8 @@ def _parquet(path: Path) -> Iterator[Writer]:
             if not waiting:
                 return
             if file is None:
-                file = stack.enter_context(parquet.ParquetWriter(path, waiting[0].schema))
+                part = stack.enter_context(whole_file(path))
+                file = stack.enter_context(parquet.ParquetWriter(part, waiting[0].schema))
             file.write_table(pyarrow.concat_tables(waiting), row_group_size=_ROW_GROUP)
             waiting.clear()
             rows = 0
@@ -119,10 +121,8 @@ def _parquet(path: Path) -> Iterator[Writer]:
             if rows >= _ROW_GROUP:
                 flush()
 
-        try:
-            yield write
-        finally:
-            flush()
+        yield write
+        flush()
 
 
 def _durations(path: Path, trace: Trace) -> NDArray[np.timedelta64]:
@@ -158,7 +158,7 @@ def _vcd(path: Path) -> Iterator[Writer]:
                 f"{path}: a value change dump holds one run", f"write {path.stem}-{RUN}.vcd for a file for each run"
             )
         written = True
-        with path.open("w", encoding="ascii", errors="replace") as out:
+        with whole_file(path) as part, part.open("w", encoding="ascii", errors="replace") as out:
             _write_vcd(trace, out)
 
     yield write

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import write_whole
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.report.conformance.taken_edges import read_taken
@@ -38,8 +39,8 @@ def run_draw(
         files = {output / f"{picture.name}.svg": picture for picture in pictures}
     for path, picture in files.items():
         if path.suffix.lower() == ".png":
-            path.write_bytes(to_png(picture.svg))
+            write_whole(path, to_png(picture.svg))
         else:
-            path.write_text(picture.svg, encoding="utf-8")
+            write_whole(path, picture.svg)
         print(f"written: {path}")
     return ExitStatus.AS_EXPECTED

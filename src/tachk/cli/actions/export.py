@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import write_whole
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
@@ -63,7 +64,7 @@ def files_of(exported: Exported, output: Path) -> dict[Path, str]:
 def write_files(files: Mapping[Path, str]) -> None:
     """Writes files and tells which."""
     for path, text in files.items():
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     print(f"written: {', '.join(map(str, files))}")
 
 

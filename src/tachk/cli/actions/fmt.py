@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.whole_files import write_whole
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded, print_diagnostics
 from tachk.syntax import ast
@@ -39,7 +40,7 @@ def _format(path: Path, check_only: bool, to_stdout: bool) -> ExitStatus:
             print(f"{path} is not in canonical form")
             return ExitStatus.NOT_AS_EXPECTED
     elif not to_stdout and source.text != after:
-        path.write_text(after, encoding="utf-8")
+        write_whole(path, after)
         print(f"{path} rewritten")
     return ExitStatus.AS_EXPECTED
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import closest
 from tachk.base.resources import data_root
+from tachk.base.whole_files import write_whole
 from tachk.cli.exit_status import ExitStatus
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
@@ -42,7 +43,7 @@ def run_copy(name: str, folder: Path, force: bool = False) -> ExitStatus:
             raise UsageError(f"{target} is there and different", "name another folder, or add --force to overwrite it")
     for path, target in targets.items():
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(path.read_bytes())
+        write_whole(target, path.read_bytes())
         print(f"written: {target}")
     return ExitStatus.AS_EXPECTED
 

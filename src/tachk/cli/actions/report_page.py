@@ -16,6 +16,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.memory_limit import memory_limit
 from tachk.base.records import dataclass
 from tachk.base.time_limit import time_limit
+from tachk.base.whole_files import write_whole
 from tachk.cli.arguments import parse_definitions, parse_size
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
@@ -78,7 +79,7 @@ def run_report_page(asked: Reported, seconds: float | None) -> ExitStatus:
         number = len(parts)
         parts += _read(Path(text), number) if _is_file(text) else [_verified(asked, seconds, number)]
     page = Page(asked.title or Path(asked.inputs[0]).stem, parts, [*_facts(asked)])
-    asked.output.write_text(page_to_html(page), encoding="utf-8")
+    write_whole(asked.output, page_to_html(page))
     return _status([part.run for part in page.answers])
 
 

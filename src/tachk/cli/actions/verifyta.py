@@ -18,6 +18,7 @@ from tachk.api import model as api
 from tachk.api.estimating import simulated
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.base.span import Source as Text
+from tachk.base.whole_files import write_whole
 from tachk.cli.actions.verifyta_options import TraceChoice, VerifytaOptions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.engine.options import Options, Pace
@@ -233,7 +234,7 @@ def _write_trace(number: int, verdict: Verdict, network: Network, options: Verif
 
 
 def _write(path: str, text: str, announced: str, stream: TextIO) -> None:
-    Path(path).write_text(text, encoding="utf-8")
+    write_whole(Path(path), text)
     print(f"{announced}{path}", file=stream, flush=True)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import whole_file
 from tachk.report.campaign.text import campaign_text
 from tachk.report.json_report import Json
 from tachk.verify.campaign.job import COLUMNS, Row
@@ -70,7 +71,8 @@ class Sweep:
             name: pyarrow.array(values, kinds[COLUMNS[name]]) if name in COLUMNS else pyarrow.array(values)
             for name, values in columns.items()
         }
-        parquet.write_table(pyarrow.table(arrays), path)
+        with whole_file(Path(path)) as part:
+            parquet.write_table(pyarrow.table(arrays), part)
 
     def to_text(self) -> str:
         """What `tachk sweep` prints."""

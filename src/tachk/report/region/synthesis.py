@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from tachk.base.whole_files import whole_bytes
 from tachk.meaning.judge.certificate import CertificateWriter
 from tachk.report.json_report import Json
 from tachk.report.region.json import Row, region_to_json, row_of
@@ -68,7 +69,7 @@ class Synthesis:
         for cell in self.corners:
             if cell.certificate is not None:
                 path = target / f"{assignment(self.region, cell).replace(' ', ',')}.cert"
-                with path.open("wb") as stream:
+                with whole_bytes(path) as stream:
                     CertificateWriter(stream).write(cell.certificate.header, cell.certificate.blocks())
                 written.append(path)
         return written

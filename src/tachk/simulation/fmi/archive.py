@@ -8,6 +8,7 @@ from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import whole_file
 from tachk.simulation.fmi.blueprint import NAME, blueprint
 from tachk.simulation.fmi.description import FmiVersion, description
 from tachk.simulation.fmi.unit import CoSimulationUnit
@@ -24,7 +25,7 @@ def write_unit(unit: CoSimulationUnit, version: FmiVersion, path: Path) -> None:
     library = unit_library()
     made = blueprint(unit)
     binary = f"binaries/{_platform(version)}/{unit.name}{library.suffix}"
-    with ZipFile(path, "w") as archive:
+    with whole_file(path) as part, ZipFile(part, "w") as archive:
         for name, content in (
             ("modelDescription.xml", description(unit, made.token, version)),
             (f"resources/{NAME}", made.content),

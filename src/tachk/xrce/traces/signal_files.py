@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import whole_file, whole_text
 from tachk.recordings.traces.trace import Trace, Values
 
 _PER_SECOND = 10**9
@@ -46,12 +47,13 @@ def _write_parquet(trace: Trace, path: Path) -> None:
         from pyarrow import parquet
     except ImportError:
         raise UsageError("Parquet files need pyarrow", "pip install 'tachk[parquet]'") from None
-    parquet.write_table(pyarrow.table(table_of(trace)), path)
+    with whole_file(path) as part:
+        parquet.write_table(pyarrow.table(table_of(trace)), part)
 
 
 def _write_csv(trace: Trace, path: Path) -> None:
     times = [f"{time // _PER_SECOND}.{time % _PER_SECOND:09d}" for time in trace.times.tolist()]
-    with path.open("w", newline="", encoding="utf-8") as out:
+    with whole_text(path, newline="") as out:
         rows = csv.writer(out, lineterminator="\n")
         rows.writerow([f"time [{trace.unit}]", *trace.columns])
         rows.writerows(zip(times, *(_cells(values) for values in trace.columns.values()), strict=True))

@@ -7,6 +7,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from tachk.base.whole_files import write_whole
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain
 from tachk.engine.options import Limits, Options
@@ -44,9 +45,9 @@ def write_munta_proofs(
         model, renaming, certificate = (
             folder / f"{query.name}.{ending}" for ending in ("muntax", "renaming", "muntac")
         )
-        model.write_text(proof.model, encoding="utf-8")
-        renaming.write_text(proof.renaming, encoding="utf-8")
-        certificate.write_bytes(proof.certificate)
+        write_whole(model, proof.model)
+        write_whole(renaming, proof.renaming)
+        write_whole(certificate, proof.certificate)
         deadlock = " -dc" if proof.asks_deadlock else ""
         told = f"{proof.zones} zones of {proof.states} discrete states, {bytes_(len(proof.certificate))}"
         print(f"{query.name}: {told}", file=sys.stderr)

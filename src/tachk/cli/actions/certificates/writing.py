@@ -7,6 +7,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from tachk.base.whole_files import whole_bytes
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain
 from tachk.engine.options import Limits, Options
@@ -30,7 +31,7 @@ def write_certificates(
     provable = [verdict for verdict in verdicts if is_provable(verdict)]
     model = digest(network)
     names = []
-    with path.open("wb") as file:
+    with whole_bytes(path) as file:
         writer = CertificateWriter(file)
         for verdict in provable:
             left = limits.after(time.monotonic() - started)

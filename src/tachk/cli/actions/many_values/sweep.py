@@ -16,6 +16,7 @@ from tachk.base.exact_numbers import DIGITS
 from tachk.base.memory_limit import memory_limit
 from tachk.base.records import dataclass
 from tachk.base.time_limit import time_limit
+from tachk.base.whole_files import write_whole
 from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.arguments import parse_size
 from tachk.cli.destination import destination
@@ -158,7 +159,7 @@ def _write_table(found: Sweep, reporting: Reporting) -> bool:
         case ".parquet", _:
             found.to_parquet(reporting.output)
         case ".csv", ReportForm.TEXT:
-            reporting.output.write_text(found.to_csv(), encoding="utf-8", newline="")
+            write_whole(reporting.output, found.to_csv(), newline="")
         case _:
             return False
     return True

@@ -10,6 +10,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import DIGITS
 from tachk.base.records import dataclass
 from tachk.base.time_units import length_of
+from tachk.base.whole_files import write_whole
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.written_reports import check_report, read_json
 from tachk.report.drawing.png import to_png
@@ -90,9 +91,9 @@ def write_chart(chart: Chart, output: Path, axis: TimeAxis = TimeAxis.COMPRESSED
         )
     picture = draw_chart(lay_out(chart, axis))
     if output.suffix.lower() == ".png":
-        output.write_bytes(to_png(picture.svg))
+        write_whole(output, to_png(picture.svg))
     else:
-        output.write_text(picture.svg, encoding="utf-8")
+        write_whole(output, picture.svg)
     print(f"written: {output}")
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tachk.api.model import Model
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import write_whole
 from tachk.engine.simulation.simulator import Simulated
 from tachk.meaning.run_view import RunNames
 from tachk.simulation.runs import Runs, steps_of
@@ -45,6 +46,6 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     def write_steps(run: Simulated, drawn: Runs) -> None:
         heading = [f"run {run.number} of {model.path}, which ends with: {run.ending}"]
         text = steps_text(names, steps_of(run), heading, constants)
-        output.with_name(output.name.replace(RUN, str(run.number))).write_text(text, encoding="utf-8")
+        write_whole(output.with_name(output.name.replace(RUN, str(run.number))), text)
 
     yield write_steps

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from tachk.base.whole_files import write_whole
 from tachk.cli.actions.simulation.formulas import columns_with, truths_on
 from tachk.meaning.run_view import RunNames
 from tachk.model.run import TimedTrace
@@ -30,7 +31,7 @@ def write_run(
     Says so if the file cannot hold the times. Raises UsageError for an unknown ending.
     """
     if output.suffix.lower() == SUFFIX:
-        output.write_text(run_text(names, run, [f"a run of {model}"], constants), encoding="utf-8")
+        write_whole(output, run_text(names, run, [f"a run of {model}"], constants))
         return
     recorded = signals_of(names, columns_with(names.network, record, formulas), run, str(output), decimal_times=True)
     if not recorded.exact:
