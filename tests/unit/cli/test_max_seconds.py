@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
+from tachk import _core
 from tachk.base import time_limit as module
 from tachk.base.span import Source
 from tachk.base.time_limit import OutOfTimeError, time_limit
@@ -17,6 +18,8 @@ from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app, load_command
 from tachk.cli.reporting import ReportForm
+from tachk.engine import liveness, local_times, measuring, zone
+from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.layout.placement.template import place_template
 from tachk.formats.loading.load import load_model
@@ -210,3 +213,27 @@ def test_what_a_template_assigns_to_is_found_once(monkeypatch: pytest.MonkeyPatc
         ["P(1).id"],
         ["P(2).id"],
     ]
+
+
+@pytest.fixture
+def interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    for searching in (zone, measuring, liveness, local_times):
+        monkeypatch.setattr(searching, "run_in_slices", lambda *_: (_core.Status.RUNNING, INTERRUPTED))
+
+
+@pytest.mark.usefixtures("interrupted")
+@pytest.mark.parametrize(
+    "line", ["conform r.ta r.csv r.csv --explain none", "conform r.ta r.csv --explain full", "requirements r.stl"]
+)
+def test_a_search_that_is_interrupted_is_not_undecided(
+    folder: Path, capsys: pytest.CaptureFixture[str], line: str
+) -> None:
+    assert run(f"{line} -o out.txt") == ExitStatus.INTERRUPTED
+    assert capsys.readouterr().err == "error: interrupted before there was an answer\n"
+    assert not (folder / "out.txt").exists()
+
+
+@pytest.mark.usefixtures("interrupted")
+def test_no_further_model_is_explored_after_an_interrupt(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("check m.ta r.ta --deep") == ExitStatus.INTERRUPTED
+    assert "r.ta" not in capsys.readouterr().out

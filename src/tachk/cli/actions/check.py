@@ -19,6 +19,7 @@ from tachk.cli.guard import complain, print_diagnostics, without_result
 from tachk.cli.reporting import ReportForm
 from tachk.engine.compiler.features import uncomputed_chances, undrawn_ends
 from tachk.engine.options import Limits
+from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
@@ -54,6 +55,8 @@ def run_check(
             checks.append(_within(seconds, path, constants, version, strict_xta, deep))
             if form is ReportForm.TEXT:
                 _tell(checks[-1], version, len(models) > 1, out)
+            if _is_interrupted(checks[-1]):
+                break
         match form:
             case ReportForm.JSON:
                 print(json.dumps(checks_to_json(checks), indent=2), file=out)
@@ -64,6 +67,10 @@ def run_check(
             case ReportForm.TEXT | ReportForm.JSONL | ReportForm.JUNIT | ReportForm.VERIFYTA | ReportForm.CSV:
                 pass
     return worst(_status(check) for check in checks)
+
+
+def _is_interrupted(check: Checked) -> bool:
+    return check.deep is not None and check.deep.reason == INTERRUPTED
 
 
 def _within(
@@ -167,6 +174,8 @@ def _status(check: Checked) -> ExitStatus:
         return ExitStatus.UNSUPPORTED
     if any(found.severity is Severity.ERROR for found in check.portability or ()):
         return ExitStatus.NOT_AS_EXPECTED
+    if _is_interrupted(check):
+        return ExitStatus.INTERRUPTED
     if check.deep is not None and not check.deep.decided:
         return ExitStatus.UNKNOWN
     return ExitStatus.AS_EXPECTED

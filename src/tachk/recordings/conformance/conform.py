@@ -19,7 +19,7 @@ from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.exact.exact_run import Moments
 from tachk.engine.measuring import ExtremeMeasurement, measure
 from tachk.engine.options import Limits, Options, SearchOrder
-from tachk.engine.outcome import GoalOutcome, Statistics, Status
+from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Statistics, Status
 from tachk.engine.zone import explore
 from tachk.model.expressions import BOOL, Constant
 from tachk.model.network import Network
@@ -226,6 +226,8 @@ class _ConformanceSearch:
         else:
             program, goals = lower(following.network, [following.done], following.tables)
             outcome = explore(program, goals, self.options, limits)
+        if outcome.reason == INTERRUPTED:
+            raise KeyboardInterrupt
         found = outcome.goals[0]
         accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
         reason = "" if accepted is not None else outcome.reason or "unknown"

@@ -15,7 +15,7 @@ from tachk.base.records import dataclass
 from tachk.base.time_limit import OutOfTimeError
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits, Options, SearchOrder
-from tachk.engine.outcome import Status
+from tachk.engine.outcome import INTERRUPTED, Status
 from tachk.engine.zone import explore
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
@@ -155,6 +155,8 @@ class Near:
             raise OutOfTimeError
         program, goals = lower(following.network, [following.done], following.tables)
         outcome = explore(program, goals, Options(order=SearchOrder.DFS), limits)
+        if outcome.reason == INTERRUPTED:
+            raise KeyboardInterrupt
         self.work += sum(len(process.edges) for process in following.network.processes)
         self.work += outcome.statistics.states_explored // _STATES_OF_EDGE
         return outcome.goals[0].status is Status.REACHED

@@ -14,6 +14,7 @@ from typing import Any
 
 from tachk.base.span import NOWHERE, Source
 from tachk.engine.options import Limits, Options
+from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.meaning.run_view import Snapshot, view_trace
@@ -286,6 +287,8 @@ class _Analyst:
 
     def _decided(self, model: LoadedModel) -> Verdict:
         (verdict,) = verify(model.network, model.queries, Options(shortest=True), self.limits)
+        if verdict.reason == INTERRUPTED:
+            raise KeyboardInterrupt
         if verdict.answer is Answer.UNKNOWN:
             raise _Undecided(verdict.reason or "the search came to no end")
         return verdict
