@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import jsonschema
 import pytest
 
+from tachk.base import awaited_pipe
+from tachk.base import time_limit as time_limit_module
 from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.time_limit import time_limit
 from tachk.cli.actions import monitor_online
 from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import guarded
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.traces.conventions import TraceEnding
@@ -182,3 +189,30 @@ def test_it_can_stop_at_the_first_verdict_that_is_false(
     assert len(pipe.pieces) == 2
     out = capsys.readouterr().out
     assert "second  undetermined" in out  # the trace has not ended, so its end has no meaning yet
+
+
+@pytest.mark.parametrize("come", ["", "time", "time,p\n", "time,p\n0,1\n1,", '{"time": 0, "p": true}\n', "$date"])
+def test_a_silent_pipe_is_waited_for_until_the_time_is_over(
+    come: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    looks = itertools.count()
+    monkeypatch.setattr(time_limit_module, "monotonic", lambda: float(next(looks)))
+    monkeypatch.setattr(awaited_pipe, "PATIENCE", 0.001)
+    reading, writing = os.pipe()
+    os.write(writing, come.encode())
+    with os.fdopen(reading) as stream:
+        monkeypatch.setattr("sys.stdin", stream)
+        status = guarded(limited(lambda: run_monitor(Judged("G p", "-"), Judging(robustness=False)), 200))
+    os.close(writing)
+    assert status is ExitStatus.UNKNOWN
+    said = capsys.readouterr()
+    assert "the time limit was over before" in said.err
+    assert ("1 undetermined" in said.out) is come.startswith(("time,p\n0", "{"))
+
+
+def limited(action: Callable[[], ExitStatus], seconds: float) -> Callable[[], ExitStatus]:
+    def act() -> ExitStatus:
+        with time_limit(seconds):
+            return action()
+
+    return act

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
+from tachk.base import awaited_pipe
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
 from tachk.recordings.monitors.online import Monitor
@@ -191,7 +192,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = Talk().up(0, created()).down(10, data(0, 1)).up(30_000, acknack(1)).capture(tmp_path)
     with path.open("rb") as stream:
         monkeypatch.setattr(sys, "stdin", SimpleNamespace(fileno=stream.fileno, buffer=BytesIO()))
-        monkeypatch.setattr(arriving.select, "select", lambda readable, *_: (readable, [], []))
+        monkeypatch.setattr(awaited_pipe.select, "select", lambda readable, *_: (readable, [], []))
         from tachk.cli.actions.packets import live as action
 
         opened = action.open_live("-", BOTH_SIDES)

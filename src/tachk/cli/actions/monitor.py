@@ -7,8 +7,9 @@ from dataclasses import replace
 from typing import TextIO
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import whole_text
 from tachk.cli.actions.judged import Judged, exit_status, print_warnings
-from tachk.cli.actions.monitoring.standard_input import begins_dump, dump_in_a_file
+from tachk.cli.actions.monitoring.standard_input import StandardInput, dump_in_a_file
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -31,8 +32,9 @@ def run_monitor(
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = judged.formulas()
-    if judged.trace == "-" and not judged.others and not rows.live and begins_dump():
-        with dump_in_a_file() as path:
+    stream = StandardInput() if judged.trace == "-" and not judged.others and not rows.live else None
+    if stream is not None and stream.begins_dump():
+        with dump_in_a_file(stream) as path:
             return run_monitor(replace(judged, trace=path, called=judged.trace), judging, rows, told, reporting)
     if rows.online or rows.follow or rows.live or rows.fail_fast or judged.trace == "-":
         if judging.interpolation is not Interpolation.CONSTANT:
@@ -46,7 +48,7 @@ def run_monitor(
             raise UsageError("--signals needs the whole trace", "leave out --online, --follow and --fail-fast")
         from tachk.cli.actions.monitor_online import run_online
 
-        return run_online(judged, formulas, judging, rows, told, reporting)
+        return run_online(judged, formulas, judging, rows, told, reporting, stream)
     source = judged.formula if names_file(judged.formula) else ""
     recording = judged.recording()
     if isinstance(recording, SeveralRuns):
@@ -61,7 +63,7 @@ def run_monitor(
     if told.signals is not None:
         from tachk.report.monitor.formula_signals import write_signals
 
-        with told.signals.open("w", encoding="utf-8") as file:
+        with whole_text(told.signals) as file:
             write_signals(record, file)
     return exit_status({verdict.truth for verdict in record.verdicts})
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import replace
-from io import BufferedReader
 from pathlib import Path
-from typing import TextIO, cast
+from typing import TextIO
 
+from tachk.base.awaited_pipe import PATIENCE
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import check_time
+from tachk.base.time_limit import OutOfTimeError, check_time
 from tachk.cli.actions.judged import Judged, exit_status, print_warnings
 from tachk.cli.actions.monitoring.listeners import JsonListener, LineListener, Listener, TextListener
 from tachk.cli.actions.packets.live import open_live, without_hindsight
 from tachk.cli.actions.row_by_row import RowByRow
-from tachk.cli.destination import destination
+from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.recordings.monitors.formulas import NamedFormula
@@ -30,9 +30,6 @@ from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_csv import CsvRecording, PushedBack, open_csv, open_csv_stream
 from tachk.recordings.traces.trace_files import JSON_LINES, is_csv
 from tachk.xrce.traces.live import LivePackets
-
-_PATIENCE = 0.2
-"""Seconds between two looks at a file that may grow."""
 
 
 class _AwaitedFile:
@@ -49,7 +46,7 @@ class _AwaitedFile:
                 line, self._line = self._line, b""
                 return line
             check_time()
-            time.sleep(_PATIENCE)
+            time.sleep(PATIENCE)
 
     def read1(self, size: int = -1, /) -> bytes:
         while True:
@@ -57,7 +54,7 @@ class _AwaitedFile:
             if piece:
                 return piece
             check_time()
-            time.sleep(_PATIENCE)
+            time.sleep(PATIENCE)
 
     def close(self) -> None:
         self._stream.close()
@@ -70,11 +67,16 @@ def run_online(
     rows: RowByRow,
     told: ViolationReporting,
     reporting: Reporting,
+    stream: ByteStream | None = None,
 ) -> ExitStatus:
-    """Judges rows as they come, and says each verdict when it is decided. Ctrl-C ends the trace."""
+    """Judges rows as they come, and says each verdict when it is decided. Ctrl-C ends the trace.
+
+    Args:
+        stream: the rows, where they come from standard input.
+    """
     if reporting.form is ReportForm.JUNIT:
         raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
-    recording = _open(judged, rows)
+    recording = _open(judged, rows, stream)
     if judged.run is not None:
         raise UsageError("row by row a file is one run", "leave out --run, or --online and --follow")
     if isinstance(recording, LivePackets):
@@ -95,7 +97,7 @@ def run_online(
         recording = replace(recording, texts=monitor.text_columns, decimals=judged.decimals)
     elif isinstance(recording, JsonStream):
         recording = replace(recording, decimals=judged.decimals)
-    with destination(reporting.output, reporting.quiet) as out:
+    with growing_destination(reporting.output, reporting.quiet) as out:
         listener = _listener(monitor, reporting.form, out, judged.trace)
         # A file that is there to its end is read to its end where bounds or violations go on after the decision.
         whole = told.all_violations or (judging.robustness and judged.trace != "-" and not rows.follow)
@@ -119,13 +121,12 @@ def _listener(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str)
             return TextListener(monitor, name, out)
 
 
-def _open(judged: Judged, rows: RowByRow) -> CsvRecording | JsonStream | LivePackets:
+def _open(judged: Judged, rows: RowByRow, stream: ByteStream | None) -> CsvRecording | JsonStream | LivePackets:
     if judged.others:
         raise UsageError("row by row only one file can be read", "leave out --online, --follow and --fail-fast")
     if rows.live:
         return open_live(judged.trace, judged.ports)
-    if judged.trace == "-":
-        stream = cast("BufferedReader", sys.stdin.buffer)
+    if stream is not None:
         line = stream.readline()
         if line.lstrip().startswith(b"{"):
             return JsonStream("-", stream, judged.time, judged.unit, line)
@@ -154,7 +155,7 @@ def _fed(
     fail_fast: bool,
 ) -> bool:
     """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; tells each verdict
-    when it is. False: it has stopped at a violation, before the trace has ended."""
+    when it is. False: it has stopped before the trace has ended, at a violation or a limit."""
     told: set[str] = set()
     try:
         known = () if isinstance(recording, LivePackets) else recording.columns
@@ -176,4 +177,7 @@ def _fed(
                 break
     except KeyboardInterrupt:
         pass
+    except OutOfTimeError as error:
+        print(f"the {error.reason} was over before the trace ended", file=sys.stderr)
+        return False
     return True

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import os
-import select
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
 
+from tachk.base.awaited_pipe import PATIENCE, awaited_pipe
 from tachk.base.time_limit import check_time
-
-PATIENCE: Final = 0.2
-"""Seconds after which nothing has come for a while."""
 
 
 class Pipe:
     """A file descriptor that is read without waiting for long."""
 
     def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor
+        self._pipe = awaited_pipe(descriptor)
 
     def read1(self, size: int, /) -> bytes | None:
         """What has come; empty at the end, None if nothing has come for a while."""
         check_time()
-        ready, _, _ = select.select([self._descriptor], [], [], PATIENCE)
-        return os.read(self._descriptor, size) if ready else None
+        return self._pipe.read1(size)
 
     def close(self) -> None:
         """It belongs to whoever opened it."""
