@@ -106,7 +106,7 @@ class Workspace:
             if not copy.is_file() or copy.read_bytes() != source.read_bytes():
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(source, copy)
-        for top in ("src", "tests", "models", "docs"):
+        for top in ("src", "plugins", "tests", "models", "docs"):
             for path in [*(self.folder / top).rglob("*")]:
                 name = path.relative_to(self.folder).as_posix()
                 kept = name in wanted or path.suffix in (".pyc", ".so") or ".cache" in name

@@ -41,7 +41,6 @@ LIBRARIES = {
     "networkx": {"formats.layout.placement", "report.run"},
     "numpy": {
         "engine.simulation",
-        "formats.munta",
         "meaning",
         "recordings",
         "report.monitor",

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.plugins import separate_plugin
 from tachk.formats.exported import Exported, Writing
 
 if TYPE_CHECKING:
@@ -64,9 +65,7 @@ def _json(model: LoadedModel, writing: Writing) -> Exported:
 
 
 def _munta(model: LoadedModel, writing: Writing) -> Exported:
-    from tachk.formats.munta.export import to_muntax
-
-    return Exported(to_muntax(model.network, model.queries))
+    return Exported(separate_plugin("munta export")(model.network, model.queries))
 
 
 class _FormatRow(NamedTuple):

@@ -13,6 +13,7 @@ from pathlib import Path
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.memory_limit import memory_limit
+from tachk.base.plugins import separate_plugin
 from tachk.base.records import dataclass
 from tachk.base.time_limit import time_limit
 from tachk.cli.actions.run_report import RunReport, RunReporting
@@ -95,6 +96,8 @@ def _check_all(
         raise UsageError("--chart names one file, but there are several models")
     if asked.munta is not None and len(models) > 1:
         raise UsageError("--munta names the folder of one model, but there are several models")
+    if asked.munta is not None:
+        separate_plugin("munta proofs")  # or it says what to install, before the search
     constants = parse_definitions(asked.definitions)
     match reporting.evidence:
         case EvidenceChoice.SHORTEST:
@@ -150,10 +153,9 @@ def _written(
 
         yield write_certificates(asked.certificate, model.network, record.verdicts, options, limits)
     if asked.munta is not None:
-        from tachk.cli.actions.certificates.munta import write_munta_proofs
-
         left = limits.after(time.monotonic() - started)
-        yield write_munta_proofs(asked.munta, model.network, record.verdicts, options, left)
+        confirmed = separate_plugin("munta proofs")(asked.munta, model.network, record.verdicts, options, left)
+        yield ExitStatus.AS_EXPECTED if confirmed else ExitStatus.UNKNOWN
 
 
 def _shortest(options: Options) -> Options:

@@ -85,7 +85,7 @@ _DEFAULT = Options()
     metavar="FOLDER",
     type=options.type_of_file,
     help="Write a model and a proof into this folder for each A[] that holds and each E<> that fails, for Munta, whose "
-    "checker is verified.",
+    "checker is verified. Needs the package tachk-munta.",
 )
 @click.option(
     "chart",

@@ -5,20 +5,35 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from tachk.base.operators import UnaryOperator
-from tachk.base.span import Span
-from tachk.base.words import Direction
-from tachk.formats.munta.accommodation import add_ceilings, order_of_cells
-from tachk.formats.munta.actions import (
+from tachk.api.plugin import (
+    BOOL,
+    CellLayout,
+    Constant,
+    Deadlock,
+    Direction,
+    Expression,
+    Network,
+    PreparedNetwork,
+    Query,
+    QueryKind,
+    Span,
+    Unary,
+    UnaryOperator,
+    begun_clocks,
+    prepare,
+)
+from tachk_munta.accommodation import add_ceilings, order_of_cells
+from tachk_munta.actions import (
     ActionFinder,
     CaseEffect,
     Said,
     SelectedEdge,
     conflicting,
+    constant_invariant,
     refused,
 )
-from tachk.formats.munta.cases import CaseFinder, MuntaCase, case_finder
-from tachk.formats.munta.formula import (
+from tachk_munta.cases import CaseFinder, MuntaCase, case_finder
+from tachk_munta.formula import (
     FALSE,
     Formula,
     FormulaFinder,
@@ -28,13 +43,7 @@ from tachk.formats.munta.formula import (
     has_clocks,
     written,
 )
-from tachk.formats.munta.invariants import constant_invariant
-from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaNames, MuntaNetwork, MuntaProcess, Variables
-from tachk.meaning.discrete import PreparedNetwork, prepare
-from tachk.model.cell_layout import CellLayout, begun_clocks
-from tachk.model.expressions import Deadlock, Expression, Unary
-from tachk.model.network import Network
-from tachk.model.query import Query
+from tachk_munta.network import IMPOSSIBLE, MuntaEdge, MuntaNames, MuntaNetwork, MuntaProcess, Variables
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +55,19 @@ class MuntaModel:
 
     network: MuntaNetwork
     asks_deadlock: bool
+
+
+def to_muntax(network: Network, queries: Sequence[Query]) -> str:
+    """The content of a .muntax file, with the question of the first query that a reachable state decides.
+
+    Munta's files have one formula. Without such a query it asks for what never is. Temporal formulas are left out:
+    their observers have urgent channels.
+
+    Raises UnsupportedError: E0803, with the place of what Munta cannot say.
+    """
+    asked = (query for query in queries if query.target is not None and query.observer is None)
+    query = next(asked, Query("", QueryKind.POSSIBLY, Constant(0, BOOL)))
+    return to_munta(network, query).network.text()
 
 
 def to_munta(network: Network, query: Query, ranges: Mapping[int, tuple[int, int]] | None = None) -> MuntaModel:

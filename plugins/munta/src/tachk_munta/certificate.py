@@ -12,10 +12,13 @@ from collections.abc import Iterable, Iterator
 from itertools import product
 
 import numpy as np
+import numpy.typing as npt
 
-from tachk.formats.munta.network import MuntaNetwork
-from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
-from tachk.meaning.judge.certificate import Numbers, StateBlock
+from tachk.api.plugin import INFINITY, LESS_EQUAL_ZERO
+from tachk.api.proofs import StateBlock
+from tachk_munta.network import MuntaNetwork
+
+_Matrices = npt.NDArray[np.int64]
 
 _MAGIC = 42
 _NO_BOUND = (1 << 63) - 1
@@ -62,7 +65,7 @@ def _states(munta: MuntaNetwork, row: list[int]) -> Iterator[tuple[int, ...]]:
         yield (*locations, *contents)
 
 
-def _with_invariants(munta: MuntaNetwork, block: StateBlock, dimension: int) -> Numbers:
+def _with_invariants(munta: MuntaNetwork, block: StateBlock, dimension: int) -> _Matrices:
     """The zones of a block as matrices, without what the invariants exclude: they may be larger, but then Munta would
     find deadlocks outside the invariants."""
     zones = np.full((len(block.constraints), dimension * dimension), INFINITY, np.int64)
@@ -80,7 +83,7 @@ def _with_invariants(munta: MuntaNetwork, block: StateBlock, dimension: int) -> 
     return matrices
 
 
-def _canonical(matrices: Numbers) -> Numbers:
+def _canonical(matrices: _Matrices) -> _Matrices:
     """Zones whose bounds cannot be tightened."""
     for k in range(matrices.shape[1]):
         left, right = matrices[:, :, k, None], matrices[:, None, k, :]

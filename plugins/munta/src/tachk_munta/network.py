@@ -7,9 +7,8 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from tachk.formats.munta.cases import CellCondition
-from tachk.meaning.constraints import Conjunction
-from tachk.meaning.dbm import bound_value, is_strict
+from tachk.api.plugin import Conjunction, bound_value, is_strict
+from tachk_munta.cases import CellCondition
 
 IMPOSSIBLE = "never?"
 """A label of edges that are never taken: nobody sends over this channel."""

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
-from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaProcess
-from tachk.meaning.constraints import Conjunction
-from tachk.meaning.dbm import bound_value
+from tachk.api.plugin import Conjunction, bound_value
+from tachk_munta.network import IMPOSSIBLE, MuntaEdge, MuntaProcess
 
 
 def order_of_cells(processes: Iterable[MuntaProcess], cells: Collection[int]) -> tuple[int, ...]:

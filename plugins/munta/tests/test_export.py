@@ -12,17 +12,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tachk_munta.certificate import certificate_of
+from tachk_munta.proofs import MuntaProof, munta_proof
+from tachk_munta.weakened import weakened
+from tachk_munta.writer import MuntaModel, to_munta
 
+from plugins.munta.tests.munta_reading import Reading
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
-from tachk.formats.munta.certificate import certificate_of
-from tachk.formats.munta.weakened import weakened
-from tachk.formats.munta.writer import MuntaModel, to_munta
 from tachk.meaning.judge.certificate import StateBlock
-from tachk.verify.munta_proof import MuntaProof, munta_proof
-from tests.differential.munta_reading import Reading
 
 LIFT = """\
 chan ask;
@@ -59,7 +59,7 @@ property soon : A[] Lift.there imply Lift.y < 5 && last > 0;
 """
 
 
-ACCEPTED = Path(__file__).parent / "munta"
+ACCEPTED = Path(__file__).parent
 
 
 def exported(text: str, number: int = 0) -> MuntaModel:

@@ -6,18 +6,29 @@ What is never reached in such a network is never reached in the model: it can wa
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from tachk.base.diagnostics.diagnostic import UnsupportedError
-from tachk.base.records import dataclass
-from tachk.base.span import Span
-from tachk.formats.munta.cases import CaseFinder, case_finder
-from tachk.formats.munta.invariants import constant_invariant
-from tachk.meaning.discrete import prepare
-from tachk.model.connectives import both, conjuncts
-from tachk.model.expressions import Expression, Field, Index, Reference, Variable
-from tachk.model.network import Edge, Location, Network
-from tachk.model.types import ArrayType, ChannelType, RecordType, Type
+from tachk.api.plugin import (
+    ArrayType,
+    ChannelType,
+    Edge,
+    Expression,
+    Field,
+    Index,
+    Location,
+    Network,
+    RecordType,
+    Reference,
+    Span,
+    Type,
+    UnsupportedError,
+    Variable,
+    both,
+    conjuncts,
+    prepare,
+)
+from tachk_munta.actions import constant_invariant
+from tachk_munta.cases import CaseFinder, case_finder
 
 
 @dataclass(frozen=True, slots=True)

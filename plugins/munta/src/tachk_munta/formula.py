@@ -5,16 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.base.span import Span
-from tachk.formats.munta.actions import clock_conjunctions, refused, too_many_cases
-from tachk.formats.munta.cases import CaseFinder, CellCondition, KnownContents, MuntaCase, TooManyCasesError
-from tachk.formats.munta.network import Variables
-from tachk.meaning.constraints import Conjunction, Disjunction, compares_clocks, disjunctive
-from tachk.model.evaluate import Environment, evaluate
-from tachk.model.expressions import Binary, Deadlock, Expression, Quantifier, QuantifierKind, Unary, Variable
-from tachk.model.traversal import walk
-from tachk.model.types import ScalarLike, bounds
+from tachk.api.plugin import (
+    Binary,
+    BinaryOperator,
+    Conjunction,
+    Deadlock,
+    Disjunction,
+    Environment,
+    Expression,
+    Quantifier,
+    QuantifierKind,
+    ScalarLike,
+    Span,
+    Unary,
+    UnaryOperator,
+    Variable,
+    bounds,
+    compares_clocks,
+    disjunctive,
+    evaluate,
+    walk,
+)
+from tachk_munta.actions import clock_conjunctions, refused, too_many_cases
+from tachk_munta.cases import CaseFinder, CellCondition, KnownContents, MuntaCase, TooManyCasesError
+from tachk_munta.network import Variables
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, SupportsIndex, TypeVar
 
-from tachk.meaning.discrete import PreparedNetwork
-from tachk.model.cell_layout import CellLayout
-from tachk.model.evaluate import Environment
-from tachk.model.fault import EvaluationFault
-from tachk.model.network import Network
-from tachk.model.traversal import process_expressions, written_variables
-from tachk.model.types import cell_count
+from tachk.api.plugin import (
+    CellLayout,
+    Environment,
+    EvaluationFault,
+    Network,
+    PreparedNetwork,
+    cell_count,
+    process_expressions,
+    written_variables,
+)
 
 LARGEST_RANGE = 4096
 """So many values may a variable have that decides between cases."""

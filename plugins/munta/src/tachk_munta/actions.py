@@ -10,15 +10,25 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.base.span import Span
-from tachk.base.words import Direction
-from tachk.formats.munta.cases import CaseFinder, KnownContents, MuntaCase, TooManyCasesError
-from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints
-from tachk.meaning.dbm import bound_value, is_strict
-from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named
-from tachk.model.evaluate import Environment, execute
-from tachk.model.run import Participant
+from tachk.api.plugin import (
+    Conjunction,
+    Diagnostic,
+    Direction,
+    Disjunction,
+    Environment,
+    Expression,
+    Participant,
+    PreparedNetwork,
+    Span,
+    UnsupportedError,
+    bind_selects,
+    bound_value,
+    channel_named,
+    conditional_constraints,
+    execute,
+    is_strict,
+)
+from tachk_munta.cases import CaseFinder, KnownContents, MuntaCase, TooManyCasesError
 
 Said = tuple[tuple[int, int], ...]
 """Cells with what a sender has written into them."""
@@ -197,6 +207,24 @@ def _tightest(conjunction: Conjunction) -> Conjunction:
     for i, j, raw in conjunction:
         tightest[i, j] = min(raw, tightest.get((i, j), raw))
     return tuple((i, j, raw) for (i, j), raw in tightest.items())
+
+
+def constant_invariant(invariant: Expression | None, span: Span, finder: CaseFinder) -> Conjunction:
+    """The constraints of an invariant of the location at a place. Raises UnsupportedError."""
+    place = span if invariant is None else invariant.span
+
+    def outcome(environment: Environment, contents: KnownContents) -> Disjunction:
+        return clock_conjunctions(conditional_constraints(invariant, environment), place)
+
+    try:
+        cases = finder.find(outcome)
+    except TooManyCasesError:
+        cases = []
+    if len(cases) != 1 or cases[0].conditions:
+        raise refused("invariants that depend on variables", place, "make several locations of it")
+    if len(cases[0].outcome) != 1:
+        raise refused("invariants with alternatives", place, "make several locations of it")
+    return cases[0].outcome[0]
 
 
 def conflicting(

@@ -11,7 +11,10 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from tachk_munta.proofs import munta_proof
+from tachk_munta.writer import to_munta
 
+from plugins.munta.tests.munta_reading import Reading
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.words import QueryKind
@@ -19,16 +22,13 @@ from tachk.engine import zone
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Status
-from tachk.formats.munta.writer import to_munta
 from tachk.model.expressions import Assign, Constant, Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.types import ClockType
-from tachk.verify.munta_proof import munta_proof
-from tests.differential.munta_reading import Reading
 from tests.support import Shape, random_case
 
-CLASSICS = Path(__file__).parents[2] / "models" / "classics"
+CLASSICS = Path(__file__).parents[3] / "models" / "classics"
 SAYABLE = Shape(clocks=2, locations=3, processes=3, urgent_channels=False, clocks_on_broadcast=False, deadlocks=False)
 SHAPES = (SAYABLE, replace(SAYABLE, language=True, processes=2), replace(SAYABLE, broadcast=False))
 
