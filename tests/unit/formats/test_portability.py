@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+import tachk
+from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
@@ -126,10 +128,57 @@ system query;
         assert [d for d in portability(model, version) if d.code.startswith("E")] == []
 
 
+FORMS = """\
+string s = "a", t;
+const string c = "b";
+int f() { while (true) {} }
+int first(int[0, 3] n) { for (i : int[0, 3]) { return i; } }
+bool early(int n) { return n > 1; n++; }
+int both(int n) { if (n > 1) return 1; else do { return 2; } while (n > 0); }
+void g(int n) { if (n > 1) return; }
+struct_t h() { struct_t unreached; while (1) return unreached; }
+process P() { state a, b; commit a; urgent a, b; init b; trans b -> a { guard first(2) == 0; }; }
+system P;
+""".replace("struct_t h", "typedef struct { int x; } struct_t;\nstruct_t h")
+
+
+def test_the_form_of_functions_texts_and_locations() -> None:
+    """UTAP 2.1.1 wants a return at the end, constant texts, and one word about a location."""
+    codes = [(code, text) for code, text in found(FORMS) if code in ("E0824", "E0825", "E0826")]
+    functions = [("E0824", name) for name in ("f", "first", "early", "h")]
+    assert codes == [("E0825", "string"), *functions, ("E0826", "a")]
+    plain = expand(load_model(Source("model.ta", FORMS)))
+    assert [step.kind for step in plain.steps] == ["text", "return", "return", "return", "return"]
+    written = print_xta(plain)
+    assert 'const string s = "a", t = "";' in written
+    assert found(written) == []
+    assert "        int unreached_1;" in written  # another name than that of the struct's
+
+
+def test_the_written_return_changes_no_answer() -> None:
+    written = print_xta(expand(load_model(Source("model.ta", FORMS))))
+    for query in ("E<> P.a", "E<> both(2) == 2", "E<> h().x == 1"):
+        first, again = (tachk.loads(each).verify(query)[0] for each in (FORMS, written))
+        assert first.answer == again.answer
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'string s = "a"; process P() { state a; init a; trans a -> a { assign s = "b"; }; } system P;',
+        'string s[2] = {"a", "b"}; process P() { state a; init a; } system P;',
+        "struct { string s; } r; process P() { state a; init a; } system P;",
+    ],
+)
+def test_a_text_that_cannot_be_constant_is_not_exported(text: str) -> None:
+    with pytest.raises(UnsupportedError, match="texts as constants only"):
+        expand(load_model(Source("model.ta", text)))
+
+
 EXPLAINED = {
     code: explanation
     for code, explanation in explanations("other_tools").items()
-    if code.startswith(("E081", "E0822", "E0823")) and explanation.bad
+    if (code.startswith("E081") or "E0822" <= code <= "E0826") and explanation.bad
 }
 
 

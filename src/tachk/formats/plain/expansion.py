@@ -14,6 +14,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError, Usag
 from tachk.base.span import NOWHERE
 from tachk.formats.plain.builtins import without_builtins
 from tachk.formats.plain.clock_conditions import with_plain_conditions
+from tachk.formats.plain.declaration_forms import with_plain_declarations
 from tachk.formats.plain.free_names import name_repairs
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery, PlainRewriting
 from tachk.formats.plain.value_passing import ValuePassing
@@ -73,7 +74,7 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
         model.document.comments,
         tuple(steps),
     )
-    plain = with_plain_conditions(plain)
+    plain = with_plain_declarations(with_plain_conditions(plain))
     return with_repaired_names(plain) if repair_names else plain
 
 

@@ -11,6 +11,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.engine.compiler.features import stopwatches, urgent_clock_guards
+from tachk.formats.plain.declaration_forms import is_variable_text, lacks_return
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.condition_types import condition_findings
 from tachk.formats.uppaal.portability_constants import open_constants
@@ -50,6 +51,7 @@ def portability(model: LoadedModel, version: UppaalVersion) -> tuple[Diagnostic,
         *_names(model, version),
         *_newer(model.items, version),
         *_types(model.items, version),
+        *_forms(model.items, version),
         *condition_findings(model.items, version.full_name),
         *open_constants(model.items, version.full_name),
         *_written_names(model, version),
@@ -180,6 +182,23 @@ def _types(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagno
                     name.span,
                     "rename one",
                 )
+
+
+def _forms(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
+    """Functions, texts and locations in a form that the version refuses."""
+    for function in nodes_of_kind(items, ast.FunctionDeclaration):
+        if lacks_return(function):
+            message = f"{version.full_name} wants a `return` as the last statement of `{function.name.name}`"
+            yield Diagnostic("E0824", message, function.name.span, "`tachk export` adds one")
+    for type_ in nodes_of_kind(items, ast.TypeExpression):
+        if is_variable_text(type_):
+            message = f"{version.full_name} has texts as constants only"
+            yield Diagnostic("E0825", message, type_.span, "write `const string`")
+    for location in nodes_of_kind(items, ast.LocationDeclaration):
+        if location.urgent and location.committed:
+            message = f"{version.full_name} refuses a location that is both committed and urgent"
+            help_ = "`tachk export` writes committed alone: time does not pass there either"
+            yield Diagnostic("E0826", message, location.name.span, help_)
 
 
 def _type_names(items: Iterable[object]) -> frozenset[str]:
