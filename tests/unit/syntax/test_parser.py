@@ -512,3 +512,16 @@ def test_a_small_stack_takes_shorter_chains(monkeypatch: pytest.MonkeyPatch) -> 
 def test_long_flat_texts_are_fine() -> None:
     values = ", ".join(["1"] * 3000)
     assert document(f"int a[3000] = {{ {values} }};\nvoid f() {{ {'a[0] = 1; ' * 3000} }}").items
+
+
+def test_the_place_of_an_array_ends_behind_its_bracket() -> None:
+    text = (
+        "int a[2][ N ], b; void f(int &c[3] /* ] */, const int d[(N)]) { } process P(clock &e[2]) { state s; init s; }"
+    )
+    array, function, template = document(text).items
+    assert isinstance(array, ast.VariableDeclaration)
+    assert isinstance(function, ast.FunctionDeclaration)
+    assert isinstance(template, ast.Template)
+    assert [each.span.text for each in array.declarators] == ["a[2][ N ]", "b"]
+    assert [each.span.text for each in function.parameters] == ["int &c[3]", "const int d[(N)]"]
+    assert [each.span.text for each in template.parameters] == ["clock &e[2]"]

@@ -31,7 +31,7 @@ from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.chains import LONGEST_FROM_LEFT
 from tachk.syntax.formulas.printer import print_formula
-from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.printing.expression_printer import print_expression, quoted
 from tachk.syntax.walk import nodes_of_kind
 
 LAST_TICK = 2**58
@@ -208,8 +208,9 @@ class _Compiler:
                     return self._arrival(expression.span, argument)
                 code = self._value(expression)
                 if not isinstance(expression, (*COLUMN_NAMES, ast.IntegerLiteral)):
-                    help_ = f"compare it, as in `{text} > 0`"
-                    raise self._report("E0902", f"`{text}` is a number, not a condition", expression.span, help_)
+                    message = f"{quoted(expression)} is a number, not a condition"
+                    help_ = f"compare it, as in {quoted(expression)[:-1]} > 0`"
+                    raise self._report("E0902", message, expression.span, help_)
                 return self._atom(MonitorAtom(AtomRelation.TRUTH, code, (), text))
 
     def _joined(self, whole: ast.BinaryExpression, text: str) -> int:
@@ -252,7 +253,7 @@ class _Compiler:
     def _differing_texts(self, whole: ast.BinaryExpression, left: ast.Expression, right: ast.Expression) -> int:
         """The node of `left != right` of texts: their numbers differ. The robustness is infinite, as of all truth."""
         if whole.operator not in _EQUALITIES:
-            raise self._report("E0902", f"`{print_expression(whole)}`: texts have no order", whole.span, "use == or !=")
+            raise self._report("E0902", f"{quoted(whole)}: texts have no order", whole.span, "use == or !=")
         code = (*self._text_number(left), *self._text_number(right), ValueInstruction(ValueOperator.SUBTRACT))
         text = print_expression(replace(whole, operator=BinaryOperator.NOT_EQUAL))
         return self._atom(MonitorAtom(AtomRelation.TRUTH, code, (), text))
@@ -267,8 +268,8 @@ class _Compiler:
             return (ValueInstruction(ValueOperator.COLUMN, float(self._column(side))),)
         if isinstance(side, COLUMN_NAMES):
             self._column(side)  # reported if it is not there at all
-        message = f"`{print_expression(side)}` is compared with a text, but holds none"
-        raise self._report("E0902", message, side.span, "texts are compared with texts")
+        message = f"{quoted(side)} is not a text, and cannot be compared with one"
+        raise self._report("E0902", message, side.span, None)
 
     def _change(self, expression: ast.Expression, text: str) -> int:
         """A condition changes where it or its negation falls; anything else where its value becomes another."""
@@ -330,7 +331,7 @@ class _Compiler:
     def _refuse_chain(self, whole: ast.Expression, left: ast.Expression, right: ast.Expression) -> None:
         for side in (left, right):
             if isinstance(side, ast.BinaryExpression) and side.operator in RELATIONS:
-                message = f"`{print_expression(whole)}` compares the truth of a comparison"
+                message = f"{quoted(whole)} compares the truth of a comparison"
                 help = "join two comparisons with `&&`, as in `0 < x && x < 5`"
                 raise self._report("E0904", message, whole.span, help)
 
@@ -339,9 +340,9 @@ class _Compiler:
         match expression:
             case ast.NameExpression() | ast.MemberExpression() | ast.IndexExpression():
                 if self._is_text(expression):
-                    name = print_expression(expression)
-                    message = f"`{name}` holds texts, where a number or a condition is expected"
-                    raise self._report("E0902", message, expression.span, f'compare it, as in `{name} == "ready"`')
+                    message = f"{quoted(expression)} holds texts, not numbers"
+                    help_ = f'compare it, as in `{print_expression(expression)} == "ready"`'
+                    raise self._report("E0902", message, expression.span, help_)
                 return (ValueInstruction(ValueOperator.COLUMN, float(self._column(expression))),)
             case ast.IntegerLiteral(value=value) | ast.BooleanLiteral(value=value):
                 return (ValueInstruction(ValueOperator.CONSTANT, float(value)),)
@@ -363,10 +364,10 @@ class _Compiler:
                     code += [*self._value(other), ValueInstruction(EXTREMES[name])]
                 return tuple(code)
             case _ if is_condition(expression):
-                message = f"`{print_expression(expression)}` is a condition, where a number is expected"
+                message = f"{quoted(expression)} is a condition, not a number"
                 raise self._report("E0902", message, expression.span, None)
             case _:
-                message = f"`{print_expression(expression)}` has no meaning on a trace"
+                message = f"{quoted(expression)} has no meaning on a trace"
                 raise self._report("E0902", message, expression.span, _hint(expression))
 
     def _column(self, expression: ast.NameExpression | ast.MemberExpression | ast.IndexExpression) -> int:

@@ -36,7 +36,7 @@ def condition_findings(formula: Formula, program: MonitorProgram, trace: Trace) 
             continue
         row = int(wrong.argmax())
         at = print_number(trace.clock(int(trace.times[row])))
-        message = f"`{column}` is not a condition: it has the value {values[row]:g} at {at} {trace.unit}".rstrip()
+        message = f"`{column}` is not a condition: it is {values[row]:g} at {at} {trace.unit}".rstrip()
         yield Diagnostic("E0902", message, _place(formula, column), _compare(column))
 
 
@@ -60,7 +60,7 @@ def with_numbers_as_conditions(formula: Formula) -> Formula:
 
 
 def _compare(column: str) -> str:
-    return f"only a column of 0 and 1 is a condition; compare others, as in `{column} > 0`"
+    return f"compare it, as in `{column} > 0`: conditions are columns of 0 and 1"
 
 
 def _place(formula: Formula, column: str) -> Span:

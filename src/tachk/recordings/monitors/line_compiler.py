@@ -15,7 +15,7 @@ from tachk.base.operators import CONNECTIVES, BinaryOperator, PrefixOperator
 from tachk.recordings.monitors.compiler import ARITHMETIC, COLUMN_NAMES, EXTREMES, RELATIONS, column_name, is_condition
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
-from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.printing.expression_printer import print_expression, quoted
 from tachk.syntax.walk import nodes_of_kind
 
 _OTHER = {
@@ -60,7 +60,7 @@ class _LineChecker:
 
     def not_linear(self, expression: ast.Expression) -> Iterator[Diagnostic]:
         for node in nodes_of_kind(expression, ast.BinaryExpression):
-            text = f"`{print_expression(node)}`"
+            text = quoted(node)
             match node.operator:
                 case BinaryOperator.MULTIPLY if _reads(node.left) and _reads(node.right):
                     yield _refusal(node, f"{text}, a product of columns, is not linear between rows")
@@ -75,7 +75,7 @@ class _LineChecker:
 
     def changing(self, expression: ast.Expression) -> Iterator[Diagnostic]:
         if self.moves(expression):
-            message = f"`{print_expression(expression)}` moves between rows, so `change` names no instants"
+            message = f"{quoted(expression)} moves between rows, so `change` names no instants"
             help = "rise(x >= 5) and fall(x > 5) tell when a line crosses a value; change() is for truth values"
             yield Diagnostic("E0906", message, expression.span, help)
         else:
@@ -129,8 +129,7 @@ def _refusal(node: ast.Expression, message: str) -> Diagnostic:
 
 
 def _no_first_instant(expression: ast.Expression, becomes: str, other: str | None) -> Diagnostic:
-    text = print_expression(expression)
-    message = f"where a line crosses, there is no first instant at which `{text}` {becomes}"
+    message = f"where a line crosses, there is no first instant at which {quoted(expression)} {becomes}"
     if other is None or not isinstance(expression, ast.BinaryExpression):
         return Diagnostic("E0907", message, expression.span, "compare with <= or >=")
     better = f"{print_expression(expression.left)} {other} {print_expression(expression.right)}"

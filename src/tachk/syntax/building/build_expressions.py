@@ -161,12 +161,12 @@ class ExpressionBuilder:
         base = self.range_type(children) if children[0].type == "INT" else self.scalar_type(children)
         return ast.TypeExpression(base.span, (), base)
 
-    def dimension(self, children: Children) -> Any:
-        return children[1]
+    def dimension(self, children: Children) -> _Dimension:
+        return _Dimension((children[1], children[2].span))
 
     def declarator(self, children: Children) -> ast.Declarator:
         name, *dimensions, _, initialiser = children
-        return ast.Declarator(span_of(children), name, tuple(dimensions), initialiser)
+        return ast.Declarator(span_of(children), name, _sizes(dimensions), initialiser)
 
     def initialiser_list(self, children: Children) -> ast.InitialiserList:
         return ast.InitialiserList(span_of(children), tuple(only(children, _InitialiserItem)))
@@ -198,16 +198,31 @@ class ExpressionBuilder:
 
     def parameter(self, children: Children) -> ast.Parameter:
         type_, ampersand, name, *dimensions = children
-        return ast.Parameter(span_of(children), type_, ampersand is not None, name, tuple(dimensions))
+        return ast.Parameter(span_of(children), type_, ampersand is not None, name, _sizes(dimensions))
 
     def legacy_const_parameter(self, children: Children) -> ast.Parameter:
         const, name, *dimensions = children
         type_ = ast.TypeExpression(const.span, ("const",), ast.BuiltinType(const.span, "int"))
-        return ast.Parameter(span_of(children), type_, False, name, tuple(dimensions))
+        return ast.Parameter(span_of(children), type_, False, name, _sizes(dimensions))
 
     def legacy_parameter(self, children: Children) -> _ParameterContinued:
         token, *dimensions = children
-        return _ParameterContinued(ast.Identifier(token.span, token.text), tuple(dimensions))
+        return _ParameterContinued(ast.Identifier(token.span, token.text), _sizes(dimensions))
+
+
+class _Dimension(tuple[Any, Any]):
+    """The size or type of indices in brackets, and the place of the closing one."""
+
+    __slots__ = ()
+
+    @property
+    def span(self) -> Span:
+        span: Span = self[0].span.to(self[1])
+        return span
+
+
+def _sizes(dimensions: Children) -> tuple[Any, ...]:
+    return tuple(dimension[0] for dimension in dimensions)
 
 
 class _InitialiserItem(tuple[Any, Any]):

@@ -10,6 +10,7 @@ from tachk.syntax import ast
 from tachk.syntax.chains import LONGEST_FROM_LEFT, operands_of
 from tachk.syntax.edge_clauses import Clause, ClauseKind
 
+_LONGEST_QUOTED = 50
 _QUANTIFIED, _ASSIGNED, _CONDITIONAL = 0, 1, 2
 _PREFIXED, _POSTFIXED = 15, 16
 """Beside the levels of the binary operators."""
@@ -18,6 +19,12 @@ _PREFIXED, _POSTFIXED = 15, 16
 def print_expression(expression: ast.Expression) -> str:
     """The text of an expression; reading it again gives an equal tree."""
     return _print(expression, _QUANTIFIED, True)
+
+
+def quoted(expression: ast.Expression) -> str:
+    """An expression in a message, between backticks; the middle of a long one is left out."""
+    text = print_expression(expression)
+    return f"`{text}`" if len(text) <= _LONGEST_QUOTED else f"`{text[:24].rstrip()} ... {text[-12:].lstrip()}`"
 
 
 def print_rate(rate: ast.Expression, divisor: ast.Expression | None) -> str:

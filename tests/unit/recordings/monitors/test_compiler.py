@@ -164,3 +164,12 @@ def test_operators_on_bits_are_answered_with_those_on_conditions(text: str, advi
     with pytest.raises(InputError) as error:
         monitoring.compile(formula, ["p", "q"], 1)
     assert error.value.diagnostics[0].help == f"conditions are joined by {advice}"
+
+
+def test_a_message_quotes_the_ends_of_a_long_expression() -> None:
+    formula = read_formula(f"G ({' + '.join(f'c{number}' for number in range(1000))})")
+    with pytest.raises(InputError) as error:
+        monitoring.compile(formula, [f"c{number}" for number in range(1000)], 1)
+    (found,) = error.value.diagnostics
+    assert found.message == "`c0 + c1 + c2 + c3 + c4 + ... c998 + c999` is a number, not a condition"
+    assert len(str(found.help)) < 80

@@ -451,15 +451,13 @@ def refused(formula: str, values: list[float], **given: str) -> str:
 @pytest.mark.parametrize("values", [[1, 0.5, -1], [2, 2, 2], [0, 1, 3], [0, 1, math.inf]])
 @pytest.mark.parametrize("formula", ["G ok", "F !ok", "G (x < 5 -> ok)", "G (ok && x > 0)", "rise(ok)"])
 def test_only_a_column_of_0_and_1_is_a_condition(values: list[float], formula: str) -> None:
-    assert refused(formula, values).startswith("`ok` is not a condition: it has the value ")
+    assert refused(formula, values).startswith("`ok` is not a condition: it is ")
     assert tachk.monitor("G (ok > 0 || ok <= 0)", {"time": range(3), "ok": values}).truth is tachk.Truth.TRUE
     assert tachk.monitor("F change(ok)", {"time": range(3), "ok": values}).truth is not tachk.Truth.UNDETERMINED
 
 
 def test_the_first_value_that_is_no_truth_value_is_named() -> None:
-    assert refused("G (x > 3 -> ok)", [1, 0.5, -1], unit="ms") == (
-        "`ok` is not a condition: it has the value 0.5 at 1 ms"
-    )
+    assert refused("G (x > 3 -> ok)", [1, 0.5, -1], unit="ms") == ("`ok` is not a condition: it is 0.5 at 1 ms")
 
 
 @pytest.mark.parametrize("formula", ["G (x + 1)", "G abs(x)", "F (-x)", "G 2.5"])

@@ -79,7 +79,7 @@ def test_texts_and_numbers_are_not_mixed(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text(CSV)
     for formula, reason in (
-        ('G (n + 1 == "a")', "holds none"),
+        ('G (n + 1 == "a")', "is not a text"),
         ('G (mode < "a")', "no order"),
         ('G (mode == "a" -> mode > 3)', "texts"),
     ):
