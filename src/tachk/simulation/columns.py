@@ -45,8 +45,16 @@ class Column:
 
 
 def all_columns(network: Network) -> tuple[Column, ...]:
-    """The signals of a model, then the location of each process, then the variables that can change."""
+    """The signals of a model, then the location of each process, then the variables that can change.
+
+    The location of a process that has only one is there, too: who reads the run may ask whether the process is in it.
+    """
     return (*_signals(network), *_locations(network), *_variables(network))
+
+
+def changing_columns(network: Network) -> tuple[Column, ...]:
+    """All columns but the locations of processes that have only one."""
+    return tuple(column for column in all_columns(network) if len(column.labels) != 1)
 
 
 def chosen_columns(network: Network, names: Collection[str]) -> tuple[Column, ...]:
@@ -85,8 +93,7 @@ def _signals(network: Network) -> Iterator[Column]:
 
 def _locations(network: Network) -> Iterator[Column]:
     for number, process in enumerate(network.processes):
-        if len(process.locations) > 1:
-            yield Column(process.name, number, labels=tuple(place.name for place in process.locations))
+        yield Column(process.name, number, labels=tuple(place.name for place in process.locations))
 
 
 def _variables(network: Network) -> Iterator[Column]:

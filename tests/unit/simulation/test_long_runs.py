@@ -50,7 +50,7 @@ def test_ten_minutes_in_microseconds(tmp_path: Path) -> None:
     for name in ("a.csv", "a.vcd"):
         with run_writer(tmp_path / name) as write:
             write(0, run.trace)
-    assert (tmp_path / "a.csv").read_text().splitlines()[-1] == "0,600000000,0,3"
+    assert (tmp_path / "a.csv").read_text().splitlines()[-1] == "0,600000000,0,a,3"
     dump = (tmp_path / "a.vcd").read_text()
     assert "$timescale 10 fs $end" in dump
     assert f"#{600 * 10**14}\n" in dump

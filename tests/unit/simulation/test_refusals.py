@@ -93,7 +93,7 @@ def test_columns_are_signals_locations_and_variables() -> None:
         system P, Q;
         """
     ).network
-    assert [column.name for column in all_columns(network)] == ["many", "P", "n", "b", "a[0]", "a[1]", "P.k"]
+    assert [column.name for column in all_columns(network)] == ["many", "P", "Q", "n", "b", "a[0]", "a[1]", "P.k"]
     assert [column.truth for column in chosen_columns(network, ["P.B", "n"])] == [True, False]
     with pytest.raises(UsageError):
         chosen_columns(network, ["P.C"])

@@ -28,6 +28,7 @@ from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
 from tachk.recordings.monitors.row_names import TIME, RowNames
 from tachk.recordings.monitors.texts import TextNumbers, Texts, text_columns, texts_of
 from tachk.recordings.traces.arrivals import topic_of
+from tachk.recordings.traces.location_names import location_names, locations_in, locations_in_columns
 from tachk.recordings.traces.monitor_group import RowFault, open_group
 from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import Truth
@@ -110,6 +111,7 @@ class Monitor:
         self._named = frozenset(name for named in formulas for name in named.named_formulas)
         self.columns = _columns(whole)
         self._of_rows = RowNames(tuple(name for name in self.columns if name == TIME or topic_of(name) is not None))
+        self._locations = location_names(self.columns)
         resolved = _resolved(whole, self.columns, self._unit)
         self._texts = TextNumbers(resolved)
         self.decimals = usual_decimals(self._unit) if decimals is None else decimals
@@ -138,7 +140,8 @@ class Monitor:
     def update(self, time: Time, values: Mapping[str, float | str] | None = None, **more: float | str) -> Truth:
         """Some columns have these values from this time on; the others keep theirs.
 
-        None and NaN mean that a value stays; columns that no formula reads may be there.
+        None and NaN mean that a value stays; columns that no formula reads may be there. `P.loc` is true where `P` has
+        the text ``"loc"``, unless the first row gives `P.loc` a value itself.
 
         Returns the verdict on all formulas together, see `truth`. Raises UsageError, with column and row, for a column
         without a value, for what is not a number, for a time before the one given last, and for a time that differs
@@ -146,7 +149,12 @@ class Monitor:
         """
         if self._named:
             self._check_names({**(values or {}), **more})
-        after = self._of_rows
+        locations, after = self._locations, self._of_rows
+        if locations:
+            values, more = {**(values or {}), **more}, {}
+            found = locations_in(locations, values)
+            values.update(found)
+            locations = locations if self._group.begun() else {name: locations[name] for name in found}
         if after.names:
             values, after = after.row(time, {**(values or {}), **more})
             more = {}
@@ -160,7 +168,7 @@ class Monitor:
             truth = self._look()
         if self._watch is not None:
             self._watch.update(time, values, more)
-        self._of_rows = after
+        self._locations, self._of_rows = locations, after
         return truth
 
     def push(self, times: Ticks, columns: Mapping[str, Any], decimals: int) -> Truth:
@@ -171,7 +179,12 @@ class Monitor:
         factor = self._factors.get(decimals) or self._factor(decimals)
         if self._named:
             self._check_names(columns)
-        after = self._of_rows
+        locations, after = self._locations, self._of_rows
+        if locations:
+            found = locations_in_columns(locations, columns)
+            columns = {**columns, **found}
+            begun = self._group.begun() or len(times) == 0
+            locations = locations if begun else {name: locations[name] for name in found}
         if after.names:
             columns, after = after.rows(self._whole_numbers(times), columns, decimals)
         if self._texts.columns:
@@ -190,7 +203,7 @@ class Monitor:
             truth = self._look()
         if self._watch is not None:
             self._watch.push(times, columns, factor)
-        self._of_rows = after
+        self._locations, self._of_rows = locations, after
         return truth
 
     def advance(self, time: Time) -> Truth:

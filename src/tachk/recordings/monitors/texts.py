@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,8 +11,9 @@ import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.operators import BinaryOperator
-from tachk.recordings.traces.logs.labels import Labels, texts_in
+from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.trace_arrays import is_missing
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
@@ -109,11 +111,18 @@ class TextNumbers:
         """The same of columns."""
         numbered = dict(columns)
         for column in self.columns & numbered.keys():
-            words = texts_in(numbered[column])
-            if words is None:
-                raise UsageError(f"{name}: column {column!r} holds no texts", "a formula says it does")
-            numbered[column] = self._labels.codes(words, column, name)
+            words = numbered[column]
+            cells = words.to_numpy() if hasattr(words, "to_numpy") else np.asarray(words)
+            numbered[column] = np.array([self._number(word, column, name) for word in cells.tolist()], dtype=np.float64)
         return numbered
+
+    def _number(self, word: Any, column: str, name: str) -> float:
+        """The number of a text, not a number where a text stays. Raises UsageError for what is no text."""
+        if isinstance(word, str):
+            return self._labels.number(word)
+        if is_missing(word):
+            return math.nan
+        raise UsageError(f"{name}: column {column!r} holds no texts, but {word!r}", "a formula says it does")
 
     def on(self, trace: Trace) -> Trace:
         """A trace with numbers in place of texts that knows these."""

@@ -272,7 +272,7 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
         return array.astype(np.uint8)
     known: NDArray[np.bool_] | None = None
     if array.dtype.kind == "O":
-        known = np.array([not _is_missing(value) for value in array], dtype=bool)
+        known = np.array([not is_missing(value) for value in array], dtype=bool)
         if len(array) and known.any() and all(isinstance(value, (bool, np.bool_)) for value in array[known]):
             if before in (None, 0, 1):
                 flags = np.zeros(len(array), dtype=np.uint8)
@@ -299,7 +299,7 @@ def present(values: Any) -> NDArray[np.uint8]:
     """Whether each cell of a column has a value."""
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
     if array.dtype.kind == "O":
-        return np.array([not _is_missing(value) for value in array], dtype=np.uint8)
+        return np.array([not is_missing(value) for value in array], dtype=np.uint8)
     if array.dtype.kind in "fmM":
         return np.asarray(array == array, dtype=np.uint8)
     return np.ones(len(array), dtype=np.uint8)
@@ -326,7 +326,8 @@ def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str, befo
     return values[last]
 
 
-def _is_missing(value: object) -> bool:
+def is_missing(value: object) -> bool:
+    """Whether a cell means that the value stays."""
     return value is None or (isinstance(value, float) and math.isnan(value)) or type(value).__name__ == "NAType"
 
 

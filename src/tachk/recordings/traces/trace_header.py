@@ -53,7 +53,7 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
     Raises:
         UsageError: there is no such time column, a name stands twice, or nobody knows the unit, or two are told.
     """
-    parts = [_split(cell) for cell in cells]
+    parts = [name_and_unit(cell) for cell in cells]
     names = tuple(name for name, _ in parts)
     seen: set[str] = set()
     for name in filter(None, names):
@@ -91,7 +91,7 @@ def no_such_column(name: str, columns: Sequence[str], trace: str) -> UsageError:
     )
 
 
-def _split(cell: str) -> tuple[str, str]:
+def name_and_unit(cell: str) -> tuple[str, str]:
     """``speed [km/h]`` as name and unit; a name that ends in a bracket without a space is a name: ``a[0]``."""
     text = cell.strip()
     inner = text[:-1]

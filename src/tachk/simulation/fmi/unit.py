@@ -21,7 +21,7 @@ from tachk.model.expressions import BOOL, Binary, Constant, Expression, Location
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.types import BoolType, leaves
-from tachk.simulation.columns import Column, all_columns, observed
+from tachk.simulation.columns import Column, changing_columns, observed
 from tachk.simulation.fmi.surroundings import OUTSIDE, SENT, Opened, open_network
 
 _NANOSECONDS = 10**9
@@ -94,7 +94,7 @@ class CoSimulationUnit:
 def closed_unit(network: Network, name: str) -> CoSimulationUnit:
     """A network without surroundings. Raises UnsupportedError for what is not simulated."""
     check_units(network)
-    columns = all_columns(network)
+    columns = changing_columns(network)
     program, chances = lower_simulation(network, observed(columns))
     return CoSimulationUnit(
         identifier(name),
@@ -114,13 +114,13 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
     Raises UsageError for a part that cannot run on its own, and UnsupportedError for what is not simulated.
     """
     check_units(network)
-    for column in all_columns(network):
+    for column in changing_columns(network):
         if column.name == _COMMITTED or column.name.startswith((OUTSIDE, SENT)):
             raise UsageError(
                 f"units of parts have {column.name} for something else", "choose another name in the model"
             )
     opened = open_network(network, names)
-    columns = [column for column in all_columns(opened.network) if not column.name.startswith(OUTSIDE)]
+    columns = [column for column in changing_columns(opened.network) if not column.name.startswith(OUTSIDE)]
     columns.append(Column(_COMMITTED, _is_committed(opened.network), truth=True))
     program, chances = lower_simulation(opened.network, observed(columns))
     last = len(opened.network.processes) - 1

@@ -3,7 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
@@ -13,6 +15,7 @@ from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.actions.simulation.formulas import columns_with
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.main import app
 from tachk.cli.reporting import Reporting
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.recordings.monitors.formulas import read_formulas
@@ -31,11 +34,13 @@ process P(const int[0,1] id) {
     location B { invariant x <= 2; to A { assign x = 0, flag = !flag, level = level * 1.25, r.a = n, r.b = flag; } }
 }
 process Q() { init location C { exponential_rate 1; to D { } } location D { exponential_rate 2; to C { } } }
-system P, Q;
+process R() { init location Only; }
+system P, Q, R;
 property soon : G (P(0).A -> F[0, 2] P(0).B);
 property short : G (P(1).A -> F[0, 1.5] P(1).B);
 property both : F (P(0).B && Q.D && n == 3);
 property cells : G (t[0][1] <= 4 && (r.b -> r.a > -3)) && G (n >= -2);
+property only : G (R.Only && n >= -3);
 property high : G (low || flag || level > 2.1);
 """
 
@@ -121,3 +126,50 @@ def test_several_runs_that_are_damaged(tmp_path: Path) -> None:
         path.write_text(text)
         with pytest.raises((UsageError, InputError)):
             tachk.monitor("G (x < 9)", path)
+
+
+LOCATED = ("G (P.B -> F[0, 3] P.A)", "G (P.A || P.B)", 'G (P.B -> P != "A")', "F (P.C && O[0, 2] P.B)", "G Q.Only")
+CALLS: tuple[tuple[float, dict[str, str | None]], ...] = (
+    (0, {"P": "A", "Q": "Only"}),
+    (1, {"P": "B"}),
+    (2, {"P": None}),
+    (3, {"P": "C", "Q": None}),
+    (3, {"P": "A"}),
+    (8, {"P": "B"}),
+    (12, {}),
+)
+
+
+def test_locations_in_rows_that_are_given_one_by_one() -> None:
+    columns = {name: [given.get(name) for _, given in CALLS] for name in "PQ"}
+    whole = tachk.monitor(list(LOCATED), {"time": [time for time, _ in CALLS], **columns})
+    expected = [verdict.truth for verdict in whole]
+    assert set(expected) == {Truth.TRUE, Truth.FALSE}
+    monitor, pushed = (tachk.Monitor(list(LOCATED), robustness=True) for _ in range(2))
+    for time, given in CALLS:
+        monitor.update(time, given)
+    for part in (slice(0, 1), slice(1, 1), slice(1, 4), slice(4, None)):
+        cells = {name: np.array(cells[part], dtype=object) for name, cells in columns.items()}
+        pushed.push(np.array([int(time) for time, _ in CALLS[part]], dtype=np.int64), cells, 0)
+    for each in (monitor, pushed):
+        found = each.finish()
+        assert [verdict.truth for verdict in found] == expected
+        assert [verdict.robustness for verdict in found] == [verdict.robustness for verdict in whole]
+
+
+def test_a_column_called_like_a_location_comes_first_in_rows() -> None:
+    monitor = tachk.Monitor("G P.A")
+    for time, text in enumerate("AB"):
+        assert monitor.update(time, {"P": text, "P.A": True}) is Truth.UNDETERMINED
+    assert monitor.finish()[0].truth is Truth.TRUE
+    with pytest.raises(UsageError, match=r"column 'P\.A' has no value yet"):
+        tachk.Monitor("G P.A").update(0, {"P": 1})
+
+
+def test_locations_in_json_lines_that_come(tmp_path: Path) -> None:
+    file = tmp_path / "a.jsonl"
+    file.write_text('{"time": 0, "n": 1}\n{"time": 1, "P": "A"}\n{"time": 2, "P": "B"}\n{"time": 3, "n": 2}\n')
+    call = ["monitor", "G (P.B -> n == 1)", str(file), "--quiet"]
+    assert [CliRunner().invoke(app, [*call, *more]).exit_code for more in ((), ("--online",))] == [10, 10]
+    call[1] = "G (P.A -> n == 1)"
+    assert [CliRunner().invoke(app, [*call, *more]).exit_code for more in ((), ("--online",))] == [0, 0]

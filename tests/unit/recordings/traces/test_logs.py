@@ -10,12 +10,14 @@ from random import Random
 
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.actions.judged import Judged
 from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.main import app
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace
@@ -154,3 +156,17 @@ def test_files_of_several_rates_are_joined(tmp_path: Path) -> None:
             assert trace.value(f"{name}x", tick) == held
     with pytest.raises(UsageError, match="no column"):
         open_trace([tmp_path / "a.csv", tmp_path / "b.csv"]).read(["flag"])
+
+
+def test_a_line_of_json_may_say_the_unit_of_its_time(tmp_path: Path) -> None:
+    file = tmp_path / "a.jsonl"
+    file.write_text('{"time [ms]": 0, "x": 1}\n{"time [ms]": 2.5, "x": 0}\n')
+    assert open_trace(file).unit == "ms"
+    assert tachk.monitor("G[0, 2 ms] x", file).truth is tachk.Truth.TRUE
+    assert tachk.monitor("G[0, 2.5 ms] x", file).truth is tachk.Truth.FALSE
+    call = ["monitor", "G[0, 2500 us] x", str(file), "--quiet", "--online"]
+    assert CliRunner().invoke(app, call).exit_code == 10
+    with pytest.raises(UsageError, match="are in ms, not in s"):
+        open_trace(file, unit="s")
+    file.write_text('{"time [ms]": 0, "time": 7, "x": 1}\n')
+    assert (open_trace(file).unit, open_trace(file).columns) == ("", ("time [ms]", "x"))

@@ -28,11 +28,12 @@ from tachk.recordings.traces.arrivals import belongs, topic_of
 from tachk.recordings.traces.compressed import open_bytes, torn
 from tachk.recordings.traces.csv_beginning import ByteStream
 from tachk.recordings.traces.decimal_times import USUAL_DECIMALS, is_binary, kept_apart, rounded
+from tachk.recordings.traces.location_names import location_names, locations_in
 from tachk.recordings.traces.logs.dates import is_date, seconds_of
 from tachk.recordings.traces.logs.sparse import sparse
 from tachk.recordings.traces.trace import Trace, cut_off_warning, rounding_note
 from tachk.recordings.traces.trace_csv import Rows
-from tachk.recordings.traces.trace_header import TIME_NAMES, agreed_unit, known_unit
+from tachk.recordings.traces.trace_header import TIME_NAMES, agreed_unit, known_unit, name_and_unit
 
 LARGEST_NUMBER: Final = int(sys.float_info.max)
 LARGEST_TIME: Final = 2**62
@@ -48,11 +49,14 @@ class _Number(str):
 @dataclass(frozen=True, slots=True)
 class _Event:
     """Attributes:
+    unit: of the time, where the line says it.
+    dated: the time is a date.
     binary: the time was a binary number, by the digits that it is written with.
     """
 
     time: Fraction
     unit: str
+    dated: bool
     binary: bool
     values: Mapping[str, Any]
 
@@ -92,7 +96,7 @@ class JsonRecording:
             times, decimals = counted
             notes = () if decimals is None else (rounding_note(decimals),)
         events = [(time, event.values) for time, event in zip(times, self.events, strict=True)]
-        trace = sparse(self.name, self.unit, events, dated=all(event.unit for event in self.events)).read(columns)
+        trace = sparse(self.name, self.unit, events, dated=all(event.dated for event in self.events)).read(columns)
         return replace(trace, notes=notes, warnings=self.warnings)
 
     def _merged(self, times: Sequence[Fraction]) -> UsageError:
@@ -149,19 +153,21 @@ class JsonStream:
     @property
     def dates(self) -> bool:
         """The times are dates."""
-        return any(event.unit for event in JsonLines(self.name, self.time).events([self.first]))
+        return any(event.dated for event in JsonLines(self.name, self.time).events([self.first]))
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """Rows from the first one on at which every column has a value, a few lines at a time."""
         topics = {name: topic for name in columns or () if (topic := topic_of(name)) is not None}
         wanted = tuple(name for name in columns or () if name not in topics)
         held: dict[str, Any] = dict.fromkeys(wanted)
+        locations = location_names(wanted)
         last: tuple[Fraction, Fraction] | None = None
         lines = JsonLines(self.name, self.time)
         notes: tuple[str, ...] = ()
         binary = False
         for event in lines.events(self._lines()):
             held.update({name: value for name, value in event.values.items() if name in held and value is not None})
+            held.update(locations_in(locations, event.values))
             binary = binary or event.binary
             time = self._counted(event, decimals, binary)
             if time != event.time:
@@ -231,6 +237,8 @@ class JsonLines:
     def __init__(self, name: str, time: str | None) -> None:
         self._name = name
         self._key = time
+        self._unit = ""
+        self._known = False
         self.warnings: tuple[str, ...] = ()
 
     def events(self, lines: Iterable[bytes]) -> Iterator[_Event]:
@@ -263,15 +271,27 @@ class JsonLines:
             yield event
 
     def _event(self, given: dict[str, Any], place: Span) -> _Event:
-        if self._key is None:
-            self._key = next((each for want in TIME_NAMES for each in given if each.lower() == want), None)
+        if not self._known:
+            self._choose(given)
         if self._key is None or self._key not in given:
             wanted = f"no {self._key!r}" if self._key else f"none of {', '.join(TIME_NAMES)}"
             raise _wrong(place, f"this line has {wanted}", "say which value is the time with --time NAME")
         written = given.pop(self._key)
-        instant, unit = _time(written, place)
-        binary = isinstance(written, str) and not unit and is_binary(written)
-        return _Event(instant, unit, binary, {column: _value(value, column, place) for column, value in given.items()})
+        instant, dated = _time(written, place)
+        unit = agreed_unit("s" if dated else "", self._unit or None, self._name)
+        binary = isinstance(written, str) and not dated and is_binary(written)
+        values = {column: _value(value, column, place) for column, value in given.items()}
+        return _Event(instant, unit, dated, binary, values)
+
+    def _choose(self, given: Mapping[str, Any]) -> None:
+        """Which value of all lines is the time, and in which unit: ``time [ms]`` says it."""
+        parts = {each: (each, "") for each in given}, {each: name_and_unit(each) for each in given}
+        for names in parts:  # a name without a unit comes first
+            for want in TIME_NAMES if self._key is None else (self._key,):
+                for each, (name, unit) in names.items():
+                    if want == (name.lower() if self._key is None else name):
+                        self._key, self._unit, self._known = each, known_unit(unit), True
+                        return
 
 
 def _object(text: str, place: Span) -> dict[str, Any]:
@@ -319,13 +339,13 @@ def _value(value: Any, column: str, place: Span) -> Any:
     return value
 
 
-def _time(value: Any, place: Span) -> tuple[Fraction, str]:
-    """A time, with its unit where it tells one: dates are counted in seconds since 1970."""
+def _time(value: Any, place: Span) -> tuple[Fraction, bool]:
+    """A time, and whether it is a date, of which seconds since 1970 are counted."""
     if isinstance(value, bool):
         raise _wrong(place, "the time is not a number", None)
     if isinstance(value, (int, str)):
         try:
-            return seconds_of(str(value)), "s" if is_date(str(value)) else ""
+            return seconds_of(str(value)), is_date(str(value))
         except ValueError:
             pass
     raise _wrong(place, f"the time {value!r} is neither a number nor a date", "such as 2026-03-01T12:00:00.25Z")
