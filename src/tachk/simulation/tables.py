@@ -67,8 +67,7 @@ def _csv(path: Path) -> Iterator[Writer]:
         def write(number: int, trace: Trace) -> None:
             nonlocal begun
             if not begun:
-                unit = f" [{trace.unit}]" if trace.unit else ""
-                out.write(",".join(["run", f"time{unit}", *map(_quoted, trace.columns)]) + "\n")
+                out.write(",".join(["run", _time_name(trace), *map(_quoted, trace.columns)]) + "\n")
                 begun = True
             for time, values in _rows(trace):
                 out.write(f"{number},{time},{','.join(map(_cell, values))}\n")
@@ -81,7 +80,7 @@ def _json_lines(path: Path) -> Iterator[Writer]:
     with whole_text(path) as out:
 
         def write(number: int, trace: Trace) -> None:
-            head = f'{{"run": {number}, "time": '
+            head = f'{{"run": {number}, "{_time_name(trace)}": '
             for time, values in _rows(trace):
                 row = json.dumps(dict(zip(trace.columns, values, strict=True)))
                 out.write(f"{head}{time}{', ' + row[1:] if len(row) > 2 else '}'}\n")
@@ -114,9 +113,11 @@ def _parquet(path: Path) -> Iterator[Writer]:
 
         def write(number: int, trace: Trace) -> None:
             nonlocal rows
-            times = _durations(path, trace) if trace.unit else trace.times / trace.ticks_per_unit
+            exact = bool(trace.unit) and NANOSECONDS[trace.unit] % trace.ticks_per_unit == 0
+            name = "time" if exact else _time_name(trace)
+            times = _durations(path, trace) if exact else trace.times / trace.ticks_per_unit
             run = np.full(trace.rows, number, dtype=np.int64)
-            waiting.append(pyarrow.table({"run": run, "time": times, **dict(_typed_columns(trace))}))
+            waiting.append(pyarrow.table({"run": run, name: times, **dict(_typed_columns(trace))}))
             rows += trace.rows
             if rows >= _ROW_GROUP:
                 flush()
@@ -125,14 +126,24 @@ def _parquet(path: Path) -> Iterator[Writer]:
         flush()
 
 
+def _time_name(trace: Trace) -> str:
+    """Of the column of times, with their unit."""
+    return f"time [{trace.unit}]" if trace.unit else "time"
+
+
 def _durations(path: Path, trace: Trace) -> NDArray[np.timedelta64]:
-    """The times in nanoseconds, rounded down."""
-    tick = Fraction(NANOSECONDS[trace.unit], trace.ticks_per_unit)
+    """The times of a trace whose ticks are whole nanoseconds."""
+    tick = NANOSECONDS[trace.unit] // trace.ticks_per_unit
     if trace.end * tick >= 2**63:
         raise UsageError(f"{path}: Parquet has no durations of more than 292 years", "write .csv or .jsonl")
-    whole, rest = np.divmod(trace.times, tick.denominator)
-    nanoseconds = whole * tick.numerator + rest * tick.numerator // tick.denominator
-    return np.asarray(nanoseconds, dtype="timedelta64[ns]")
+    return np.asarray(trace.times * tick, dtype="timedelta64[ns]")
+
+
+class _ExactDouble(float):
+    """A number that a dump tells with all its digits: pyvcd writes 16, which are not always enough."""
+
+    def __format__(self, spec: str, /) -> str:
+        return repr(float(self))
 
 
 def _typed_columns(trace: Trace) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -170,11 +181,13 @@ def _write_vcd(trace: Trace, out: TextIO) -> None:
     scale, tick = _vcd_scale(trace)
     with VCDWriter(out, timescale=scale, date="", comment=trace.name) as dump:
         variables = {}
-        for name, values in _columns(trace):
+        kept = dict(_columns(trace))
+        for name, values in kept.items():
             scope, _, own = name.rpartition(".")
             kind, size = _vcd_kind(trace, name)
+            if kind == "real":
+                kept[name] = values = list(map(_ExactDouble, values))
             variables[name] = dump.register_var(scope or "model", own, kind, size=size, init=values[0])
-        kept = dict(_columns(trace))
         for row, time in enumerate(trace.times.tolist()):
             for name, variable in variables.items():
                 dump.change(variable, int(time * tick), kept[name][row])
@@ -198,7 +211,8 @@ def _vcd_kind(trace: Trace, name: str) -> tuple[str, int]:
         return "string", 32
     if values.dtype.kind == "u":
         return "wire", 1
-    return ("integer", 32) if bool((values == values.round()).all()) else ("real", 64)
+    whole = bool((values == values.round()).all()) and bool((np.abs(values) < 2**31).all())
+    return ("integer", 32) if whole else ("real", 64)
 
 
 def _columns(trace: Trace) -> Iterator[tuple[str, list[Any]]]:

@@ -121,6 +121,10 @@ TRACE_SUFFIXES = tuple(
 """By which a file is known to be a trace."""
 
 
+_RUN = ".run"
+"""How files end that hold the steps of a run. What these do only the model tells."""
+
+
 def is_csv(path: Path) -> bool:
     """Whether a file of this name is read as comma-separated values."""
     return plain_suffix(path) in (*CSV.suffixes, "")
@@ -204,6 +208,11 @@ def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int
     known = _format_of(path)
     if known is not None:
         return known.open(path, time, unit, ports)
+    if path.suffix.lower() == _RUN:
+        raise UsageError(
+            f"{path} holds the steps of a run, and values only together with its model",
+            f"write `tachk replay MODEL {path} --monitor FORMULA`; with -o FILE.csv it writes the values",
+        )
     if not path.suffix or not os.path.isfile(path):
         return CSV.open(path, time, unit, ports)
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")
