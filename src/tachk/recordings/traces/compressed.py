@@ -8,7 +8,7 @@ from contextlib import suppress
 from importlib import import_module
 from io import BufferedReader, RawIOBase
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from tachk.base.diagnostics.diagnostic import UsageError
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 COMPRESSED_SUFFIXES = (".gz", ".zst")
 """That stand behind the ending of what is compressed: `log.csv.gz`."""
+
+
+_PIECE = 1 << 13
+"""Bytes that are decompressed at a time: a thousand times as many may come of them."""
 
 
 def plain_suffix(path: Path) -> str:
@@ -30,6 +34,18 @@ def is_compressed(path: Path) -> bool:
     return path.suffix.lower() in COMPRESSED_SUFFIXES
 
 
+class Decompressor(Protocol):
+    """Takes one stream or frame after the other; files may have several, as `cat a.gz b.gz` makes them."""
+
+    @property
+    def eof(self) -> bool: ...
+
+    @property
+    def unused_data(self) -> bytes: ...
+
+    def decompress(self, data: bytes, /) -> bytes: ...
+
+
 class TornStream(RawIOBase):
     """What is in a compressed file, up to where that is cut off or damaged.
 
@@ -37,26 +53,55 @@ class TornStream(RawIOBase):
         torn: why it ended before its end; None: it has not.
     """
 
-    def __init__(self, inner: IO[bytes]) -> None:
-        self._inner = inner
+    def __init__(self, path: Path, decompressor: Callable[[], Decompressor]) -> None:
+        self._path = path
+        self._inner = path.open("rb")
+        self._decompressor = decompressor
+        self._current: Decompressor | None = None
+        self._ready = memoryview(b"")
+        self._any = False
         self.torn: str | None = None
 
     def readable(self) -> bool:
         return True
 
     def readinto(self, buffer: WriteableBuffer, /) -> int:
+        target = memoryview(buffer).cast("B")
+        while not self._ready and self._more():
+            pass
+        count = min(len(target), len(self._ready))
+        target[:count] = self._ready[:count]
+        self._ready = self._ready[count:]
+        return count
+
+    def _more(self) -> bool:
+        """Decompresses what comes next; False: there is no more. Raises UsageError if nothing at all can be read."""
+        if self.torn is not None:
+            return False
         try:
-            piece = self._inner.read(memoryview(buffer).nbytes) if self.torn is None else b""
-        except (EOFError, OSError, zlib.error, ValueError) as error:
-            self.torn = str(error) or type(error).__name__
-            return 0
-        except Exception as error:  # each library of Zstandard has errors of its own
-            if "zstd" not in type(error).__name__.lower():
+            piece = self._left() or self._inner.read(_PIECE)
+            if not piece:
+                if self._current is not None:
+                    self.torn = "the compressed data ends before its end"
+            else:
+                self._current = self._current or self._decompressor()
+                self._ready = memoryview(self._current.decompress(piece))
+        except Exception as error:  # each library has errors of its own, and Zstandard has several libraries
+            if not isinstance(error, zlib.error) and "zstd" not in type(error).__name__.lower():
                 raise
             self.torn = str(error) or type(error).__name__
-            return 0
-        memoryview(buffer).cast("B")[: len(piece)] = piece
-        return len(piece)
+        self._any = self._any or len(self._ready) > 0
+        if self.torn is not None and not self._any:
+            raise UsageError(f"{self._path} cannot be decompressed: {self.torn}")
+        return self.torn is None and bool(piece)
+
+    def _left(self) -> bytes:
+        """What follows the stream or frame that has just ended."""
+        if self._current is None or not self._current.eof:
+            return b""
+        left = self._current.unused_data
+        self._current = None
+        return left.lstrip(b"\0")  # gzip allows to fill a file with zeros
 
     def close(self) -> None:
         self._inner.close()
@@ -70,8 +115,7 @@ def open_bytes(path: Path) -> BufferedReader:
     """
     if not is_compressed(path):
         return path.open("rb")
-    opened: Callable[..., Any] = import_module("gzip").open if path.suffix.lower() == ".gz" else _zstandard()
-    return BufferedReader(TornStream(opened(path, "rb")))
+    return BufferedReader(TornStream(path, _gzip if path.suffix.lower() == ".gz" else _zstandard()))
 
 
 def torn(stream: object) -> str | None:
@@ -80,10 +124,16 @@ def torn(stream: object) -> str | None:
     return raw.torn if isinstance(raw, TornStream) else None
 
 
-def _zstandard() -> Callable[..., Any]:
-    for library in ("compression.zstd", "zstandard"):  # the first one is part of Python 3.14
-        with suppress(ImportError):
-            opened: Callable[..., Any] = import_module(library).open
-            return opened
+def _gzip() -> Decompressor:
+    return zlib.decompressobj(16 + zlib.MAX_WBITS)
+
+
+def _zstandard() -> Callable[[], Decompressor]:
+    with suppress(ImportError):  # a part of Python 3.14
+        made: Callable[[], Decompressor] = import_module("compression.zstd").ZstdDecompressor
+        return made
+    with suppress(ImportError):
+        library: Any = import_module("zstandard")
+        return lambda: cast("Decompressor", library.ZstdDecompressor().decompressobj())
     message = "files compressed by Zstandard are read by zstandard, which is not installed"
     raise UsageError(message, "pip install zstandard")

@@ -7,6 +7,8 @@ import re
 FINEST = "at most 18 digits in all, those behind the point included; --decimals 9 rounds times to nine decimals"
 """How finely times can be counted."""
 
+_WHOLE = "at most 18 digits: leave out the rows with such a time, or count times from the beginning of the recording"
+
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
 _GROUPED = re.compile(r'"\s*([-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?)\s*"')
 _DATE = re.compile(r"\s*\d+[-/.:]\d+[-/.:]\d+")
@@ -56,7 +58,7 @@ def told_fault(
         "TIME_TOO_LARGE": (
             "E0915",
             f"the time {value} is too large to be counted as finely as the trace needs",
-            FINEST,
+            _WHOLE if len(value.partition(".")[0].strip(" +-")) > 18 else FINEST,
         ),
         "TIME_MERGED": (
             "E0915",
@@ -75,7 +77,7 @@ def _advice_on_a_cell(value: str, is_time: bool) -> str:
         return f"numbers are written without separators of thousands: {grouped[1].replace(',', '')}"
     if _DECIMAL_COMMA.fullmatch(value.strip('"')):
         point = value.strip().strip('"').replace(",", ".")
-        return f"numbers have a decimal point: {point}; a comma is one where semicolons or tabs separate cells"
+        return f"numbers have a decimal point: {point}; a decimal comma stands in all numbers of a file, between semicolons or tabs"
     if is_time and _DATE.match(value):
         return "dates are written as 2026-03-01T12:00:00.25Z, and then all times are dates"
     if is_time:

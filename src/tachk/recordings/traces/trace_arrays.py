@@ -247,10 +247,14 @@ def _rational_ticks(times: Sequence[Fraction], name: str) -> CountedTimes:
     scale = math.lcm(*(time.denominator for time in times))
     first = times[0] if times else Fraction(0)
     ticks = [int((time - first) * scale) for time in times]
-    if any(abs(tick) > 2**62 for tick in ticks):
+    row = next((row for row, tick in enumerate(ticks) if abs(tick) > 2**62), None)
+    if row is not None:
+        fine = "--decimals 9 rounds them to nine decimals"
+        far = "leave out the rows with such a time: it is too far from that of the first row"
         raise UsageError(
-            f"{name}: the times need more than 64 bits to be counted exactly",
-            "--decimals 9 rounds them to nine decimals",
+            f"{name}: the times need more than 64 bits to be counted exactly, that of row {row} among them (rows are "
+            "counted from 0)",
+            far if abs(times[row] - first) * 10**9 > 2**62 else fine,
         )
     return replace(whole_times(np.array(ticks, dtype=np.int64), scale, name), first=int(first * scale))
 

@@ -102,3 +102,12 @@ def test_row_by_row_a_finer_exact_time_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path / "a.csv", ["0", "0.0000000001"])
     with pytest.raises(InputError):
         run_monitor(Judged("G (x < 9)", str(path)), Judging(), RowByRow(online=True), reporting=Reporting(quiet=True))
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.jsonl"])
+def test_help_against_times_that_no_rounding_makes_countable(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    rows = ["time,x", "0,1", f"{2**63},2"] if name == "a.csv" else ['{"t": 0, "x": 1}', f'{{"t": {2**63}, "x": 2}}']
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    with pytest.raises((InputError, UsageError), match="leave out the rows with such a time"):
+        open_trace(path).read(["x"])

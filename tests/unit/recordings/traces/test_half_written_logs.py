@@ -115,3 +115,12 @@ def test_a_last_cell_without_a_line_break(tmp_path: Path) -> None:
     assert open_trace(path).read(["x"]).notes == ()
     path.write_text(TABLE)
     assert open_trace(path).read().notes == ()
+
+
+@pytest.mark.parametrize("length", [0, 1, 7, 8])
+def test_messages_that_end_within_what_begins_a_file(length: int, tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    path = tmp_path / "log.mcap"
+    path.write_bytes(b"\x89MCAP0\r\n"[:length])
+    with pytest.raises(UsageError, match="is cut off before its first message"):
+        open_trace(path).read(["a.x"])

@@ -53,6 +53,9 @@ def _records(stream: IO[bytes]) -> Iterator[Any]:
 
     size = stream.seek(0, SEEK_END)
     stream.seek(0)
+    if size < len(_MAGIC) and _MAGIC.startswith(stream.read()):
+        return
+    stream.seek(0)
     read_magic(ReadDataStream(stream))
     records = iter(StreamReader(stream, skip_magic=True, emit_chunks=True, record_size_limit=size).records)
     while True:
