@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationOptions
 from tachk.model.network import Network
+from tachk.recordings.monitors.formulas import read_formulas
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.runs import Runs
 from tachk.simulation.times import horizon_of
@@ -26,10 +27,18 @@ class JudgedRuns:
 
     @property
     def names(self) -> tuple[str, ...]:
-        return tuple(formula.name for formula in formulas_for(self.formulas, {}))
+        return tuple(formula.name for formula in read_formulas(self.formulas))
+
+    def __str__(self) -> str:
+        """All that the answers depend on: what is in a file of formulas may change while its name stays."""
+        stated = "; ".join(
+            f"{each.name}: {each.text} {dict(each.constants or {})} {dict(each.durations or {})}"
+            for each in read_formulas(self.formulas)
+        )
+        return f"{self.formulas!r} ({stated}), {self.runs} runs until {self.until}, seed {self.seed}"
 
     def judged(self, network: Network) -> Iterator[FormulaCounts]:
-        formulas = formulas_for(self.formulas, {})
+        formulas = formulas_for(self.formulas, network, dict(network.constants))
         runs = Runs(network, columns_with(network, (), formulas))
         truths: dict[str, Counter[Truth]] = {formula.name: Counter() for formula in formulas}
         transitions = 0

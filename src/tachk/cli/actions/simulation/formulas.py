@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.model.network import Network
@@ -22,11 +21,24 @@ from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
 
-def formulas_for(given: str | None, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
-    """A formula, a sentence, or those of a file; the constants count for files that may use them."""
+def formulas_for(
+    given: str | None, network: Network, chosen: Mapping[str, object] | None = None
+) -> tuple[NamedFormula, ...]:
+    """A formula, a sentence, or those of a file, about runs of a model.
+
+    The constants of the model have their values in them. A file of formulas may have constants of its own, which come
+    first.
+
+    Args:
+        chosen: values of constants of the model that count in the place of a constant of the file, too.
+    """
     if given is None:
         return ()
-    return read_formulas(given, dict(definitions) if Path(given).suffix in (".ta", ".xta", ".xml", ".stl") else {})
+    formulas = read_formulas(given)
+    own = {name for each in formulas for name in each.constant_names}
+    if values := {name: str(value) for name, value in (chosen or {}).items() if name in own}:
+        formulas = read_formulas(given, values)
+    return tuple(replace(each, constants={**dict(network.constants), **(each.constants or {})}) for each in formulas)
 
 
 def columns_with(network: Network, record: Sequence[str], formulas: Iterable[NamedFormula]) -> tuple[Column, ...]:
@@ -73,6 +85,8 @@ def truths_on(trace: Trace, formulas: tuple[NamedFormula, ...]) -> dict[str, Tru
     """The verdict of each formula."""
     if not formulas:
         return {}
-    conditions = [replace(each, formula=with_numbers_as_conditions(each.formula)) for each in formulas]
-    verdicts = judge(conditions, open_trace(trace), Judging(robustness=False)).verdicts
+    recording = open_trace(trace)
+    whole = (each.within(recording.columns) for each in formulas)
+    conditions = [replace(each, formula=with_numbers_as_conditions(each.formula)) for each in whole]
+    verdicts = judge(conditions, recording, Judging(robustness=False)).verdicts
     return {verdict.name: verdict.truth for verdict in verdicts}

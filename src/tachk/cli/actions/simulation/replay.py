@@ -60,7 +60,7 @@ def run_replay(asked: Replaying) -> ExitStatus:
         print(f"{asked.file}: no run of {asked.model}: {where}")
         print_diagnostics([refusal_diagnostic(replayed.refusal)])
     statuses = [ExitStatus.AS_EXPECTED if replayed.refusal is None else ExitStatus.NOT_AS_EXPECTED]
-    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in about.constants.items()})
+    formulas = formulas_for(asked.formulas, network, about.constants)
     if asked.output is not None:
         write_run(asked.output, names, trace, asked.record, formulas, asked.model, about.constants)
     truths = judged_run(names, trace, formulas, str(asked.file))

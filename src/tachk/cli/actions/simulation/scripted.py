@@ -42,7 +42,7 @@ def run_script(asked: Script) -> ExitStatus:
     replayed = replay_claims(names, claimed)
     if replayed.refusal is not None:
         raise InputError([refusal_diagnostic(replayed.refusal)])
-    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in about.constants.items()})
+    formulas = formulas_for(asked.formulas, about.model.network, about.constants)
     if asked.output is not None:
         write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, about.constants)
     truths = judged_run(names, replayed.trace, formulas, str(asked.file))

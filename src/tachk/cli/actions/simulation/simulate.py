@@ -117,7 +117,7 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     model = simulated_model(asked.model, **definitions)
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
-    formulas = formulas_for(asked.formulas, definitions)
+    formulas = formulas_for(asked.formulas, network, definitions)
     until = horizon_of(asked.until, network.time_unit)
     columns = columns_with(network, asked.record, formulas)
     wanted = ordered(network, orders_of(asked.faults))
