@@ -19,7 +19,7 @@ from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.meaning.run_view import Snapshot, view_trace
 from tachk.syntax import ast
-from tachk.syntax.formula import Atom, Formula, TruthConstant
+from tachk.syntax.formula import And, Atom, Formula, Not, Or, TruthConstant, operands
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
 from tachk.verify.requirements.folding import folded
@@ -209,7 +209,10 @@ class _Analyst:
         if isinstance(each.formula, TruthConstant):
             return each.formula.value
         encoded = rewrite(each.formula, self._encoded)
-        verdict = self._verdict(self._world(others, speaking=each).text(), print_formula(encoded), decided=False)
+        text = print_formula(encoded)
+        if _is_condition(encoded):  # about the beginning: models have no such property
+            text = f"F[0, 0] ({text})"
+        verdict = self._verdict(self._world(others, speaking=each).text(), text, decided=False)
         return verdict.answer is Answer.HOLDS
 
     def _vacuity(self, each: Requirement) -> None:
@@ -336,3 +339,14 @@ def _forbids(rule: RequirementRule) -> bool:
 
 def _listed(requirements: Sequence[Requirement]) -> str:
     return ", ".join(each.name for each in requirements)
+
+
+def _is_condition(formula: Formula) -> bool:
+    """Whether no operator in it speaks of time."""
+    pending = [formula]
+    while pending:
+        each = pending.pop()
+        if not isinstance(each, (TruthConstant, Atom, Not, And, Or)):
+            return False
+        pending += operands(each)
+    return True

@@ -53,6 +53,11 @@ def findings(*texts: str) -> list[tuple[str, str, str]]:
         # That something never happens is what these say.
         (["G (p -> false)", "G (p && q -> 3 < 2)"], [("redundant", "b", "a")]),
         (["G !p", "G (q -> G[0,2] false)"], []),
+        # About the beginning alone.
+        (["p && q", "G p"], []),
+        (["p || !q", "G p"], [("redundant", "a", "b")]),
+        (["x < 3", "x < 2", "G (x > 1)"], [("redundant", "a", "b")]),
+        (["p", "!p"], [("inconsistent", "ab", "")]),
         # Without any signal.
         (["G false"], [("inconsistent", "a", "")]),
         (["G true"], [("redundant", "a", "")]),
