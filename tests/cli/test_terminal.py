@@ -185,6 +185,17 @@ def test_closed_streams_leave_the_status(model: Path, command: str, closed: str)
     assert "Traceback" not in done.stderr
 
 
+def test_requirements_for_which_nobody_waits(tmp_path: Path) -> None:
+    path = tmp_path / "r.stl"
+    path.write_text("G true\n", encoding="utf-8")
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "tachk", "requirements", str(path)]
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (-signal.SIGPIPE, b"")
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device that is always full")
 @pytest.mark.parametrize("arguments", [["--help"], ["verify", "--help"]])
 def test_a_full_disk_is_told(arguments: list[str]) -> None:

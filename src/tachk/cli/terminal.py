@@ -112,15 +112,10 @@ class _WithoutBlanksAtEnds:
 
 def console(stream: TextIO) -> Console:
     """What prints reports on a stream."""
-    from rich.console import Console
-
-    class Report(Console):
-        def on_broken_pipe(self) -> None:
-            """rich would end the program with status 1."""
-            raise BrokenPipeError
+    from tachk.report.plain_console import ReportConsole
 
     plain = not stream.isatty() and not wants_colour(stream)
-    return Report(
+    return ReportConsole(
         file=cast("IO[str]", _WithoutBlanksAtEnds(stream)) if plain else stream,
         highlight=False,
         emoji=False,

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any, TextIO
 
-from rich.console import Console
-
 from tachk.base.diagnostics.render_json import diagnostic_to_json
 from tachk.meaning.run_view import view_trace
 from tachk.model.network import Network
 from tachk.model.quantity import duration, grouped, seconds
 from tachk.report.json_report import statistics_to_json, trace_to_json
+from tachk.report.plain_console import ReportConsole
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_text import print_trace
 from tachk.verify.semantic_lint.findings import DeepCheck, LintAnswer
@@ -35,7 +34,7 @@ def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
         loops = evidence.run.loop_start is not None
         told = f"shown by {run}, which goes on for ever" if loops else f"reached by {run}, at time {end}"
         print(f"\n{evidence.finding.code} at {evidence.finding.span} is {told}:", file=out)
-        console = Console(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
+        console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
         print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
 
 

@@ -7,6 +7,13 @@ from typing import TextIO
 from rich.console import Console
 
 
+class ReportConsole(Console):
+    """Leaves to the program what happens where nobody reads on: rich would end it with status 1."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
 def plain_console(out: TextIO, width: int = 1000) -> Console:
     """What prints on `out` and nowhere else.
 
@@ -16,7 +23,7 @@ def plain_console(out: TextIO, width: int = 1000) -> Console:
     Args:
         width: in columns; the default is wide enough for no line to be broken.
     """
-    return Console(
+    return ReportConsole(
         file=out,
         width=width,
         highlight=False,

@@ -7,8 +7,6 @@ from fractions import Fraction
 from math import lcm
 from pathlib import Path
 
-from rich.console import Console
-
 from tachk.cli.actions.requirements.report import tell, to_json
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
@@ -17,6 +15,7 @@ from tachk.cli.reporting import ReportForm
 from tachk.engine.options import Limits
 from tachk.logic.durations import scaled
 from tachk.recordings.monitors.formulas import NamedFormula, in_trace_units, read_formulas
+from tachk.report.plain_console import ReportConsole
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.walk import nodes_of_kind
 from tachk.verify.requirements.analysis import analyse
@@ -45,7 +44,7 @@ def run_requirements(
         if form is ReportForm.JSON:
             print(json.dumps(to_json(analysis, named, unit, scale), indent=2, ensure_ascii=False), file=out)
         else:
-            console = Console(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
+            console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
             tell(analysis, unit, scale, console)
     if analysis.findings:
         return ExitStatus.NOT_AS_EXPECTED
