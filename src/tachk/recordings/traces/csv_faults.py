@@ -77,7 +77,8 @@ def _advice_on_a_cell(value: str, is_time: bool) -> str:
         return f"numbers are written without separators of thousands: {grouped[1].replace(',', '')}"
     if _DECIMAL_COMMA.fullmatch(value.strip('"')):
         point = value.strip().strip('"').replace(",", ".")
-        return f"numbers have a decimal point: {point}; a decimal comma stands in all numbers of a file, between semicolons or tabs"
+        comma = "a decimal comma stands in all numbers of a file, between semicolons or tabs"
+        return f"numbers have a decimal point: {point}; {comma}"
     if is_time and _DATE.match(value):
         return "dates are written as 2026-03-01T12:00:00.25Z, and then all times are dates"
     if is_time:
