@@ -145,9 +145,12 @@ def _value(name: str, value: object) -> int | str:
     if isinstance(value, str):
         return value
     try:
-        return index(value)  # type: ignore[arg-type]
+        number = index(value)  # type: ignore[arg-type]
     except TypeError:
         raise UsageError(f"over: {value!r} is not a value of {name}", _IN_PYTHON) from None
+    if not -(2**31) <= number < 2**31:
+        raise UsageError(f"over: {name} has a value that does not fit into 32 bits")
+    return number
 
 
 def _split(listed: str) -> list[str]:
