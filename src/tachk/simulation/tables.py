@@ -16,6 +16,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.time_units import NANOSECONDS
 from tachk.base.whole_files import whole_file, whole_text
 from tachk.recordings.traces.trace import LARGEST_TICK, Trace
+from tachk.recordings.traces.vcd_units import time_comment
 
 RUN = "{run}"
 """Stands for the number of the run in the name of a file for each run."""
@@ -179,7 +180,8 @@ def _write_vcd(trace: Trace, out: TextIO) -> None:
     from vcd import VCDWriter
 
     scale, tick = _vcd_scale(trace)
-    with VCDWriter(out, timescale=scale, date="", comment=trace.name) as dump:
+    comment = f"{trace.name}\n{time_comment(trace.unit)}"
+    with VCDWriter(out, timescale=scale, date="", comment=comment) as dump:
         variables = {}
         kept = dict(_columns(trace))
         for name, values in kept.items():

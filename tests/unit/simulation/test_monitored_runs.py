@@ -73,3 +73,20 @@ def test_a_store_knows_what_formulas_said(model: str) -> None:
     before = str(JudgedRuns("f.stl", "9", 5, 0))
     Path("f.stl").write_text("const C = 3\na: F[0, C] P.B\n", encoding="utf-8")
     assert str(JudgedRuns("f.stl", "9", 5, 0)) != before
+
+
+@pytest.mark.parametrize("unit", ["", "time_unit = 1 ms;", "time_unit = 10 us;", "time_unit = 1 min;"])
+def test_written_runs_have_the_unit_of_their_model(unit: str, model: str) -> None:
+    """Bounds without unit are meant in it, whatever a dump counts its time in."""
+    Path("u.ta").write_text(unit + MODEL.replace("T = 1", "T = 4"), encoding="utf-8")
+    for ending in ("csv", "vcd"):
+        CliRunner().invoke(app, ["simulate", "u.ta", "--until", "9", "-o", f"run.{ending}"])
+        result = CliRunner().invoke(app, ["monitor", "u.ta", f"run.{ending}"])
+        assert (result.exit_code, "1 true" in result.output) == (0, True), result.output
+    plain = [tachk.monitor("F[0, 4] P.B", f"run.{ending}").to_text() for ending in ("csv", "vcd")]
+    assert plain[0].replace("run.csv", "run.vcd") == plain[1]
+
+
+def test_values_that_are_too_large_for_a_constant(model: str) -> None:
+    with pytest.raises(tachk.UsageError, match="does not fit into 32 bits"):
+        tachk.load(model).sweep(over={"T": [10**20]}, processes=1)

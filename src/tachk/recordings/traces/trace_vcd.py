@@ -17,6 +17,7 @@ from tachk.recordings.traces.trace_arrays import trace_of, whole_times
 from tachk.recordings.traces.trace_header import known_unit, no_such_column
 from tachk.recordings.traces.vcd_rows import VcdRows, VcdVariable, fault_at
 from tachk.recordings.traces.vcd_stream import VcdStream
+from tachk.recordings.traces.vcd_units import told_scale
 
 _TICKS_PER_UNIT = {"s": ("s", 1), "ms": ("ms", 1), "us": ("us", 1), "ns": ("ns", 1), "ps": ("ns", 10**3)}
 _FEMTOSECONDS = ("ns", 10**6)
@@ -127,18 +128,21 @@ def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     except VCDParseError as error:
         raise fault_at(name, str(error).split(": ", 1)[-1], error.loc) from None
-    if unit is not None and known_unit(unit) != shown:
+    if unit is not None and known_unit(unit) != (shown or known_unit(unit)):
         raise UsageError(f"{name} counts its time in {shown}, not in {unit}", "its $timescale says so")
-    return VcdRecording(name, variables, shown, ticks, magnitude)
+    return VcdRecording(name, variables, shown or known_unit(unit or ""), ticks, magnitude)
 
 
 def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable, ...], tuple[str, int], int]:
     """The variables, the unit of time with its ticks, and the ticks between two numbers of the time."""
     scopes: list[str] = []
     variables: dict[str, VcdVariable] = {}
+    comments: list[str] = []
     scale, magnitude = ("ns", 1), 1
     for token in tokens:
         match token.kind:
+            case TokenKind.COMMENT:
+                comments.append(token.comment)
             case TokenKind.SCOPE:
                 scopes.append(token.scope.ident)
             case TokenKind.UPSCOPE if scopes:
@@ -151,7 +155,7 @@ def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable
                 if variables.setdefault(variable.name, variable).code != variable.code:
                     raise UsageError(f"{name} has two variables {variable.name!r}")
             case TokenKind.ENDDEFINITIONS:
-                return tuple(variables.values()), scale, magnitude
+                return tuple(variables.values()), told_scale(comments, scale), magnitude
             case _:
                 pass
     raise fault_at(name, "the declarations do not end with $enddefinitions", Location(1, 1))

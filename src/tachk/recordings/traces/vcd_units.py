@@ -1,0 +1,34 @@
+"""The unit of time that a run of a model had before it became a value change dump.
+
+A dump counts its time in seconds or smaller parts of them. Bounds without unit are meant in the unit of the model, and
+times of a model without unit are no seconds: a comment of the dump says it.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from tachk.base.time_units import NANOSECONDS
+
+_BEGIN = "times of tachk: "
+_NO_UNIT = "no unit"
+
+
+def time_comment(unit: str) -> str:
+    """What the dump of a run says of the unit of the model; empty: the model has none, and the dump takes seconds."""
+    return _BEGIN + (unit or _NO_UNIT)
+
+
+def told_scale(comments: list[str], scale: tuple[str, int]) -> tuple[str, int]:
+    """The unit of times, and how many ticks it has.
+
+    Args:
+        scale: those of the dump, without regard to its comments.
+    """
+    lines = [line.strip() for text in comments for line in text.splitlines()]
+    told = next((line.removeprefix(_BEGIN) for line in lines if line.startswith(_BEGIN)), None)
+    if told is None or told not in (*NANOSECONDS, _NO_UNIT):
+        return scale
+    unit, ticks = scale
+    count = Fraction(NANOSECONDS.get(told, NANOSECONDS["s"]), NANOSECONDS[unit]) * ticks
+    return ("" if told == _NO_UNIT else told, int(count)) if count.denominator == 1 else scale
