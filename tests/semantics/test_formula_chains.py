@@ -34,8 +34,10 @@ FORMULAS = [
     (" && ".join(f"G n != {LONG - 2 - i}" for i in range(LONG)), False),
     ("G (" + " + ".join(["n"] * LONG) + f" <= {4 * LONG})", True),
     ("G " + "!" * (LONG + 1) + "(n == 9)", True),
-    ("G (" + " xor ".join(["n >= 0"] * 40) + ")", False),
-    ("G (" + " xor ".join(["n >= 0"] * 41) + ")", True),
+    ("G (" + " xor ".join(["n >= 0"] * DEEP) + ")", False),
+    ("G (" + " xor ".join(["n >= 0"] * (DEEP + 1)) + ")", True),
+    ("G (" + " xor ".join(f"n < {5 + i}" for i in range(31)) + ")", True),
+    ("G (" + " xor ".join(f"n < {4 + i}" for i in range(31)) + ")", False),
     ("G (" + "n == 9 imply " * DEEP + "n >= 0)", True),
     ("G (" + "n >= 0 imply " * DEEP + "n == 9)", False),
     ("G (" + "n == 9 || n == 7 imply " * DEEP + "n == 9)", False),
@@ -65,6 +67,18 @@ def test_verified_and_monitored_alike(formula: str, expected: bool) -> None:
     assert verdict.answer == ("holds" if expected else "fails")
     found = tachk.monitor(formula, {"time": list(range(10)), "n": [t % 5 for t in range(10)]})
     assert found.truth is (Truth.TRUE if expected else Truth.FALSE)
+
+
+@pytest.mark.parametrize("links", [2, 5, 31, DEEP])
+def test_the_robustness_of_a_chain_of_differences(links: int) -> None:
+    """It is that of the nearest threshold; the truth is the parity of the thresholds above."""
+    chain = " xor ".join(f"x > {2 * i}" for i in range(links))
+    for value in (-1, 1, 2 * links - 3, 2 * links + 1):
+        found = tachk.monitor(f"G ({chain})", {"time": [0, 1], "x": [value, value]}, end="weak")
+        above = sum(value > 2 * i for i in range(links))
+        assert found.truth is (Truth.TRUE if above % 2 else Truth.FALSE)
+        nearest = min(abs(value - 2 * i) for i in range(links))
+        assert found[0].robustness[1] == (nearest if above % 2 else -nearest)
 
 
 def test_conditional_chains_are_verified() -> None:

@@ -26,8 +26,48 @@ void fold_into(Value* left, const Value* right, std::size_t count) {
 }  // namespace
 
 template <class Value>
+PointwiseEvaluator<Value>::PointwiseEvaluator(const MonitorProgram& program) : program_(&program), atoms_(program) {
+  std::vector<std::size_t> uses(program.nodes.size());
+  for (const MonitorNode& node : program.nodes)
+    for (const std::size_t operand : node.operands) ++uses[operand];
+  for (std::size_t number = 0; number < program.nodes.size(); ++number) {
+    const NodeKind kind = program.nodes[number].kind;
+    const bool combines =
+        kind == NodeKind::logical_not || kind == NodeKind::logical_and || kind == NodeKind::logical_or;
+    shared_.push_back(uses[number] > 1 && combines);
+  }
+}
+
+template <class Value>
+const std::vector<std::size_t>& PointwiseEvaluator<Value>::shared_below(const StreamNode& leaf) {
+  const std::vector<std::size_t> roots = leaf.parts.empty() ? std::vector{leaf.source} : leaf.parts;
+  const auto [found, is_new] = shared_below_.try_emplace(roots);
+  if (!is_new) return found->second;
+  std::vector<bool> seen(program_->nodes.size());
+  std::vector<std::size_t> open;
+  const auto meet = [&](std::size_t number) {
+    if (!seen[number]) open.push_back(number);
+    seen[number] = true;
+  };
+  for (const std::size_t root : roots) meet(root);
+  while (!open.empty()) {
+    const std::size_t number = open.back();
+    open.pop_back();
+    if (shared_[number]) found->second.push_back(number);
+    for (const std::size_t operand : program_->nodes[number].operands) meet(operand);
+  }
+  std::sort(found->second.begin(), found->second.end());
+  return found->second;
+}
+
+template <class Value>
 const Value* PointwiseEvaluator<Value>::evaluate(const StreamNode& leaf, const Samples& samples, std::size_t first,
                                                  std::size_t count) {
+  kept_.clear();
+  for (const std::size_t shared : shared_below(leaf)) {
+    node(shared, false, 0, samples, first, count);
+    kept_[shared].assign(blocks_[0].begin(), blocks_[0].begin() + static_cast<std::ptrdiff_t>(count));
+  }
   if (leaf.parts.empty()) {
     node(leaf.source, leaf.dual, 0, samples, first, count);
   } else {
@@ -43,6 +83,14 @@ void PointwiseEvaluator<Value>::node(std::size_t number, bool negated, std::size
   if (blocks_.size() <= depth) blocks_.resize(depth + 1, std::vector<Value>(AtomEvaluator::block));
   const MonitorNode& what = program_->nodes[number];
   Value* out = blocks_[depth].data();
+  if (shared_[number]) {
+    const auto kept = kept_.find(number);
+    if (kept != kept_.end()) {
+      std::transform(kept->second.begin(), kept->second.end(), out,
+                     [&](Value value) { return negated ? opposite(value) : value; });
+      return;
+    }
+  }
   switch (what.kind) {
     case NodeKind::always_false:
     case NodeKind::always_true:
@@ -84,15 +132,24 @@ void PointwiseEvaluator<Value>::junction(const std::vector<std::size_t>& operand
 }
 
 template <class Value>
-Value PointwiseEvaluator<Value>::with_all(const StreamNode& leaf, Value value) const {
+Value PointwiseEvaluator<Value>::with_all(const StreamNode& leaf, Value value) {
+  kept_with_all_.clear();
+  for (const std::size_t shared : shared_below(leaf)) {
+    for (const bool negated : {false, true}) {
+      const Value worth = node_with_all(shared, negated, value);
+      kept_with_all_[{shared, negated}] = worth;
+    }
+  }
   if (leaf.parts.empty()) return node_with_all(leaf.source, leaf.dual, value);
   const bool conjunction = (program_->nodes[leaf.source].kind == NodeKind::logical_and) != leaf.dual;
   return junction_with_all(leaf.parts, leaf.dual, conjunction, value);
 }
 
 template <class Value>
-Value PointwiseEvaluator<Value>::node_with_all(std::size_t number, bool negated, Value value) const {
+Value PointwiseEvaluator<Value>::node_with_all(std::size_t number, bool negated, Value value) {
   const MonitorNode& what = program_->nodes[number];
+  const auto kept = kept_with_all_.find({number, negated});
+  if (kept != kept_with_all_.end()) return kept->second;
   switch (what.kind) {
     case NodeKind::always_false:
     case NodeKind::always_true:
@@ -108,7 +165,7 @@ Value PointwiseEvaluator<Value>::node_with_all(std::size_t number, bool negated,
 
 template <class Value>
 Value PointwiseEvaluator<Value>::junction_with_all(const std::vector<std::size_t>& operands, bool negated,
-                                                   bool conjunction, Value value) const {
+                                                   bool conjunction, Value value) {
   Value result = node_with_all(operands[0], negated, value);
   for (std::size_t n = 1; n < operands.size(); ++n) {
     const Value other = node_with_all(operands[n], negated, value);

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "monitoring/monitor_samples.hpp"
@@ -15,12 +17,12 @@ namespace tachk {
 template <class Value>
 class PointwiseEvaluator {
  public:
-  explicit PointwiseEvaluator(const MonitorProgram& program) : program_(&program), atoms_(program) {}
+  explicit PointwiseEvaluator(const MonitorProgram& program);
 
   // The result stays where it is until the next call.
   const Value* evaluate(const StreamNode& leaf, const Samples& samples, std::size_t first, std::size_t count);
   // The worth of the leaf if every atom and every negated atom had this value.
-  Value with_all(const StreamNode& leaf, Value value) const;
+  Value with_all(const StreamNode& leaf, Value value);
   AtomEvaluator& atoms() { return atoms_; }
 
  private:
@@ -28,12 +30,19 @@ class PointwiseEvaluator {
             std::size_t count);
   void junction(const std::vector<std::size_t>& operands, bool negated, bool conjunction, std::size_t depth,
                 const Samples& samples, std::size_t first, std::size_t count);
-  Value node_with_all(std::size_t number, bool negated, Value value) const;
-  Value junction_with_all(const std::vector<std::size_t>& operands, bool negated, bool conjunction, Value value) const;
+  // The combinations below a leaf of which several operators take the value, operands before operators.
+  const std::vector<std::size_t>& shared_below(const StreamNode& leaf);
+  Value node_with_all(std::size_t number, bool negated, Value value);
+  Value junction_with_all(const std::vector<std::size_t>& operands, bool negated, bool conjunction, Value value);
 
   const MonitorProgram* program_;
   AtomEvaluator atoms_;
   std::vector<std::vector<Value>> blocks_;  // intermediate results by depth
+  // A chain of `xor` takes each of its beginnings twice, and would double the work with every link.
+  std::vector<bool> shared_;                                                   // by node
+  std::map<std::vector<std::size_t>, std::vector<std::size_t>> shared_below_;  // by the nodes that a leaf combines
+  std::map<std::size_t, std::vector<Value>> kept_;                             // of shared nodes, in this block
+  std::map<std::pair<std::size_t, bool>, Value> kept_with_all_;                // of shared nodes and their negations
 };
 
 // Where a trace stands between two blocks.
