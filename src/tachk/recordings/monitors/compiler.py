@@ -87,6 +87,15 @@ def columns_read(formula: syntax.Formula) -> frozenset[str]:
     return frozenset(name for atom in nodes_of_kind(formula, syntax.Atom, syntax.Change) for name in _names(atom))
 
 
+def changed_columns(formulas: Collection[syntax.Formula]) -> frozenset[str]:
+    """The columns of which formulas say only that they change: they may hold numbers or texts."""
+    changes = [change for formula in formulas for change in nodes_of_kind(formula, syntax.Change)]
+    others: list[object] = [atom for formula in formulas for atom in nodes_of_kind(formula, syntax.Atom)]
+    others += [change for change in changes if not isinstance(change.expression, COLUMN_NAMES)]
+    bare = {column_name(each.expression) for each in changes if isinstance(each.expression, COLUMN_NAMES)}
+    return frozenset(bare.difference(name for other in others for name in _names(other)))
+
+
 def _names(node: object) -> Iterator[str]:
     """Members and elements count as a whole, so that `P.loc` does not name `P`."""
     inside: set[int] = set()

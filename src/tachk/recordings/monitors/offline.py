@@ -12,8 +12,8 @@ from functools import lru_cache
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.recordings.monitors.compiler import changed_columns, ticks_needed
 from tachk.recordings.monitors.compiler import compile as compile_formula
-from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.conditions import condition_findings
 from tachk.recordings.monitors.formulas import (
     NamedFormula,
@@ -111,7 +111,8 @@ def prepare(
     if found:
         raise InputError(found)
     texts = frozenset(name for formula, _ in resolved for name in text_columns(formula))
-    read = with_texts(recording, texts & wanted).read(wanted - {TIME} if TIME in of_rows else wanted)
+    changing = changed_columns([formula for formula, _ in resolved]) & wanted
+    read = with_texts(recording, texts & wanted, changing).read(wanted - {TIME} if TIME in of_rows else wanted)
     trace = with_row_columns(read, of_rows).refined(math.lcm(*(ticks for _, ticks in resolved)))
     trace = replace(trace, interpolation=interpolation)
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")

@@ -28,6 +28,12 @@ _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+")
 _ENDS_OF_LINES = "end lines with a line feed, and put names with other control characters between double quotes"
 
 
+_LOOKED_AT = 100
+"""Lines that tell which columns hold numbers."""
+
+_MISSING = ("", "nan", "na", "null")
+
+
 class ByteStream(Protocol):
     """What is asked of a file or pipe; `io.BufferedReader` has it."""
 
@@ -46,6 +52,7 @@ class CsvBeginning:
     read: what was read behind the header.
     point: what stands before the decimals of numbers, a comma or a point.
     dates: the times are dates.
+    worded: the columns whose first cell with a value is no number.
     """
 
     header: TraceHeader
@@ -54,6 +61,7 @@ class CsvBeginning:
     read: bytes
     point: str
     dates: bool
+    worded: frozenset[str]
 
 
 def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | None, waiting: bool) -> CsvBeginning:
@@ -72,7 +80,8 @@ def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | 
     if dates:
         header = replace(header, unit=agreed_unit("s", header.unit or unit, name))
     sample = begin if waiting else begin + stream.read1(_SAMPLE)
-    return CsvBeginning(header, separator, line, sample, _point(sample, separator), dates)
+    point = _point(sample, separator)
+    return CsvBeginning(header, separator, line, sample, point, dates, _worded(sample, header, separator, point))
 
 
 def _first_row(stream: ByteStream) -> bytes:
@@ -103,6 +112,21 @@ def _point(sample: bytes, separator: str) -> str:
     if all(_THOUSANDS.fullmatch(cell) for cell in commas) or any(_WITH_POINT.fullmatch(cell) for cell in cells):
         return "."
     return ","
+
+
+def _worded(sample: bytes, header: TraceHeader, separator: str, point: str) -> frozenset[str]:
+    left = dict(enumerate(header.names))
+    words = set()
+    for line in sample.decode("utf-8", "replace").splitlines()[:_LOOKED_AT]:
+        for place, cell in enumerate(() if line.startswith("#") else _cells(line.replace("\0", ""), separator)):
+            text = cell.strip().lower()
+            if place in left and text not in _MISSING:
+                name = left.pop(place)
+                if text not in ("true", "false") and not _is_number(text.replace(point, ".")):
+                    words.add(name)
+        if not left:
+            break
+    return frozenset(words)
 
 
 def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[TraceHeader, str, int]:

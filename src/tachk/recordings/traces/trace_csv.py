@@ -82,6 +82,7 @@ class CsvRecording:
         texts: the columns whose cells are texts.
         decimals: times are rounded to so many; None: only those that were binary numbers are rounded.
         point: what stands before the decimals of numbers, a comma or a point.
+        worded: the columns whose first cells are no numbers.
     """
 
     name: str
@@ -94,6 +95,7 @@ class CsvRecording:
     texts: frozenset[str] = frozenset()
     decimals: int | None = None
     point: str = "."
+    worded: frozenset[str] = frozenset()
 
     @property
     def unit(self) -> str:
@@ -339,7 +341,9 @@ def open_csv_stream(stream: ByteStream, name: str, time: str | None = None, unit
 
 
 def _recording(name: str, opened: Callable[[], ByteStream], begin: CsvBeginning, size: int | None) -> CsvRecording:
-    return CsvRecording(name, opened, begin.header, begin.separator, begin.line, size, begin.dates, point=begin.point)
+    header, line = begin.header, begin.line
+    recording = CsvRecording(name, opened, header, begin.separator, line, size, begin.dates, point=begin.point)
+    return replace(recording, worded=begin.worded)
 
 
 class PushedBack:

@@ -63,6 +63,7 @@ def formula(random: Random, network: Network, depth: int = 2) -> str:
             f"({one} && {two})",
             f"!{one}",
             f"rise({condition(random, network)})",
+            f"change({random.choice(network.processes).name})",
         )
     )
 

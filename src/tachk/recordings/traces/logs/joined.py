@@ -181,22 +181,28 @@ def _rounding(recording: TraceSource, decimals: int) -> TraceSource:
             return recording
 
 
-def with_texts(recording: TraceSource, columns: Collection[str]) -> TraceSource:
+def with_texts(
+    recording: TraceSource, columns: Collection[str], changing: Collection[str] = frozenset()
+) -> TraceSource:
     """A recording that reads some columns as texts. Most see for themselves what holds texts; a cell of CSV could be
-    anything."""
-    if not columns:
+    anything.
+
+    Args:
+        changing: columns that are read as texts where their first cells are none of numbers.
+    """
+    if not columns and not changing:
         return recording
     match recording:
         case CsvRecording():
-            return replace(recording, texts=recording.texts.union(columns))
+            return replace(recording, texts=recording.texts.union(columns, recording.worded.intersection(changing)))
         case RoundedRecording(recording=exact):
-            return replace(recording, recording=with_texts(exact, columns))
+            return replace(recording, recording=with_texts(exact, columns, changing))
         case JoinedRecording(places=places, recordings=recordings):
-            own = [places[name] for name in columns if name in places]
-            parts = (
-                with_texts(part, [name for number, name in own if number == place])
-                for place, part in enumerate(recordings)
-            )
+
+            def own(names: Collection[str], place: int) -> list[str]:
+                return [places[name][1] for name in names if name in places and places[name][0] == place]
+
+            parts = (with_texts(part, own(columns, n), own(changing, n)) for n, part in enumerate(recordings))
             return replace(recording, recordings=tuple(parts))
         case _:
             return recording
