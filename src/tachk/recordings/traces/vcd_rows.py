@@ -77,6 +77,7 @@ class VcdRows:
     _unknown: dict[int, Location] = field(default_factory=dict)
     _arriving: frozenset[str] = frozenset()
     _changed: bool = True
+    _whole: int = 0
 
     def follow(self, tokens: Iterable[Token], stream: VcdStream) -> None:
         """Reads all changes of a stream. Raises InputError with the place of what is wrong, UsageError for no times."""
@@ -106,7 +107,9 @@ class VcdRows:
                 checkpoint = False
         if now is None:
             raise UsageError(f"{self.name} has no times", "its changes should stand behind lines such as #0")
-        if self._changed or not self.times or self.times[-1] != now:
+        if stream.open_instant and self.times:
+            self._end(self._whole)
+        elif self._changed or not self.times or self.times[-1] != now:
             self._settle(now, at, last=True)  # also without a change: the dump ends here
 
     def _begin(self) -> None:
@@ -145,7 +148,15 @@ class VcdRows:
         """The instant `now` is over."""
         if self._changed:
             self._settle(now, at, last=False)
-        self._changed, self._arriving = False, frozenset()
+        self._changed, self._arriving, self._whole = False, frozenset(), now
+
+    def _end(self, now: int) -> None:
+        """The last row of a dump that is cut off within the instant behind this one, of which some changes are missing:
+        what it says of that instant is left out."""
+        if self.times[-1] != now:
+            self.times.append(now)
+            self.values.append(self.values[-1])
+            self.arrived.append(frozenset())
 
     def _settle(self, now: int, at: Location, last: bool) -> None:
         """A row for the instant `now`, which the dump names at a place. Before a reset much is unknown: the trace

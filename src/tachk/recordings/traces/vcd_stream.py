@@ -33,6 +33,7 @@ class VcdStream(RawIOBase):
         half_written: something of the last line was left out.
         open_line: the number of the last line, where that has no line break and has been read.
         open_time: that line ends with a time.
+        open_instant: the file is cut off before all changes of its last instant are known to be there.
     """
 
     def __init__(self, name: str, codes: Collection[str] = ()) -> None:
@@ -50,6 +51,7 @@ class VcdStream(RawIOBase):
         self.half_written = False
         self.open_line: int | None = None
         self.open_time = False
+        self.open_instant = False
 
     def readable(self) -> bool:
         return True
@@ -65,6 +67,7 @@ class VcdStream(RawIOBase):
     def _take(self, read: bytes) -> None:
         if not read:
             self._ended = True
+            self.open_instant = self.torn is not None
             # pyvcd would read the name for ever with which a file ends: a line break follows
             self._ready = self._whole(self._tail) + b"\n"
             return
@@ -95,6 +98,7 @@ class VcdStream(RawIOBase):
         if complete or (line[-1:].isspace() and not needs_code):
             return line
         self.half_written = True
+        self.open_instant = not last.startswith(b"#")
         return line[: line.rindex(last)]
 
     def _is_code(self, word: bytes) -> bool:
