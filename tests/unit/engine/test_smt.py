@@ -184,6 +184,19 @@ def test_whoever_can_hear_a_broadcast_takes_part() -> None:
     assert outcome_of(never).goals[1].status is Status.UNREACHABLE
 
 
+def test_a_receiver_that_chooses_its_channel_is_called_behind_one_that_nobody_calls() -> None:
+    text = """
+    bool second = true;
+    chan lonely, both[2];
+    process Deaf() { init location A { to B { sync lonely?; } } location B; }
+    process Sender() { init location A { to B { sync both[1]!; } } location B; }
+    process Receiver() { init location A { to B { sync both[second ? 1 : 0]?; } } location B; }
+    system Deaf, Sender, Receiver;
+    property p : E<> Receiver.B;
+    """
+    assert status_of(text) is Status.REACHED
+
+
 def test_stopped_clocks_are_exact() -> None:
     text = """
     process P() {

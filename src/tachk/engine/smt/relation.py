@@ -231,6 +231,7 @@ class _Encoder:
         """The channels that an edge may name, whatever goes wrong."""
         assert instance.edge.synchronisation is not None
         before = len(machine.faults)
+        machine.path = True
         self._bind(machine, instance)
         named = {number for _, number in machine.clocks_named(instance.edge.synchronisation.channel)}
         del machine.faults[before:]
