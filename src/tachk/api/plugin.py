@@ -11,7 +11,7 @@ from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.base.whole_files import write_whole
 from tachk.base.words import Direction, QueryKind
-from tachk.meaning.constraints import Conjunction, Disjunction, compares_clocks, conditional_constraints, disjunctive
+from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints, disjunctive
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, bound_value, is_strict
 from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named, prepare
 from tachk.model.cell_layout import CellLayout, begun_clocks
@@ -36,7 +36,7 @@ from tachk.model.network import Edge, Location, Network
 from tachk.model.quantity import bytes_
 from tachk.model.query import Query
 from tachk.model.run import Participant
-from tachk.model.traversal import process_expressions, walk, written_variables
+from tachk.model.traversal import depends_on_clocks, process_expressions, walk, written_variables
 from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarLike, Type, bounds, cell_count
 
 __all__ = [
@@ -85,9 +85,9 @@ __all__ = [
     "bytes_",
     "cell_count",
     "channel_named",
-    "compares_clocks",
     "conditional_constraints",
     "conjuncts",
+    "depends_on_clocks",
     "disjunctive",
     "evaluate",
     "execute",

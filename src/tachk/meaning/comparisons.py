@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.time_limit import check_time
-from tachk.meaning.constraints import FALSE, TRUE, compares_clocks, disjunctive
+from tachk.meaning.constraints import FALSE, TRUE, disjunctive
 from tachk.meaning.dbm import Constraint
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
@@ -23,6 +23,7 @@ from tachk.model.expressions import (
     Variable,
 )
 from tachk.model.fault import EvaluationFault
+from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ClockType, ScalarLike, bounds
 
 Dependence = bool | frozenset[Constraint]
@@ -40,7 +41,7 @@ def comparisons(predicate: Expression, environment: Environment) -> frozenset[Co
 
 def _dependence(predicate: Expression, environment: Environment) -> Dependence:
     check_time()
-    if not compares_clocks(predicate):
+    if not depends_on_clocks(predicate):
         try:
             return evaluate(predicate, environment) != 0
         except EvaluationFault:

@@ -14,26 +14,9 @@ from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.time_limit import check_time
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, add, bound_value, complement, raw_bound
 from tachk.model.evaluate import Environment, clock_number, evaluate
-from tachk.model.expressions import (
-    Aggregate,
-    Assign,
-    Binary,
-    Call,
-    Comma,
-    Conditional,
-    Constant,
-    Deadlock,
-    Expression,
-    Field,
-    Increment,
-    Index,
-    LocationTest,
-    Quantifier,
-    QuantifierKind,
-    Reference,
-    Unary,
-)
+from tachk.model.expressions import Binary, Comma, Conditional, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.fault import EvaluationFault
+from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ClockType, ScalarLike, bounds
 
 Conjunction = tuple[Constraint, ...]
@@ -50,34 +33,6 @@ class TooManyConjunctionsError(Exception):
     """A condition is a disjunction of more conjunctions than its reader allows."""
 
 
-def compares_clocks(expression: Expression) -> bool:
-    """Whether the value of a condition depends on clocks."""
-    match expression:
-        case Unary(_, operand):
-            return compares_clocks(operand)
-        case Binary(_, left, right):
-            return any(isinstance(side.type, ClockType) or compares_clocks(side) for side in (left, right))
-        case Conditional(condition, then, otherwise):
-            return any(compares_clocks(e) for e in (condition, then, otherwise))
-        case Quantifier(_, _, body):
-            return compares_clocks(body)
-        case Comma(items):
-            return any(compares_clocks(i) for i in items)
-        case (
-            Constant()
-            | Reference()
-            | Index()
-            | Field()
-            | Aggregate()
-            | Assign()
-            | Increment()
-            | Call()
-            | LocationTest()
-            | Deadlock()
-        ):
-            return False
-
-
 def conditional_constraints(condition: Expression | None, environment: Environment) -> Disjunction:
     """The disjunctive normal form of a guard or an invariant; None stands for true.
 
@@ -88,12 +43,12 @@ def conditional_constraints(condition: Expression | None, environment: Environme
     if condition is None:
         return TRUE
     for excuses, part, positive in _parts(condition, True, (), environment):
-        if not compares_clocks(part) and not _excused(excuses, environment):
+        if not depends_on_clocks(part) and not _excused(excuses, environment):
             if (evaluate(part, environment) != 0) is not positive:
                 return FALSE
     result = TRUE
     for excuses, part, positive in _parts(condition, True, (), environment):
-        if compares_clocks(part) and not _excused(excuses, environment):
+        if depends_on_clocks(part) and not _excused(excuses, environment):
             result = conjunction(result, disjunctive(part, environment, not positive))
     return result
 
@@ -111,7 +66,7 @@ def _parts(
 ) -> Iterator[tuple[_Excuses, Expression, bool]]:
     """The conjuncts of a condition, or (not positive) of its negation, with what excuses from each; quantified
     variables are bound in the environment while one is looked at."""
-    if not compares_clocks(condition):
+    if not depends_on_clocks(condition):
         yield excuses, condition, positive
         return
     match condition:
@@ -122,13 +77,13 @@ def _parts(
             if (operator is BinaryOperator.AND) is positive:
                 yield from _parts(left, left_positive, excuses, environment)
                 yield from _parts(right, positive, excuses, environment)
-            elif not compares_clocks(left):
+            elif not depends_on_clocks(left):
                 yield from _parts(right, positive, (*excuses, (left, left_positive)), environment)
-            elif not compares_clocks(right):
+            elif not depends_on_clocks(right):
                 yield from _parts(left, left_positive, (*excuses, (right, positive)), environment)
             else:
                 yield excuses, condition, positive
-        case Conditional(test, then, otherwise) if not compares_clocks(test):
+        case Conditional(test, then, otherwise) if not depends_on_clocks(test):
             yield from _parts(then, positive, (*excuses, (test, False)), environment)
             yield from _parts(otherwise, positive, (*excuses, (test, True)), environment)
         case Quantifier(kind, variable, body) if kind is (QuantifierKind.FORALL if positive else QuantifierKind.EXISTS):
@@ -216,7 +171,7 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
     """
     if condition is None:
         return FALSE if negated else TRUE
-    if not compares_clocks(condition):
+    if not depends_on_clocks(condition):
         return TRUE if (evaluate(condition, environment) != 0) is not negated else FALSE
     match condition:
         case Unary(UnaryOperator.NOT, operand):

@@ -18,7 +18,7 @@ from math import lcm
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.meaning.comparisons import comparisons
-from tachk.meaning.constraints import Disjunction, compares_clocks, conditional_constraints, satisfied
+from tachk.meaning.constraints import Disjunction, conditional_constraints, satisfied
 from tachk.meaning.dbm import INFINITY, Constraint, bound_value
 from tachk.meaning.discrete import (
     PreparedNetwork,
@@ -43,6 +43,7 @@ from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
 from tachk.model.run import DiscreteState, Participant, TimedState, Transition
+from tachk.model.traversal import depends_on_clocks
 
 
 class StepError(ValueError):
@@ -117,7 +118,7 @@ def _asked(
     if of is not None:
         bind_selects(model, of, scratch)
     found = conditional_constraints(condition, scratch)
-    return _Asked(condition, of, found, condition is not None and compares_clocks(condition))
+    return _Asked(condition, of, found, condition is not None and depends_on_clocks(condition))
 
 
 def _holds_at(model: PreparedNetwork, state: TimedState, asked: _Asked) -> bool:

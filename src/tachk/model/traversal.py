@@ -219,6 +219,18 @@ def is_clock_comparison(node: Expression) -> bool:
     return isinstance(node, Binary) and node.operator in COMPARISONS and isinstance(node.left.type, ClockType)
 
 
+def depends_on_clocks(condition: Expression) -> bool:
+    """Whether the truth of a condition depends on clocks. Indices, arguments, and what is assigned compare none."""
+    if isinstance(condition, Binary) and (_is_clock(condition.left) or _is_clock(condition.right)):
+        return True
+    is_composed = isinstance(condition, Unary | Binary | Conditional | Quantifier | Comma)
+    return is_composed and any(map(depends_on_clocks, children(condition)))
+
+
+def _is_clock(side: Expression) -> bool:
+    return isinstance(side.type, ClockType)
+
+
 def compares_clocks(expression: Expression) -> bool:
     """Whether clocks are compared anywhere in an expression, also in the index of what it sets."""
     return any(map(is_clock_comparison, walk(expression)))

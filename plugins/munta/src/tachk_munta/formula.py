@@ -21,7 +21,7 @@ from tachk.api.plugin import (
     UnaryOperator,
     Variable,
     bounds,
-    compares_clocks,
+    depends_on_clocks,
     disjunctive,
     evaluate,
     walk,
@@ -99,7 +99,7 @@ class FormulaFinder:
         def outcome(environment: Environment, contents: KnownContents) -> Disjunction | None:
             for variable, value in bound.items():
                 environment.bind(variable, value)
-            if compares_clocks(node):
+            if depends_on_clocks(node):
                 return clock_conjunctions(disjunctive(node, environment, not positive), node.span) or None
             return [()] if (evaluate(node, environment) != 0) is positive else None
 
