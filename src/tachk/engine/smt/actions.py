@@ -11,7 +11,7 @@ import z3
 
 from tachk.base.time_limit import check_time
 from tachk.base.words import Direction
-from tachk.engine.smt.evaluator import PossibleFault, refused
+from tachk.engine.smt.machine import PossibleFault, refused
 from tachk.engine.smt.terms import Formula, all_of, any_of, conj, neg
 from tachk.model.network import Edge, Network
 from tachk.model.run import Participant

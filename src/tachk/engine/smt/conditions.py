@@ -5,50 +5,50 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.engine.smt.evaluator import Evaluator, PossibleFault, bool_of
+from tachk.engine.smt.machine import Machine, PossibleFault, or_false
 from tachk.engine.smt.terms import Formula, any_of, conj, disj, neg
-from tachk.meaning.constraints import compares_clocks
 from tachk.model.expressions import Binary, Conditional, Expression, Quantifier, QuantifierKind, Unary
+from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ScalarLike, bounds
 
 _Excuses = tuple[tuple[Expression, bool], ...]
 """What makes a part of a condition superfluous: an expression with the truth it must have for that."""
 
 
-def guard(machine: Evaluator, condition: Expression | None) -> tuple[Formula, Formula]:
+def guard(machine: Machine, condition: Expression | None) -> tuple[Formula, Formula]:
     """The integer conditions of a guard or an invariant, and the whole of it; None stands for true."""
     if condition is None:
         return True, True
     integer: Formula = True
     for excuses, part, positive in _parts(machine, condition, True, ()):
-        if not compares_clocks(part):
+        if not depends_on_clocks(part):
             integer = conj(integer, _unless_excused(machine, integer, excuses, part, positive))
     whole = integer
     for excuses, part, positive in _parts(machine, condition, True, ()):
-        if compares_clocks(part):
+        if depends_on_clocks(part):
             whole = conj(whole, _unless_excused(machine, integer, excuses, part, positive))
     return integer, whole
 
 
-def _unless_excused(machine: Evaluator, asked: Formula, excuses: _Excuses, part: Expression, positive: bool) -> Formula:
+def _unless_excused(machine: Machine, asked: Formula, excuses: _Excuses, part: Expression, positive: bool) -> Formula:
     excused: Formula = False
     for expression, wanted in excuses:
 
         def value(expression: Expression = expression) -> Formula:
             return machine.truth(expression)
 
-        truth = bool_of(machine.under(conj(asked, neg(excused)), value))
+        truth = or_false(machine.under(conj(asked, neg(excused)), value))
         excused = disj(excused, truth if wanted else neg(truth))
-    truth = bool_of(machine.under(conj(asked, neg(excused)), lambda: machine.truth(part)))
+    truth = or_false(machine.under(conj(asked, neg(excused)), lambda: machine.truth(part)))
     return disj(excused, truth if positive else neg(truth))
 
 
 def _parts(
-    machine: Evaluator, condition: Expression, positive: bool, excuses: _Excuses
+    machine: Machine, condition: Expression, positive: bool, excuses: _Excuses
 ) -> Iterator[tuple[_Excuses, Expression, bool]]:
     """The conjuncts of a condition, or (not positive) of its negation, with what excuses from each; quantified
     variables are bound in the machine while one is looked at."""
-    if not compares_clocks(condition):
+    if not depends_on_clocks(condition):
         yield excuses, condition, positive
         return
     match condition:
@@ -59,13 +59,13 @@ def _parts(
             if (operator is BinaryOperator.AND) is positive:
                 yield from _parts(machine, left, left_positive, excuses)
                 yield from _parts(machine, right, positive, excuses)
-            elif not compares_clocks(left):
+            elif not depends_on_clocks(left):
                 yield from _parts(machine, right, positive, (*excuses, (left, left_positive)))
-            elif not compares_clocks(right):
+            elif not depends_on_clocks(right):
                 yield from _parts(machine, left, left_positive, (*excuses, (right, positive)))
             else:
                 yield excuses, condition, positive
-        case Conditional(test, then, otherwise) if not compares_clocks(test):
+        case Conditional(test, then, otherwise) if not depends_on_clocks(test):
             yield from _parts(machine, then, positive, (*excuses, (test, False)))
             yield from _parts(machine, otherwise, positive, (*excuses, (test, True)))
         case Quantifier(kind, variable, body) if kind is (QuantifierKind.FORALL if positive else QuantifierKind.EXISTS):
@@ -78,7 +78,7 @@ def _parts(
             yield excuses, condition, positive
 
 
-def certain(machine: Evaluator, predicate: Expression, wrong: list[PossibleFault]) -> tuple[Formula, Formula]:
+def certain(machine: Machine, predicate: Expression, wrong: list[PossibleFault]) -> tuple[Formula, Formula]:
     """Where a predicate is true, and where it is false, whatever the parts of it are that cannot be evaluated.
 
     Args:

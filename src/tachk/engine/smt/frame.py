@@ -10,8 +10,7 @@ import z3
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.time_limit import check_time
-from tachk.engine.smt.evaluator import Clocks
-from tachk.engine.smt.machine import Machine
+from tachk.engine.smt.machine import Clocks, Machine
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engine.smt.terms import (
     Formula,

@@ -17,9 +17,8 @@ import z3
 from tachk.base.time_limit import check_time
 from tachk.engine.smt.actions import Instance, SymbolicAction, TooManyComparisonsError, actions, sometimes, unblocked
 from tachk.engine.smt.conditions import certain, guard
-from tachk.engine.smt.evaluator import PossibleFault, refused
 from tachk.engine.smt.frame import ClocksOf, StateFrame, fresh_frame, machine_of, participants
-from tachk.engine.smt.machine import Machine
+from tachk.engine.smt.machine import Machine, PossibleFault, refused
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engine.smt.terms import (
     Formula,
@@ -109,7 +108,7 @@ class TransitionRelation:
                 machine.goes_wrong(fault.condition, fault.kind, fault.span)
             return stuck
 
-        machine.deadlock = deadlock
+        machine.is_deadlock = deadlock
         wrong: list[PossibleFault] = []
         yes, no = certain(machine, predicate, wrong)
         return yes, neg(disj(yes, no)) if wrong else False, wrong

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tachk.base.records import dataclass
-from tachk.engine.smt.evaluator import PossibleFault
+from tachk.engine.smt.machine import PossibleFault
 from tachk.engine.smt.relation import TransitionRelation
 from tachk.engine.smt.terms import Formula, any_of, conj
 from tachk.model.expressions import Expression

@@ -208,10 +208,6 @@ def compute(operator: BinaryOperator, left: SymbolicNumber, right: SymbolicNumbe
             raise ValueError(f"{operator} does not compute a number")
 
 
-def minus(number: SymbolicNumber) -> SymbolicNumber:
-    return compute(BinaryOperator.SUBTRACT, constant(0), number)
-
-
 def undefined(operator: BinaryOperator, right: SymbolicNumber) -> Formula:
     """Whether an operation has no value for a right side."""
     if operator.total or operator.defined_for(right.low, right.high):

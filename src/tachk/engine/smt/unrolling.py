@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import z3
 
 from tachk.engine.outcome import GoalOutcome, Status
-from tachk.engine.smt.evaluator import PossibleFault
 from tachk.engine.smt.frame import StateFrame
+from tachk.engine.smt.machine import PossibleFault
 from tachk.engine.smt.solving import SolverOptions
 from tachk.engine.smt.targets import Targets
 from tachk.engine.smt.terms import Formula, any_of, conj
