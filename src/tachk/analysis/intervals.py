@@ -1,142 +1,313 @@
 """Sound intervals of integer expressions: every value an evaluation without a run-time error can have lies inside.
 
 Needed where the bound of a clock constraint depends on variables: the abstraction of zones must know how large it gets.
+The domain does not follow what variables hold: one that is not known to be narrower has the values of its declared
+range, whatever is written to it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import field
+from functools import reduce
+from itertools import product
+from math import prod
+from typing import NamedTuple, TypeVar
 
-from tachk.analysis.fold import Known, apply_binary, is_integer
-from tachk.base.operators import COMPARISONS, CONNECTIVES, CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
+from tachk.analysis.fold import Known, apply_binary
+from tachk.analysis.interpreter import Domain, Side, ValueOperations, number, place, run
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator
+from tachk.base.records import dataclass
+from tachk.base.span import Span
 from tachk.model.cell_layout import cell_range
-from tachk.model.expressions import (
-    Aggregate,
-    Assign,
-    Binary,
-    Call,
-    Comma,
-    Conditional,
-    Constant,
-    Deadlock,
-    Expression,
-    Field,
-    Increment,
-    Index,
-    LocationTest,
-    Quantifier,
-    QuantifierKind,
-    Reference,
-    Unary,
-    Variable,
-)
-from tachk.model.traversal import returned, statement_expressions, written_variables
-from tachk.model.types import ArrayType, RecordType, Type, cell_count, leaves
+from tachk.model.expressions import Call, Constant, Expression, Function, Variable
+from tachk.model.remembered import by_part
+from tachk.model.traversal import statement_expressions, written_variables
+from tachk.model.types import ArrayType, RecordType, ScalarLike, Type, cell_count, leaves
 
 Interval = tuple[int, int]
+Cells = tuple[Interval, ...]
 
 ANYTHING: Interval = (CONSTANT_LOW, CONSTANT_HIGH)
+_UNKNOWN: Interval = (0, 1)
+"""A condition that may be true or false."""
+_TRUE: Interval = (1, 1)
+_FALSE: Interval = (0, 0)
 _MAXIMAL_CELLS = 65536
+_LONG = 2**14
+"""Repetitions beyond which a loop might meet the limit on steps."""
+_A = TypeVar("_A")
 
 
-def interval(expression: Expression, known: Known, arguments: Mapping[Variable, Interval] | None = None) -> Interval:
-    """The smallest and largest value the expression can have; ``arguments`` are intervals of function parameters."""
-    given = arguments or {}
-    match expression:
-        case Constant(value):
-            return value, value
-        case Reference(variable) if variable in given:
-            return given[variable]
-        case Reference() | Index() | Field():
-            return _read(expression, known, given)
-        case Unary(UnaryOperator.MINUS, operand):
-            low, high = interval(operand, known, given)
-            return _fit(-high, -low)
-        case Unary() | LocationTest() | Deadlock():
-            return 0, 1
-        case Binary(operator, left, right):
-            if operator in COMPARISONS or operator in CONNECTIVES:
-                return 0, 1
-            return arithmetic(operator, interval(left, known, given), interval(right, known, given))
-        case Conditional(_, then, otherwise):
-            return _hull(interval(then, known, given), interval(otherwise, known, given))
-        case Quantifier(kind, variable, body):
-            if kind is not QuantifierKind.SUM:
-                return 0, 1
-            low, high = cell_range(variable.type)
-            inner = interval(body, known, given)
-            return _fit((high - low + 1) * inner[0], (high - low + 1) * inner[1])
-        case Assign(target) | Increment(target):
-            low, high = cell_range(target.type)
-            return (low - 1, high + 1) if isinstance(expression, Increment) else (low, high)
-        case Call():
-            return _call(expression, known, given)
-        case Comma(items):
-            return interval(items[-1], known, given)
-        case Aggregate():
-            raise TypeError("an aggregate has no interval")
+def interval(expression: Expression, known: Known) -> Interval:
+    """The smallest and largest value the expression can have."""
+    if isinstance(expression, Constant):
+        return expression.value, expression.value
+    return number(expression, IntervalDomain(known))
 
 
-def possible_cells(place: Expression, known: Known) -> tuple[tuple[Variable, int], ...] | None:
+def possible_cells(expression: Expression, known: Known) -> tuple[tuple[Variable, int], ...] | None:
     """The cells (variable, number of the cell in it) a place may denote; None where that is not known."""
-    match place:
-        case Reference(variable):
-            return None if variable.reference else ((variable, 0),)
-        case Field(base, name):
-            assert isinstance(base.type, RecordType)
-            inside = possible_cells(base, known)
-            return None if inside is None else tuple((v, c + base.type.offset(name)) for v, c in inside)
-        case Index(base, index):
-            assert isinstance(base.type, ArrayType)
-            inside = possible_cells(base, known)
-            low, high = interval(index, known)
-            first = max(low - base.type.low, 0)
-            last = min(high - base.type.low, base.type.size - 1)
-            if inside is None or len(inside) * max(last - first + 1, 0) > _MAXIMAL_CELLS:
-                return None
-            stride = cell_count(base.type.element)
-            return tuple((v, c + i * stride) for v, c in inside for i in range(first, last + 1))
-        case Conditional(_, then, otherwise):
-            one, other = possible_cells(then, known), possible_cells(otherwise, known)
-            return None if one is None or other is None else one + other
-        case _:
-            pass
-    return None
+    cells: list[tuple[Variable, int]] = []
+    for part in place(expression, IntervalDomain(known)):
+        if part.variable is None or part.size + len(cells) > _MAXIMAL_CELLS:
+            return None
+        cells += [(part.variable, cell) for cell in part.cells()]
+    return tuple(cells)
 
 
-def _read(place: Expression, known: Known, given: Mapping[Variable, Interval]) -> Interval:
-    bounds_by_type = cell_range(place.type) if is_integer(place.type) else ANYTHING
-    cells = None if given else possible_cells(place, known)
-    if not cells:
-        return bounds_by_type
-    types: dict[Variable, tuple[tuple[str, Type], ...]] = {}
-    for variable in {variable for variable, _ in cells}:
-        if variable not in known.values:
-            types[variable] = tuple(leaves(variable.type))
-    values = [known.values[variable][cell] for variable, cell in cells if variable not in types]
-    ranges = [cell_range(types[variable][cell][1]) for variable, cell in cells if variable in types]
-    lows, highs = (values + [each[side] for each in ranges] for side in (0, 1))
-    return min(lows), max(highs)
+class PossiblePart(NamedTuple):
+    """Where a value may be: in a variable, or (None) at a place that is not known.
+
+    Attributes:
+        first: the number of its first cell in the variable.
+        steps: for each index around it the number of elements it may choose, and how many cells each of them has.
+        value: what a place has that nothing was written to since.
+    """
+
+    variable: Variable | None
+    type: Type
+    first: int = 0
+    steps: tuple[tuple[int, int], ...] = ()
+    value: Cells | None = None
+
+    @property
+    def size(self) -> int:
+        return prod(count for count, _ in self.steps)
+
+    def cells(self) -> Iterator[int]:
+        for chosen in product(*(range(0, count * stride, stride) for count, stride in self.steps)):
+            yield self.first + sum(chosen)
 
 
-def _call(call: Call, known: Known, given: Mapping[Variable, Interval]) -> Interval:
-    declared = cell_range(call.function.result)
-    if call.function.operation is not None:
-        return declared
-    written = written_variables(list(statement_expressions(call.function.body)))
-    arguments = {
-        parameter: interval(argument, known, given)
-        for parameter, argument in zip(call.function.parameters, call.arguments, strict=True)
-        if is_integer(parameter.type) and not parameter.reference and parameter not in written
-    }
-    result: Interval | None = None
-    for value in returned(call.function.body):
-        one = interval(value, known, arguments)
-        result = one if result is None else _hull(result, one)
-    if result is None:
-        return declared
-    low, high = max(result[0], declared[0]), min(result[1], declared[1])
-    return (low, high) if low <= high else declared
+PossiblePlace = tuple[PossiblePart, ...]
+
+
+def _compared(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
+    if left[0] != left[1] or right[0] != right[1]:
+        return _UNKNOWN
+    return (int(operator.holds(left[0], right[0])),) * 2
+
+
+_VALUES: ValueOperations[Interval, Interval] = ValueOperations(
+    constant=lambda value: (value, value),
+    truth_as_number=lambda truth: truth,
+    number_as_truth=lambda number: _FALSE if number == _FALSE else _UNKNOWN if number[0] <= 0 <= number[1] else _TRUE,
+    compare=_compared,
+    choose=lambda test, then, otherwise: _hull(then, otherwise),
+    negated=lambda truth: (1 - truth[1], 1 - truth[0]),
+    same=lambda left, right: _compared(BinaryOperator.EQUAL, left, right),
+    all_of=lambda truths: (min((low for low, _ in truths), default=1), min((high for _, high in truths), default=1)),
+    any_of=lambda truths: (max((low for low, _ in truths), default=0), max((high for _, high in truths), default=0)),
+)
+
+
+@dataclass(slots=True)
+class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
+    """Attributes:
+    narrow: the ranges of variables, where they are smaller than the declared ones and nothing was written to them.
+    times: how often the loops around what is evaluated may repeat it.
+    result: what the function has returned so far.
+    """
+
+    facts: Known
+    narrow: dict[Variable, Interval] = field(default_factory=dict)
+    times: int = 1
+    result: Cells | None = None
+
+    def can_fail(self, fails: bool = True) -> None:
+        """Learns whether a run-time error is possible here, which leaves the values of the others as they are."""
+
+    # ---- numbers and truth values ------------------------------------------------------------------------------------
+
+    @property
+    def values(self) -> ValueOperations[Interval, Interval]:
+        return _VALUES
+
+    def operation(self, operator: BinaryOperator, left: Interval, right: Interval, span: Span) -> Interval:
+        self.can_fail(not operator.total and not operator.defined_for(*right))
+        return arithmetic(operator, left, right)
+
+    def compare_clocks(
+        self, operator: BinaryOperator, left: Side[PossiblePlace, Interval], right: Side[PossiblePlace, Interval]
+    ) -> Interval:
+        return _UNKNOWN
+
+    def is_at(self, process: int, location: int) -> Interval:
+        return _UNKNOWN
+
+    def deadlock(self, span: Span) -> Interval:
+        return _UNKNOWN
+
+    def each(self, variable: Variable) -> Iterator[None]:
+        """All values at once, until nothing more is known that a repetition may change."""
+        outer, (low, high) = self.times, cell_range(variable.type)
+        self.times *= high - low + 1
+        self.can_fail(self.times > _LONG)
+        yield from self._repeated()
+        self.times = outer
+
+    def _repeated(self) -> Iterator[None]:
+        while True:
+            before = set(self.narrow)
+            yield
+            if self.narrow.keys() >= before:
+                return
+
+    def total(self, variable: Variable, summands: Sequence[Interval]) -> Interval:
+        low, high = cell_range(variable.type)
+        inner = reduce(_hull, summands)
+        return _fit((high - low + 1) * inner[0], (high - low + 1) * inner[1])
+
+    # ---- control -----------------------------------------------------------------------------------------------------
+
+    def under(self, condition: Interval, action: Callable[[], _A], of: Expression | None = None) -> _A | None:
+        return None if condition == _FALSE else action()
+
+    def choose_place(self, test: Interval, then: PossiblePlace, otherwise: PossiblePlace) -> PossiblePlace:
+        return then + otherwise
+
+    # ---- places ------------------------------------------------------------------------------------------------------
+
+    def place_of(self, variable: Variable) -> PossiblePlace:
+        return (PossiblePart(None if variable.reference else variable, variable.type),)
+
+    def element(self, base: PossiblePlace, array: ArrayType, index: Interval, span: Span) -> PossiblePlace:
+        last = array.low + array.size - 1
+        self.can_fail(not _within(index, (array.low, last)))
+        first, stride = max(index[0], array.low), cell_count(array.element)
+        count, offset = max(min(index[1], last) - first + 1, 0), (first - array.low) * stride
+        step = () if count == 1 else ((count, stride),)
+        return tuple(
+            PossiblePart(part.variable, array.element, part.first + offset, part.steps + step) for part in base
+        )
+
+    def part(self, base: PossiblePlace, record: RecordType, name: str) -> PossiblePlace:
+        type_, offset = dict(record.fields)[name], record.offset(name)
+        return tuple(PossiblePart(part.variable, type_, part.first + offset, part.steps) for part in base)
+
+    def new_place(self, type_: Type, cells: Cells | None, span: Span | None) -> PossiblePlace:
+        value = cells if cells is None or span is None else self._stored(cells, type_)
+        return (PossiblePart(None, type_, value=value),)
+
+    def read(self, place: PossiblePlace, count: int) -> Cells:
+        return reduce(_hulls, map(self._read, place))
+
+    def _read(self, part: PossiblePart) -> Cells:
+        variable = part.variable
+        if part.value is not None:
+            return part.value
+        if not isinstance(part.type, ScalarLike):
+            return _declared(part.type)
+        if variable is not None and variable.type is part.type:
+            if variable in self.narrow:
+                return (self.narrow[variable],)
+            if variable in self.facts.bound:
+                return ((self.facts.bound[variable],) * 2,)
+        if variable is not None and variable in self.facts.values and 0 < part.size <= _MAXIMAL_CELLS:
+            values = self.facts.values[variable]
+            found = [values[cell] for cell in part.cells()]
+            return ((min(found), max(found)),)
+        return (cell_range(part.type),)
+
+    def write(self, place: PossiblePlace, cells: Cells, span: Span) -> Cells:
+        stored = [self._stored(cells, part.type) for part in place]
+        self.forget([part.variable for part in place])
+        return reduce(_hulls, stored)
+
+    def _stored(self, cells: Cells, type_: Type) -> Cells:
+        """What is left of cells that are stored in a value of a type; what has no room there is a run-time error."""
+        ranges = _declared(type_)
+        if cells == ranges:
+            return cells
+        self.can_fail(not all(map(_within, cells, ranges)))
+        return tuple(map(_common, cells, ranges))
+
+    def forget(self, written: Iterable[Variable | None]) -> None:
+        """Something was written to variables, or (None) to one that is not known."""
+        for variable in written if self.narrow else ():
+            if variable is None:
+                self.narrow.clear()
+            else:
+                self.narrow.pop(variable, None)
+
+    def set_clock(self, target: PossiblePlace, source: PossiblePlace | None, offset: Interval, span: Span) -> None:
+        self.can_fail(offset[0] < 0)
+
+    def refuse(self, what: str, span: Span) -> None:
+        self.can_fail()
+
+    # ---- functions and statements ------------------------------------------------------------------------------------
+
+    def enter(self, variable: Variable, place: PossiblePlace) -> None:
+        value = place[0].value
+        self.narrow.pop(variable, None)
+        if value is not None and isinstance(variable.type, ScalarLike):
+            self.narrow[variable] = value[0]
+
+    def operate(self, call: Call, arguments: Callable[[], Sequence[Cells]]) -> Cells:
+        arguments()
+        assert call.function.operation is not None
+        self.can_fail(not call.function.operation.total)
+        return _declared(call.function.result)
+
+    def call(self, function: Function, places: Sequence[PossiblePlace]) -> Cells:
+        result = _called(function, type(self), self.facts, tuple(each[0].value for each in places), self.times)
+        if self.narrow:
+            written = written_variables(statement_expressions(function.body))
+            self.forget(written)
+            for parameter, each in zip(function.parameters, places, strict=True):
+                if parameter.reference and parameter in written:
+                    self.forget(part.variable for part in each)
+        return result
+
+    def give_back(self, cells: Cells) -> None:
+        self.result = cells if self.result is None else _hulls(self.result, cells)
+
+    def sequence(self, parts: Iterable[Callable[[], Interval]]) -> Interval:
+        for part in parts:
+            part()
+        return _UNKNOWN
+
+    def branch(
+        self, test: Interval, then: Callable[[], Interval], otherwise: Callable[[], Interval] | None
+    ) -> Interval:
+        self.under(test, then)
+        if otherwise is not None:
+            self.under(_VALUES.negated(test), otherwise)
+        return _UNKNOWN
+
+    def loop(
+        self, condition: Callable[[], Interval], body: Callable[[], Interval], test_first: bool, span: Span
+    ) -> Interval:
+        self.can_fail()
+        for _ in self._repeated():
+            condition()
+            body()
+        return _UNKNOWN
+
+    def claim(self, truth: Interval, span: Span) -> None:
+        self.can_fail()
+
+
+@by_part
+def _called(
+    function: Function, kind: type[IntervalDomain], known: Known, given: tuple[Cells | None, ...], times: int
+) -> Cells:
+    """The result of a function for arguments in intervals."""
+    domain = kind(known, times=times)
+    for parameter, value in zip(function.parameters, given, strict=True):
+        if not parameter.reference:
+            domain.enter(parameter, (PossiblePart(None, parameter.type, value=value),))
+    run(function.body, function.result, domain)
+    return _declared(function.result) if domain.result is None else domain.result
+
+
+def _declared(type_: Type) -> Cells:
+    """The ranges of the cells of a type."""
+    if isinstance(type_, ScalarLike):
+        return (cell_range(type_),)
+    return tuple(cell_range(leaf) for _, leaf in leaves(type_))
 
 
 def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
@@ -204,3 +375,17 @@ def _hull(one: Interval, other: Interval) -> Interval:
 def _fit(low: int, high: int) -> Interval:
     """Anything, if a result may leave the 32 bits: then it wraps around."""
     return (low, high) if low >= CONSTANT_LOW and high <= CONSTANT_HIGH else ANYTHING
+
+
+def _hulls(one: Cells, other: Cells) -> Cells:
+    return tuple(map(_hull, one, other))
+
+
+def _within(inner: Interval, outer: Interval) -> bool:
+    return outer[0] <= inner[0] and inner[1] <= outer[1]
+
+
+def _common(inner: Interval, outer: Interval) -> Interval:
+    """What two intervals have in common; the outer one if that is nothing."""
+    low, high = max(inner[0], outer[0]), min(inner[1], outer[1])
+    return (low, high) if low <= high else outer

@@ -16,6 +16,9 @@ DECLARATIONS = """
     int[0,3] next(int[0,3] of) { if (of < 3) { return of <? 2; } return 0; }
     int[0,3] sum() { int[0,9] total = 0; for (i : int[0,2]) total = n; return 0; }
     int[0,3] beyond(int[0,3] of) { return of + 1; }
+    int[0,3] at(int[0,9] place) { return cells[place]; }
+    int[0,3] widen() { wide = 9; return 0; }
+    int[0,3] one_of(int[0,9] first) { if (K[0] == 3) { first = wide; } return first; }
 """
 
 OTHER = """
@@ -76,6 +79,12 @@ OTHER = """
         ("assign n = next(wide)", True),
         ("assign n = sum()", False),
         ("assign n = beyond(m)", True),
+        ("assign n = at(m)", False),
+        ("assign n = at(wide)", True),
+        ("assign n = one_of(3)", False),  # what is never executed does not count
+        ("guard wide < 4; assign n = at(wide)", False),
+        ("guard wide < 4; assign n = (cells[wide] <? widen())", False),
+        ("guard wide < 4; assign n = (widen() <? cells[wide])", True),
         ("guard n * 0.5 < 1.5", True),
         ("guard n < 1.5 && fmin(n, m) >= 0", False),
         ("assign wide = fint(-0.5 * m)", True),
