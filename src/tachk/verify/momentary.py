@@ -1,10 +1,11 @@
-"""What is so for no time only: in a chain of committed locations, and no longer at its end.
+"""What is so for no time only: in a chain of committed or urgent locations, and no longer at its end.
 
 Temporal properties speak of what lasts. A trigger that is true for no time asks for nothing, a condition that must
 always be true may lapse for no time, and a property may hold because of that. The verdict then says so. Whether it
 happens is a question of reachability about a network in which each edge that begins a transition notes whether the
 condition was false when the chain began and has been true since. It is no part of the property: where it takes more
-states than it may, the verdict says that it is not known.
+states than it may, the verdict says that it is not known. Invariants and urgent channels that stop time are not looked
+at.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.words import Direction, QueryKind
 from tachk.engine.options import Limits
-from tachk.model.connectives import any_of, both, negation, somebody_committed
+from tachk.model.connectives import any_of, both, negation
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -33,7 +34,7 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.network import Edge, Network
+from tachk.model.network import Edge, Location, Network
 from tachk.model.query import Observer, Query
 from tachk.model.traversal import roots, walk, with_bodies, written_variables
 from tachk.model.types import IntType
@@ -87,8 +88,8 @@ def with_momentary_triggers(
     """The verdicts, those that hold with a note for each trigger that is true for no time only, and for each condition
     that must always be true and is false for no time only."""
     started = monotonic()
-    committed = somebody_committed(network)
-    if isinstance(committed, Constant):
+    stopped = _somebody_stops_time(network)
+    if stopped is None:
         return tuple(verdicts)
     stored = 0
     conditions: dict[_MomentaryCondition, Expression] = {}
@@ -105,11 +106,31 @@ def with_momentary_triggers(
     bounded = limits.of_states(max(FEWEST_STATES, stored))
     found = _reached(network, goals, bounded, decide)
     in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
-    watched, momentary = _watched(network, committed, ends, in_chains)
+    watched, momentary = _watched(network, stopped, ends, in_chains)
     left = bounded.after(monotonic() - started)
-    notes = {of: _not_known(of, found[of]) for of in goals if found[of].answer is Answer.UNKNOWN}
-    notes |= {of: _note(of, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
+    where = _kinds_of_locations(network)
+    notes = {of: _not_known(of, where, found[of]) for of in goals if found[of].answer is Answer.UNKNOWN}
+    notes |= {of: _note(of, where, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
     return tuple(_noted(verdict, notes) for verdict in verdicts)
+
+
+def _stops_time(location: Location) -> bool:
+    return location.committed or location.urgent
+
+
+def _somebody_stops_time(network: Network) -> Expression | None:
+    """Whether some process is in a committed or urgent location. None: there is no such location."""
+    return _some_stops_time(
+        network, ((p, n) for p, process in enumerate(network.processes) for n, _ in enumerate(process.locations))
+    )
+
+
+def _kinds_of_locations(network: Network) -> str:
+    """Which kinds of locations that stop time the network has, in words."""
+    locations = [location for process in network.processes for location in process.locations]
+    committed = any(location.committed for location in locations)
+    urgent = any(location.urgent for location in locations)
+    return " or ".join([*(["committed"] if committed else []), *(["urgent"] if urgent else [])]) + " locations"
 
 
 def _may_be_noted(verdict: Verdict) -> bool:
@@ -138,26 +159,26 @@ def _reached(
     return dict(zip(goals, verdicts, strict=True))
 
 
-def _note(of: _MomentaryCondition, answer: Verdict) -> str:
+def _note(of: _MomentaryCondition, where: str, answer: Verdict) -> str:
     match answer.answer:
         case Answer.HOLDS:
-            return f"{of.shown} is also {of.value} for no time, in committed locations; that does not count"
+            return f"{of.shown} is also {of.value} for no time, in {where}; that does not count"
         case Answer.UNKNOWN:
             return (
-                f"{of.shown} is also {of.value} in committed locations, where it does not count; "
+                f"{of.shown} is also {of.value} in {where}, where it does not count; "
                 f"whether it is {of.value} only there at some moment is not known ({answer.reason})"
             )
         case Answer.FAILS:
             return ""
 
 
-def _not_known(of: _MomentaryCondition, answer: Verdict) -> str:
-    return f"whether {of.shown} is also {of.value} for no time, in committed locations, is not known ({answer.reason})"
+def _not_known(of: _MomentaryCondition, where: str, answer: Verdict) -> str:
+    return f"whether {of.shown} is also {of.value} for no time, in {where}, is not known ({answer.reason})"
 
 
 def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Expression | None:
-    """Where a transition of a chain of committed locations begins that may change the condition: in one of these
-    locations a participant is. None where no such transition may."""
+    """Where a transition of a chain begins that may change the condition: a participant is in one of these committed
+    locations, or anybody in one of these urgent ones. None where no such transition may."""
     read = {node.variable for node in _nodes(condition) if isinstance(node, Reference)}
     placed = {(node.process, node.location) for node in _nodes(condition) if isinstance(node, LocationTest)}
     found: set[tuple[int, int]] = set()
@@ -167,15 +188,23 @@ def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Exp
             if moves or not read.isdisjoint(written_variables(edge.updates)):
                 found.add((number, edge.source))
                 found |= {(end.process, end.source) for end in _partners(edge, ends)}
-    return _some_committed(network, found)
+    changing = {process for process, _ in found}
+    waiting = {place for place in _urgent_places(network) if changing - {place[0]}}
+    return _some_stops_time(network, found | waiting)
 
 
-def _some_committed(network: Network, places: Iterable[tuple[int, int]]) -> Expression | None:
-    """Whether some process is in one of its locations that are named, of those that are committed; None: none is."""
+def _urgent_places(network: Network) -> Iterator[tuple[int, int]]:
+    """The urgent locations: other processes may act while a process is there."""
+    for number, process in enumerate(network.processes):
+        yield from ((number, place) for place, location in enumerate(process.locations) if location.urgent)
+
+
+def _some_stops_time(network: Network, places: Iterable[tuple[int, int]]) -> Expression | None:
+    """Whether some process is in one of its locations that are named, of those that stop time; None: none does."""
     tests: list[Expression] = [
         LocationTest(process, location)
         for process, location in sorted(places)
-        if network.processes[process].locations[location].committed
+        if _stops_time(network.processes[process].locations[location])
     ]
     return any_of(tests) if tests else None
 
@@ -206,7 +235,7 @@ def _nodes(condition: Expression) -> Iterator[Expression]:
 
 
 def _watched(
-    network: Network, committed: Expression, ends: _Ends, conditions: Mapping[_MomentaryCondition, Expression]
+    network: Network, stopped: Expression, ends: _Ends, conditions: Mapping[_MomentaryCondition, Expression]
 ) -> tuple[Network, Mapping[_MomentaryCondition, Expression]]:
     """The network with a variable for each condition, and what is true where it has been true for no time.
 
@@ -227,7 +256,7 @@ def _watched(
         for number, process in enumerate(network.processes)
     )
     over = {
-        of: both(both(negation(committed), negation(condition)), _is(Reference(variables[of]), _RISEN))
+        of: both(both(negation(stopped), negation(condition)), _is(Reference(variables[of]), _RISEN))
         for of, condition in conditions.items()
     }
     return replace(network, processes=processes, variables=(*network.variables, *variables.values())), over
@@ -238,25 +267,26 @@ def _noting(
 ) -> Iterator[Expression]:
     """What the edge notes of each condition before it begins a transition.
 
-    While somebody is in a committed location, somebody who takes part is: so most edges know whether a chain begins
-    with them, goes on, or neither.
+    While somebody is in a committed location, somebody who takes part is, so most edges know whether a chain begins
+    with them, goes on, or neither. An urgent location may be that of a process that does not take part.
     """
     partners = _partners(edge, ends)
     locations = network.processes[process].locations
-    chain_follows = locations[edge.target].committed or any(
-        network.processes[end.process].locations[end.target].committed for end in partners
+    chain_follows = _stops_time(locations[edge.target]) or any(
+        _stops_time(network.processes[end.process].locations[end.target]) for end in partners
     )
-    others_committed = _some_committed(network, {(end.process, end.source) for end in partners})
+    elsewhere = {place for place in _urgent_places(network) if place[0] != process}
+    others_stop = _some_stops_time(network, elsewhere | {(end.process, end.source) for end in partners})
     for variable, condition in noted:
         so_far = Reference(variable)
         again = Conditional(both(_is(so_far, _OPEN), condition), _RISEN, so_far, INT)
         anew = Conditional(condition, _LASTING, _OPEN, INT) if chain_follows else _OPEN
-        if locations[edge.source].committed:
+        if _stops_time(locations[edge.source]):
             yield Assign(so_far, again, INT)
-        elif others_committed is None:
+        elif others_stop is None:
             yield Assign(so_far, anew, INT)
         else:
-            yield Assign(so_far, Conditional(others_committed, again, anew, INT), INT)
+            yield Assign(so_far, Conditional(others_stop, again, anew, INT), INT)
 
 
 def _is(noted: Expression, value: Constant) -> Expression:

@@ -15,8 +15,7 @@ from tachk.engine.options import Limits
 from tachk.engine.outcome import Statistics
 from tachk.meaning.discrete import prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
-from tachk.model.connectives import somebody_committed
-from tachk.model.expressions import Constant, LocationTest
+from tachk.model.expressions import LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import TimedState
@@ -47,13 +46,63 @@ def test_a_trigger_that_is_left_in_a_chain(text: str) -> None:
     "changed",
     [
         LEFT_IN_A_CHAIN.replace("to Occ { sync stop!; }", ""),  # the chain ends in Appr
-        LEFT_IN_A_CHAIN.replace("committed location", "urgent location"),  # no time passes, but it counts
         LEFT_IN_A_CHAIN.replace("to Stop { sync stop?; }", "to Appr { sync stop?; }"),
     ],
 )
 def test_a_trigger_that_lasts_needs_no_note(changed: str) -> None:
     (verdict,) = tachk.loads(changed).verify("G (Train.Appr -> F[0, 120] Train.Cross)")
     assert verdict.notes == ()
+
+
+IN_URGENT = "process P() { state A, B, C; urgent A; init A; trans A -> B { }; } system P;"
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        ("G (P.A -> F P.C)", "`P.A` is also true"),
+        ("G (P.A -> F[0,5] P.C)", "`P.A` is also true"),
+        ("G !P.A", "`!P.A` is also false"),
+        ("Whenever P.A, within 5, P.C must be true.", "`P.A` is also true"),
+    ],
+)
+def test_what_is_so_in_urgent_locations_only(text: str, note: str) -> None:
+    (verdict,) = tachk.loads(IN_URGENT).verify(text)
+    assert verdict.answer is tachk.Answer.HOLDS
+    assert verdict.notes == (f"{note} for no time, in urgent locations; that does not count",)
+
+
+@pytest.mark.parametrize(
+    ("stays", "answer", "notes"),
+    [
+        ("guard n != 1;", tachk.Answer.HOLDS, ["`n == 1` is also true for no time, in urgent locations;"]),
+        ("", tachk.Answer.FAILS, []),
+    ],
+)
+def test_others_may_act_while_a_process_is_in_an_urgent_location(
+    stays: str, answer: tachk.Answer, notes: list[str]
+) -> None:
+    (verdict,) = tachk.loads(f"""
+        int n; bool there;
+        process P() {{
+            init location A {{ to B {{ assign there = true; }} }}
+            urgent location B {{ to C {{ {stays} assign there = false; }} }}
+            location C;
+        }}
+        process Q() {{
+            init location Q0 {{ to Q1 {{ guard there && n == 0; assign n = 1; }} }}
+            location Q1 {{ to Q0 {{ guard there; assign n = 2; }} }}
+        }}
+        system P, Q;
+    """).verify("G (n == 1 -> F[0,5] n == 5)")
+    assert verdict.answer is answer
+    assert [note[: len(expected)] for note, expected in zip(verdict.notes, notes, strict=True)] == notes
+
+
+def test_both_kinds_of_locations_are_named() -> None:
+    mixed = LEFT_IN_A_CHAIN.replace("location Occ;", "location Occ { to End; } urgent location End;")
+    (verdict,) = tachk.loads(mixed).verify("G (Train.Appr -> F[0, 20] Train.Cross)")
+    assert verdict.notes == (MOMENTARY.replace("committed", "committed or urgent"),)
 
 
 def test_what_the_property_says_of_committed_states_needs_no_note() -> None:
@@ -99,7 +148,7 @@ def visited(network: Network, condition: LocationTest, most: int = 4000) -> bool
     while pending:
         state, before, risen = pending.pop()
         now = satisfies(model, state, condition)
-        if any(location.committed for location in model.current(state.discrete)):
+        if any(location.committed or location.urgent for location in model.current(state.discrete)):
             risen = risen or now
         else:
             if risen and not before and not now:
@@ -123,12 +172,12 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
         random = Random(seed)
         case = random_case(random, Shape(deadlocks=False, clocks=1, processes=2, locations=3, constant=3))
         condition = LocationTest(0, random.randrange(len(case.network.processes[0].locations)))
-        committed = somebody_committed(case.network)
-        if isinstance(committed, Constant):
+        stopped = momentary._somebody_stops_time(case.network)
+        if stopped is None:
             continue
         ends = momentary._ends_by_channel(case.network)
         conditions = {momentary._MomentaryCondition("it", True): condition}
-        watched, goals = momentary._watched(case.network, committed, ends, conditions)
+        watched, goals = momentary._watched(case.network, stopped, ends, conditions)
         (answer,) = momentary._reached(watched, goals, tachk.Limits(states=5000), _decided_plainly).values()
         expected = visited(case.network, condition)
         if expected is not None and answer.answer is not tachk.Answer.UNKNOWN:
