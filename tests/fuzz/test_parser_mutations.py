@@ -9,7 +9,7 @@ import pytest
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.diagnostics.render import render
-from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.plain_data import PlainData
 from tachk.base.resources import data_root
 from tachk.base.span import Source
 from tachk.syntax.formulas.parser import parse_formula
@@ -67,7 +67,7 @@ def test_mutated_models(seed: int) -> None:
         for diagnostic in diagnostics:
             assert 0 <= diagnostic.span.start <= diagnostic.span.end <= len(text)
             assert render(diagnostic)
-            assert diagnostic_to_json(diagnostic)
+            assert PlainData().of(diagnostic)
         assert document is not None or has_errors(diagnostics)
         if document is not None and not has_errors(diagnostics):
             printed = print_document(document)

@@ -65,7 +65,7 @@ def check_report(document: Mapping[str, Any], report: str, path: Path, how: str)
     document and what is wrong there."""
     from jsonschema.exceptions import best_match
 
-    error = best_match(_validator(report).iter_errors(document))
+    error = best_match(validator(report).iter_errors(document))
     if error is None:
         return
     message = error.message if len(error.message) <= _LONGEST else f"{error.message[:_LONGEST]}…"
@@ -73,8 +73,9 @@ def check_report(document: Mapping[str, Any], report: str, path: Path, how: str)
 
 
 @cache
-def _validator(report: str) -> Any:
-    """Integers are integers here, whereas by JSON Schema 1e300 is one, too."""
+def validator(report: str) -> Any:
+    """What checks documents against the schema of this name, and those that it refers to. Integers are integers here,
+    whereas by JSON Schema 1e300 is one, too."""
     from jsonschema import Draft202012Validator
     from jsonschema.validators import extend
     from referencing import Registry, Resource

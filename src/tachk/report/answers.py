@@ -145,6 +145,7 @@ class Report(Sequence[Verdict]):
 
 
 def _short(answer: StatisticalAnswer) -> str:
-    from tachk.report.statistics.answered import answered_document, short_answer
+    from tachk.report.statistics.answered import short_answer
+    from tachk.report.statistics.json import answered_document
 
     return short_answer(answered_document(answer)["found"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.exchanged import members_in_words
@@ -106,30 +107,24 @@ def _count(number: int, what: str) -> str:
 
 def judgements_to_json(model: str, file: str, checker: str, judgements: Iterable[Judgement]) -> dict[str, Any]:
     """As docs/schema/certify.schema.json describes it."""
-    return {"model": model, "file": file, "checker": checker, "certificates": [_json(j) for j in judgements]}
+    return {"model": model, "file": file, "checker": checker, "certificates": _PLAIN(list(judgements))}
 
 
-def _json(judged: Judgement) -> dict[str, Any]:
-    state = judged.state()
-    return {
-        "property": judged.certificate.header.name,
-        "query": judged.query.text,
-        "kind": judged.certificate.header.kind.value,
-        "checker": judged.checker.value if judged.checker is not None else None,
-        "accepted": judged.accepted,
-        "proves": judged.proved if judged.accepted else None,
-        "discrete_states": judged.certificate.groups,
-        "zones": judged.certificate.zones,
-        "exchanged": judged.exchanged(),
-        "seconds": judged.seconds,
-        "reason": judged.reason or None,
-        "state": None
-        if state is None
-        else {
-            "zone": state.number,
-            "locations": dict(state.locations),
-            "variables": dict(state.variables),
-            "constraints": list(state.constraints),
-        },
-        "transition": judged.transition() or None,
+_PLAIN = PlainData(
+    {
+        Judgement: Fields(
+            "property=certificate.header.name query=query.text kind=certificate.header.kind checker accepted proves "
+            "discrete_states=certificate.groups zones=certificate.zones exchanged seconds reason state transition",
+            proves=lambda judged: judged.proved if judged.accepted else None,
+            exchanged=Judgement.exchanged,
+            reason=lambda judged: judged.reason or None,
+            state=Judgement.state,
+            transition=lambda judged: judged.transition() or None,
+        ),
+        ZoneState: Fields(
+            "zone=number locations variables constraints",
+            locations=lambda state: dict(state.locations),
+            variables=lambda state: dict(state.variables),
+        ),
     }
+)

@@ -11,7 +11,7 @@ from urllib.parse import quote
 import tachk
 from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.base.diagnostics.explanation import all_explanations
-from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.plain_data import Fields, PlainData, complaint
 from tachk.base.span import Span
 
 if TYPE_CHECKING:
@@ -67,29 +67,14 @@ def checks_to_json(checks: Iterable[Checked]) -> dict[str, Any]:
 
 
 def _check_to_json(check: Checked) -> dict[str, Any]:
-    size = check.size
-    plain: dict[str, Any] = {
-        "code": None,
-        "severity": "error",
-        "message": check.complaint,
-        "help": check.help,
-        "place": None,
-        "labels": [],
-    }
-    return {
-        "model": check.model,
-        "size": None
-        if size is None
-        else {
-            "processes": size.processes,
-            "locations": size.locations,
-            "edges": size.edges,
-            "properties": size.properties,
-        },
-        "findings": [*([plain] if check.complaint else []), *map(diagnostic_to_json, check.findings)],
-        "portability": None if check.portability is None else [*map(diagnostic_to_json, check.portability)],
-        "deep": _deep_to_json(check),
-    }
+    return {**_PLAIN.of(check), "deep": _deep_to_json(check)}
+
+
+def _findings(check: Checked) -> list[object]:
+    return [*([complaint(check.complaint, check.help)] if check.complaint else []), *check.findings]
+
+
+_PLAIN = PlainData({Checked: Fields("model size findings portability", findings=_findings)})
 
 
 def _deep_to_json(check: Checked) -> dict[str, Any] | None:

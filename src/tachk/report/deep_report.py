@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any, TextIO
 
-from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.plain_data import Fields, PlainData
 from tachk.meaning.run_view import view_trace
 from tachk.model.network import Network
 from tachk.model.quantity import duration, grouped, seconds
-from tachk.report.json_report import statistics_to_json, trace_to_json
+from tachk.report.json_report import FORMS, trace_to_json
 from tachk.report.plain_console import ReportConsole
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_text import print_trace
@@ -45,23 +46,12 @@ def _answer(part: LintAnswer) -> str:
 def deep_to_json(network: Network, check: DeepCheck) -> dict[str, Any]:
     """As docs/schema/check.schema.json describes it; the trace of a finding is of the form of `tachk verify`."""
     runs = {id(evidence.finding): evidence.run for evidence in check.evidence}
-    return {
-        "complete": not check.reason,
-        "reason": check.reason,
-        "stats": statistics_to_json(check.statistics),
-        "questions": [
-            {
-                "question": part.question,
-                "answer": part.answer,
-                "undecided": part.undecided,
-                "findings": [
-                    {
-                        **diagnostic_to_json(finding),
-                        "trace": trace_to_json(view_trace(network, runs[id(finding)])) if id(finding) in runs else None,
-                    }
-                    for finding in part.findings
-                ],
-            }
-            for part in check.parts
-        ],
-    }
+    plain = PlainData()
+
+    def finding(found: Diagnostic) -> dict[str, Any]:
+        run = runs.get(id(found))
+        return {**plain.of(found), "trace": None if run is None else trace_to_json(view_trace(network, run))}
+
+    answer = Fields("question answer undecided findings")
+    whole = Fields("complete reason stats=statistics questions=parts", complete=lambda check: not check.reason)
+    return PlainData({**FORMS, DeepCheck: whole, LintAnswer: answer, Diagnostic: finding}).of(check)

@@ -47,6 +47,7 @@ def _estimates(record: RunRecord) -> list[tuple[StatisticalAnswer, str]]:
     """The answers to statistical queries, each with what it says in a few words."""
     if not record.estimates:
         return []
-    from tachk.report.statistics.answered import answered_document, short_answer
+    from tachk.report.statistics.answered import short_answer
+    from tachk.report.statistics.json import answered_document
 
     return [(answer, short_answer(answered_document(answer)["found"])) for answer in record.estimates]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
-from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
-from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.plain_data import Fields, PlainData, complaint
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import Direction
 from tachk.engine.outcome import Statistics
@@ -22,8 +22,8 @@ from tachk.meaning.run_view import (
     view_trace,
 )
 from tachk.model.network import Network
-from tachk.model.run import Due, RunTimeFault
-from tachk.report.record import NotRead, RunRecord
+from tachk.model.run import Due, RunTimeFault, TimedTrace
+from tachk.report.record import NotChecked, NotRead, RunRecord
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.verdict import Extreme, Extremes, Verdict
 
@@ -44,62 +44,21 @@ def runs_to_json(records: Iterable[RunRecord | NotRead], every_step: bool = Fals
 
 def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
     """The run as a dictionary for `json.dumps`."""
-    return {
-        "model": record.model,
-        "constants": dict(record.network.constants),
-        "time_unit": record.network.time_unit,
-        "templates": {process.name: process.template for process in record.network.processes},
-        "results": [verdict_to_json(record.network, verdict, every_step) for verdict in record.verdicts],
-        "not_checked": [
-            {
-                "name": query.name,
-                "title": query.title,
-                "query": query.text,
-                "reason": query.reason,
-                "errors": _errors(query.diagnostics),
-            }
-            for query in record.not_checked
-        ],
-        "estimates": _estimates(record),
-        "errors": _errors(record.blocking),
+    network = record.network
+    forms = {
+        **FORMS,
+        TimedTrace: lambda run: trace_to_json(_told(view_trace(network, run), every_step)),
+        RunTimeFault: lambda fault: _fault(network, fault),
     }
+    if record.estimates:
+        from tachk.report.statistics.json import FORMS as STATISTICAL
 
-
-def _estimates(record: RunRecord) -> list[Json]:
-    if not record.estimates:
-        return []
-    from tachk.report.statistics.answered import answered_document
-
-    return [answered_document(answer) for answer in record.estimates]
-
-
-def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
-    """What a search took."""
-    return {
-        "states_explored": statistics.states_explored,
-        "states_stored": statistics.states_stored,
-        "transitions": statistics.transitions,
-        "seconds": statistics.seconds,
-        "peak_bytes": statistics.peak_bytes,
-        "interchangeable": statistics.interchangeable,
-        "exchanged": list(statistics.exchanged),
-        "less_known": list(statistics.less_known),
-        "asked_of_all": statistics.asked_of_all,
-        "local_times": statistics.local_times,
-        "threads": statistics.threads,
-    }
+        forms |= STATISTICAL
+    return PlainData(forms).of(record)
 
 
 def not_read_to_json(record: NotRead) -> dict[str, Json]:
     """A run that did not take place: no result, but errors."""
-    plain: dict[str, Json] = {
-        "code": None,
-        "severity": Severity.ERROR.value,
-        "message": record.message,
-        "help": record.help,
-        "place": None,
-        "labels": [],
-    }
     return {
         "model": record.model,
         "constants": {},
@@ -108,66 +67,41 @@ def not_read_to_json(record: NotRead) -> dict[str, Json]:
         "results": [],
         "not_checked": [],
         "estimates": [],
-        "errors": _errors(record.diagnostics) or [plain],
+        "errors": [*map(PlainData(), record.diagnostics)] or [complaint(record.message, record.help)],
     }
 
 
-def _errors(diagnostics: Iterable[Diagnostic]) -> list[Json]:
-    return [diagnostic_to_json(diagnostic) for diagnostic in diagnostics]
+def _observer(verdict: Verdict) -> dict[str, object] | None:
+    observer = verdict.query.observer
+    return None if observer is None else {"formula": observer.formula, "moves": verdict.moves}
 
 
-def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False) -> dict[str, Json]:
-    """One answer; ``trace`` is a list of states, each with the step that leads to it."""
-    query = verdict.query
-    return {
-        "name": query.name,
-        "title": query.title,
-        "query": query.text,
-        "answer": verdict.answer.value,
-        "expected": None if query.expectation is None else query.expectation.value,
-        "met": verdict.met,
-        "exact": verdict.exact,
-        "reason": verdict.reason,
-        "unexamined": list(verdict.unexamined),
-        "assumption": verdict.assumption,
-        "notes": list(verdict.notes),
-        "stats": statistics_to_json(verdict.statistics),
-        "trace": None
-        if verdict.trace is None
-        else trace_to_json(_told(view_trace(network, verdict.trace), every_step)),
-        "ending": None if verdict.trace is None else verdict.trace.ending.value,
-        "loop_start": None if verdict.trace is None else verdict.trace.loop_start,
-        "due": None if verdict.trace is None or verdict.trace.due is None else _due(verdict.trace.due),
-        "fault": None if verdict.fault is None else _fault(network, verdict.fault),
-        "observer": _observer(verdict),
-        "values": [_values(network, found, every_step) for found in verdict.extremes],
-    }
-
-
-def _due(due: Due) -> dict[str, Json]:
-    return {"state": due.steps, "time": str(due.time)}
-
-
-def _values(network: Network, found: Extremes, every_step: bool) -> dict[str, Json]:
-    def extreme(of: Extreme | None) -> Json:
-        if of is None:
-            return None
-        run = None if of.run is None else trace_to_json(_told(view_trace(network, of.run), every_step))
-        return {"value": of.value, "strict": of.strict, "trace": run}
-
-    return {"expression": found.expression, "lower": extreme(found.least), "upper": extreme(found.largest)}
+FORMS: dict[type, Fields | Callable[[Any], object]] = {
+    RunRecord: Fields(
+        "model constants time_unit=network.time_unit templates results=verdicts not_checked estimates errors=blocking",
+        constants=lambda record: dict(record.network.constants),
+        templates=lambda record: {process.name: process.template for process in record.network.processes},
+    ),
+    NotChecked: Fields("name title query=text reason errors=diagnostics"),
+    Verdict: Fields(
+        "name=query.name title=query.title query=query.text answer expected=query.expectation met exact reason "
+        "unexamined assumption notes stats=statistics trace ending=trace.ending loop_start=trace.loop_start "
+        "due=trace.due fault observer values=extremes",
+        observer=_observer,
+    ),
+    Statistics: Fields(
+        "states_explored states_stored transitions seconds peak_bytes interchangeable exchanged less_known "
+        "asked_of_all local_times threads"
+    ),
+    Due: Fields("state=steps time"),
+    Extremes: Fields("expression lower=least upper=largest"),
+    Extreme: Fields("value strict trace=run"),
+}
+"""What is told of the parts of a run, but for what needs its network: runs and run-time errors."""
 
 
 def _told(view: TraceView, every_step: bool) -> TraceView:
     return view if every_step else view.without_hidden()
-
-
-def _observer(verdict: Verdict) -> Json:
-    observer = verdict.query.observer
-    if observer is None:
-        return None
-    moves = [{"time": str(move.time), "location": move.location} for move in verdict.moves]
-    return {"formula": observer.formula, "moves": moves}
 
 
 def trace_to_json(trace: TraceView) -> list[dict[str, Json]]:

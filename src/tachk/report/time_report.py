@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.base.records import dataclass
 from tachk.meaning.run_view import view_trace
 from tachk.model.network import Network
 from tachk.model.quantity import duration
-from tachk.report.json_report import trace_to_json
+from tachk.model.run import TimedTrace
+from tachk.report.json_report import FORMS, trace_to_json
 from tachk.report.plain_console import plain_console
 from tachk.report.run.trace_text import print_trace
 from tachk.verify.times import Times
@@ -97,24 +99,20 @@ def times_to_json(between: TimedInterval, rows: Sequence[TimedRow]) -> dict[str,
         "to": between.end,
         "occurrence": "last" if between.last else "first",
         "time_unit": rows[0].network.time_unit if rows else "",
-        "rows": [
-            {
-                "constants": dict(row.constants),
-                **{name: _extreme(row, extreme) for name, extreme in _extremes(row.times).items()},
-                "reason": row.times.reason,
-                "states": row.times.states,
-                "seconds": row.times.seconds,
-            }
-            for row in rows
-        ],
+        "rows": [_row_to_json(row) for row in rows],
     }
 
 
-def _extreme(row: TimedRow, extreme: Extreme | None) -> Json:
-    if extreme is None:
-        return None
-    run = None if extreme.run is None else trace_to_json(view_trace(row.network, extreme.run))
-    return {"value": extreme.value, "strict": extreme.strict, "trace": run}
+def _row_to_json(row: TimedRow) -> dict[str, Json]:
+    fields = Fields(
+        "constants best=times.best worst=times.worst waits=times.waiting reason=times.reason states=times.states "
+        "seconds=times.seconds"
+    )
+
+    def run(trace: TimedTrace) -> object:
+        return trace_to_json(view_trace(row.network, trace))
+
+    return PlainData({**FORMS, TimedRow: fields, TimedTrace: run}).of(row)
 
 
 def _extremes(times: Times) -> dict[str, Extreme | None]:

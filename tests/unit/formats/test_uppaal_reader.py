@@ -6,7 +6,7 @@ import pytest
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.base.diagnostics.render import render
-from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.plain_data import PlainData
 from tachk.base.span import Source
 from tachk.formats.uppaal.reader import XmlModel, parse_uppaal_xml
 from tachk.syntax import ast
@@ -317,7 +317,7 @@ def test_a_diagnostic_points_into_the_file_and_names_the_part_of_the_model() -> 
         "in: P, edge _a -> _b, guard (/nta/template[1]/transition[1]/label[1])",
         "help: add ')'",
     ]
-    place = diagnostic_to_json(found)["place"]
+    place = PlainData().of(found)["place"]
     assert (place["line"], place["column"], place["end_column"]) == (2, 43, 44)
     assert place["path"] == "/nta/template[1]/transition[1]/label[1]"
 

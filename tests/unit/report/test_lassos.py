@@ -15,7 +15,7 @@ from tachk.formats.loading.load import load_model
 from tachk.meaning.discrete import prepare
 from tachk.model.run import Ending
 from tachk.report.html_report import run_to_html
-from tachk.report.json_report import verdict_to_json
+from tachk.report.json_report import Json, run_to_json
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.text_report import evidence_text
@@ -104,15 +104,22 @@ def test_every_step_tells_the_loop_too() -> None:
     assert "↻ from here on" in text and "start in Machine.Off" in text
 
 
+def first_result(record: RunRecord) -> dict[str, Json]:
+    results = run_to_json(record)["results"]
+    assert isinstance(results, list)
+    result: dict[str, Json] = results[0]
+    return result
+
+
 def test_json_has_the_state_to_which_the_loop_returns() -> None:
     record = checked(WORKS)
-    found = verdict_to_json(record.network, record.verdicts[0])
+    found = first_result(record)
     assert found["ending"] == "periodic"
     start, trace = found["loop_start"], found["trace"]
     assert isinstance(start, int) and isinstance(trace, list) and start == len(trace) - 3
-    ends = verdict_to_json(record.network, checked("").verdicts[0])
+    ends = first_result(checked(""))
     assert (ends["ending"], ends["loop_start"]) == ("idle", None)
-    without = verdict_to_json(record.network, replace(record.verdicts[0], trace=None))
+    without = first_result(replace(record, verdicts=(replace(record.verdicts[0], trace=None),)))
     assert (without["ending"], without["loop_start"]) == (None, None)
 
 
@@ -168,8 +175,7 @@ def against(query: str) -> RunRecord:
 )
 def test_where_the_obligation_begins_that_is_not_met(query: str, state: int, time: str) -> None:
     record = against(query)
-    (verdict,) = record.verdicts
-    said = verdict_to_json(record.network, verdict)
+    said = first_result(record)
     assert said["due"] == {"state": state, "time": time}
     place = f"after step {state}" if state else "before the first step"
     line = told(record).splitlines()[1]
@@ -180,5 +186,5 @@ def test_where_the_obligation_begins_that_is_not_met(query: str, state: int, tim
 
 def test_only_runs_against_leads_to_have_an_obligation_that_begins() -> None:
     record = checked(WORKS)
-    assert verdict_to_json(record.network, record.verdicts[0])["due"] is None
+    assert first_result(record)["due"] is None
     assert "never follows" not in told(record)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
 
-from tachk.recordings.conformance.conform import Conformance
+from tachk.base.plain_data import Fields, PlainData
+from tachk.recordings.conformance.conform import Conformance, Rejection
 from tachk.recordings.conformance.coverage import Covered
 from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.events import RecordedEvent
+from tachk.recordings.conformance.refusal import PossibleEvent
 
 
 def conformance_to_json(found: Sequence[Conformance], model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:
@@ -16,72 +19,41 @@ def conformance_to_json(found: Sequence[Conformance], model: str, covered: Seque
     return {
         "model": model,
         "answers": [_answer(each) for each in found],
-        "coverage": [_covered(each) for each in covered],
+        "coverage": PlainData()(list(covered)),
     }
 
 
 def _answer(found: Conformance) -> dict[str, Any]:
     """Times are those of the recording."""
-    recording = found.recording
-    return {
-        "recording": recording.source,
-        "accepted": found.accepted,
-        "reason": found.reason,
-        "tolerance": float(found.tolerance),
-        "late": float(found.late),
-        "time_unit": found.time_unit,
-        "events": len(recording.events) - found.queues.other,
-        "other_events": found.queues.other,
-        "states": found.statistics.states_stored,
-        "seconds": found.statistics.seconds,
-        "refusal": _refusal(found),
-        "edit": None if found.edit is None else _edit(found, found.edit),
-        "untried_edits": found.untried,
-        "left_out": found.left_out,
-    }
+    events = found.recording.events
 
+    def time(units: int) -> Fraction:
+        return units / found.queues.scale + found.queues.origin
 
-def _edit(found: Conformance, edit: Edit) -> dict[str, Any]:
-    event = _event(found.recording.events[edit.event])
-    return {"event": event, "what": edit.what, "by": edit.by, "name": edit.name, "cells": dict(edit.cells)}
+    def cells(of: RecordedEvent | Edit | PossibleEvent) -> dict[str, object]:
+        return dict(of.cells)
 
-
-def _covered(each: Covered) -> dict[str, Any]:
-    return {
-        "process": each.process,
-        "template": each.template,
-        "source": each.source,
-        "target": each.target,
-        "doc": each.doc,
-        "times": each.times,
-    }
-
-
-def _refusal(found: Conformance) -> dict[str, Any] | None:
-    refusal = found.refusal
-    if refusal is None:
-        return None
-    event = None if refusal.event is None else _event(found.recording.events[refusal.event])
-    return {
-        "happened": refusal.happened,
-        "event": event,
-        "state": refusal.state,
-        "allowed": [
-            {
-                "event": offer.name,
-                "cells": dict(offer.cells),
-                "earliest": _time(found, offer.earliest),
-                "latest": None if offer.latest is None else _time(found, offer.latest),
-            }
-            for offer in refusal.offers
-        ],
-        "allowed_whole": refusal.offers_whole,
-    }
-
-
-def _event(event: RecordedEvent) -> dict[str, Any]:
-    return {"place": event.place, "time": float(event.time), "event": event.name, "cells": dict(event.cells)}
-
-
-def _time(found: Conformance, units: int) -> float:
-    return float(units / found.queues.scale + found.queues.origin)
+    plain = PlainData(
+        {
+            Conformance: Fields(
+                "recording=recording.source accepted reason tolerance late time_unit events other_events=queues.other "
+                "states=statistics.states_stored seconds=statistics.seconds refusal edit untried_edits=untried "
+                "left_out",
+                events=lambda found: len(events) - found.queues.other,
+            ),
+            Rejection: Fields(
+                "happened event state allowed=offers allowed_whole=offers_whole",
+                event=lambda refusal: None if refusal.event is None else events[refusal.event],
+            ),
+            PossibleEvent: Fields(
+                "event=name cells earliest latest",
+                cells=cells,
+                earliest=lambda offer: time(offer.earliest),
+                latest=lambda offer: None if offer.latest is None else time(offer.latest),
+            ),
+            Edit: Fields("event what by name cells", cells=cells, event=lambda edit: events[edit.event]),
+            RecordedEvent: Fields("place time event=name cells", cells=cells),
+            Fraction: float,
+        }
+    )
+    return plain.of(found)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal
 from tachk.recordings.monitors.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.node_signal import Truth
 from tachk.report.json_report import Json
-from tachk.report.monitor.json import exact, finding_to_json, number, verdict_to_json, with_notes
+from tachk.report.monitor.json import FORMS, exact, first_finding, verdict_to_json, with_notes
 
 
 def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[str, Json]]:
@@ -36,16 +37,7 @@ def violation_event(violation: OnlineViolation) -> dict[str, Json]:
 
 def verdict_event(verdict: OnlineVerdict) -> dict[str, Json]:
     """A verdict that has been decided, or that the end of the trace leaves open."""
-    story = verdict.story
-    told: dict[str, Json] = {
-        "name": verdict.name,
-        "title": verdict.title,
-        "formula": verdict.formula,
-        "verdict": verdict.truth.word,
-        "measured": verdict.measured.word,
-        "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
-        "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
-    }
+    told = PlainData({**FORMS, OnlineVerdict: _DECIDED}).of(verdict)
     return _verdict(told, None if verdict.decided_at is None else decimal(verdict.decided_at, 18))
 
 
@@ -54,6 +46,10 @@ def end_event(record: OnlineRecord) -> dict[str, Json]:
     return with_notes(_end(record.rows, decimal(record.begin, 18), decimal(record.end, 18), record.unit), record.notes)
 
 
+_DECIDED = Fields(
+    "name title formula verdict=truth measured robustness finding",
+    finding=lambda verdict: first_finding(verdict.story),
+)
 _VERDICT_KEYS = ("name", "title", "formula", "verdict", "measured", "robustness", "finding")
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Any
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_time, value_text
 from tachk.recordings.traces.node_signal import Truth
@@ -41,32 +44,22 @@ def with_notes(told: dict[str, Json], notes: Sequence[str]) -> dict[str, Json]:
 
 def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict, all_violations: bool = False) -> dict[str, Json]:
     """One verdict."""
-    return {
-        "name": verdict.name,
-        "title": verdict.title,
-        "formula": verdict.formula,
-        "sentence": verdict.sentence or None,
-        "verdict": verdict.truth.word,
-        "measured": verdict.measured.word,
-        "presumably": None if verdict.presumably is None else verdict.presumably.word,
-        "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
-        "time_robustness": _time_robustness(verdict),
-        "vacuous": verdict.vacuous,
-        "finding": finding_to_json(record, verdict),
-        "violations": _violations(record.trace, verdict, all_violations),
-    }
+    fields = Fields(
+        VERDICT_NAMES,
+        sentence=lambda verdict: verdict.sentence or None,
+        finding=lambda verdict: finding_to_json(record, verdict),
+        violations=lambda verdict: _violations(record.trace, verdict, all_violations),
+    )
+    return PlainData({**FORMS, MonitorVerdict: fields}).of(verdict)
 
 
 def _violations(trace: Trace, verdict: MonitorVerdict, listed: bool) -> dict[str, Json]:
     if verdict.measured is Truth.TRUE and not listed:
         return {"count": 0, "triggers": None, "listed": None}
     violations = verdict.violations
-    triggers = violations.triggers
     return {
         "count": len(violations),
-        "triggers": None
-        if triggers is None
-        else {"total": triggers.total, "violated": triggers.violated, "pending": triggers.pending},
+        "triggers": PlainData()(violations.triggers),
         "listed": [violation_to_json(trace, verdict, finding) for finding in violations] if listed else None,
     }
 
@@ -82,13 +75,6 @@ def violation_to_json(trace: Trace, verdict: MonitorVerdict, finding: Finding) -
         "deadline": None if finding.deadline is None else exact(trace, finding.deadline),
         "blamed": [_blamed(trace, verdict, reason) for reason in finding.blamed],
     }
-
-
-def _time_robustness(verdict: MonitorVerdict) -> dict[str, Json] | None:
-    bounds = verdict.time_robustness
-    if bounds is None:
-        return None
-    return {"ahead": [number(value) for value in bounds.ahead], "behind": [number(value) for value in bounds.behind]}
 
 
 def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json] | None:
@@ -108,6 +94,11 @@ def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
         "blamed": [_blamed(trace, verdict, reason) for reason in finding.blamed],
         "explanation": list(explain_verdict(record, verdict)),
     }
+
+
+def first_finding(record: MonitorRecord | None) -> dict[str, Json] | None:
+    """That of the first verdict of a record, where there is one."""
+    return None if record is None else finding_to_json(record, record.verdicts[0])
 
 
 def _blamed(trace: Trace, verdict: MonitorVerdict, reason: TruthReason) -> dict[str, Json]:
@@ -130,3 +121,14 @@ def number(value: float) -> Json:
     if math.isinf(value):
         return "inf" if value > 0 else "-inf"
     return value
+
+
+FORMS: dict[type, Callable[[Any], object]] = {
+    Truth: lambda truth: truth.word,
+    float: number,
+    Fraction: lambda instant: decimal(instant, 18),
+}
+VERDICT_NAMES = (
+    "name title formula sentence verdict=truth measured presumably robustness time_robustness vacuous finding "
+    "violations"
+)

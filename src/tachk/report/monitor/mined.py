@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal
 from tachk.recordings.monitors.mined import Mined
 from tachk.report.json_report import Json
-from tachk.report.monitor.json import finding_to_json
+from tachk.report.monitor.json import first_finding
 from tachk.report.monitor.words import explain_verdict
 
 
@@ -19,27 +20,7 @@ class MiningReport(Mined):
 
     def to_dict(self) -> dict[str, Json]:
         """As docs/schema/mine.schema.json describes it."""
-        record = self.record
-        return {
-            "name": self.name,
-            "formula": self.formula,
-            "parameter": self.parameter,
-            "low": _text(self.low),
-            "high": _text(self.high),
-            "monotone": self.tightest is not None,
-            "tightest": self.tightest,
-            "value": _text(self.value),
-            "attained": self.attained,
-            "exact": self.exact,
-            "trace": self.trace,
-            "violating": _text(self.violating),
-            "finding": None if record is None else finding_to_json(record, record.verdicts[0]),
-            "traces": [
-                {"trace": each.trace, "value": _text(each.value), "attained": each.attained} for each in self.traces
-            ],
-            "undecided": list(self.undecided),
-            "ranges": [[_text(first), _text(last)] for first, last in self.ranges],
-        }
+        return _PLAIN.of(self)
 
     def to_text(self) -> str:
         """What `tachk mine` prints."""
@@ -84,3 +65,16 @@ class MiningReport(Mined):
 
 def _text(value: Fraction | None) -> str | None:
     return None if value is None else decimal(value, 60)
+
+
+_PLAIN = PlainData(
+    {
+        MiningReport: Fields(
+            "name formula parameter low high monotone tightest value attained exact trace violating finding traces "
+            "undecided ranges",
+            monotone=lambda mined: mined.tightest is not None,
+            finding=lambda mined: first_finding(mined.record),
+        ),
+        Fraction: _text,
+    }
+)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal, grouped
 from tachk.recordings.monitors.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.recordings.monitors.record import time_text
 from tachk.recordings.traces.node_signal import Truth
 from tachk.report.json_report import Json
-from tachk.report.monitor.json import finding_to_json, number, with_notes
+from tachk.report.monitor.json import FORMS, VERDICT_NAMES, first_finding, with_notes
 from tachk.report.monitor.text import robustness_text
 from tachk.report.monitor.words import explain_verdict
 
@@ -60,39 +61,36 @@ def online_to_json(record: OnlineRecord) -> dict[str, Json]:
 
 
 def _verdict_to_json(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, Json]:
-    story = verdict.story
-    return {
-        "name": verdict.name,
-        "title": verdict.title,
-        "formula": verdict.formula,
-        "sentence": verdict.sentence or None,
-        "verdict": verdict.truth.word,
-        "measured": verdict.measured.word,
-        "presumably": None,
-        "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
-        "time_robustness": None,
-        "vacuous": False,
-        "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
-        "violations": _violations(verdict, record),
-    }
+    fields = Fields(
+        VERDICT_NAMES,
+        sentence=lambda verdict: verdict.sentence or None,
+        presumably=_none,
+        time_robustness=_none,
+        vacuous=lambda verdict: False,
+        finding=lambda verdict: first_finding(verdict.story),
+        violations=lambda verdict: _violations(verdict, record),
+    )
+    return PlainData({**FORMS, OnlineVerdict: fields, OnlineViolation: _VIOLATION}).of(verdict)
 
 
-def _violations(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, Json] | None:
+def _none(found: object) -> None:
+    """Nothing is known of this while a trace comes."""
+
+
+_VIOLATION = Fields(
+    "formula=violated from=since until packet triggered_from deadline blamed",
+    packet=_none,
+    triggered_from=_none,
+    deadline=_none,
+    blamed=lambda violation: [],
+)
+
+
+def _violations(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, object] | None:
     if record.violations is None:
         return None
     own = sorted((each for each in record.violations if each.name == verdict.name), key=lambda each: each.since)
-    listed: list[Json] = [
-        {
-            "formula": violation.violated,
-            "from": decimal(violation.since, 18),
-            "until": None if violation.until is None else decimal(violation.until, 18),
-            "triggered_from": None,
-            "deadline": None,
-            "blamed": [],
-        }
-        for violation in own
-    ]
-    return {"count": len(own), "triggers": None, "listed": listed}
+    return {"count": len(own), "triggers": None, "listed": own}
 
 
 _ORDER = (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED)

@@ -6,6 +6,8 @@ import csv
 from collections.abc import Mapping
 from io import StringIO
 
+from tachk.base.plain_data import Fields, PlainData
+from tachk.model.run import TimedTrace
 from tachk.report.json_report import Json
 from tachk.report.region.words import inequalities, knowledge
 from tachk.verify.synthesis.bounds_of_parameters import NoBound
@@ -24,10 +26,7 @@ def region_to_json(region: Region) -> dict[str, Json]:
         "constants": dict(region.constants),
         "parameters": [
             {
-                "name": parameter.name,
-                "low": parameter.low,
-                "high": parameter.high,
-                "step": parameter.step,
+                **_PLAIN.of(parameter),
                 "bound": None if isinstance(bound, NoBound) else bound.value,
                 "why": words[parameter.name],
             }
@@ -43,10 +42,7 @@ def region_to_json(region: Region) -> dict[str, Json]:
 
 
 def _cell(region: Region, cell: RegionCell) -> dict[str, Json]:
-    row = dict(row_of(region, cell))
-    for parameter in region.parameters:
-        del row[parameter.name]
-    return {"values": _values(region, cell), **row}
+    return {"values": _values(region, cell), **_PLAIN.of(cell)}
 
 
 def _values(region: Region, cell: RegionCell) -> dict[str, int]:
@@ -55,18 +51,23 @@ def _values(region: Region, cell: RegionCell) -> dict[str, int]:
 
 def row_of(region: Region, cell: RegionCell) -> Row:
     """A cell as one flat row."""
-    verdict = cell.verdict
-    trace = None if verdict is None else verdict.trace
-    return {
-        **_values(region, cell),
-        "answer": cell.answer.value,
-        "evidence": cell.evidence.value,
-        "reason": cell.reason,
-        "states_stored": None if verdict is None else verdict.statistics.states_stored,
-        "run_steps": None if trace is None else len(trace.path),
-        "run_end": None if trace is None else float(trace.states[-1].time),
-        "certificate_zones": None if cell.certificate is None else cell.certificate.zones,
+    return {**_values(region, cell), **_PLAIN.of(cell)}
+
+
+def _run(cell: RegionCell) -> TimedTrace | None:
+    return None if cell.verdict is None else cell.verdict.trace
+
+
+_PLAIN = PlainData(
+    {
+        RegionCell: Fields(
+            "answer evidence reason states_stored=verdict.statistics.states_stored run_steps run_end "
+            "certificate_zones=certificate.zones",
+            run_steps=lambda cell: None if (run := _run(cell)) is None else len(run.path),
+            run_end=lambda cell: None if (run := _run(cell)) is None else float(run.states[-1].time),
+        )
     }
+)
 
 
 def region_to_csv(region: Region) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tachk.report.statistics.json import answer_document
 from tachk.report.statistics.text import answer_lines, interval_text
 from tachk.simulation.statistics.answers import StatisticalAnswer
 
@@ -22,27 +21,8 @@ def answered_lines(answer: StatisticalAnswer) -> Iterator[str]:
     yield from others
 
 
-def answered_document(answer: StatisticalAnswer) -> dict[str, Any]:
-    """The answer for programs: what docs/schema/verify.schema.json calls an estimate."""
-    query, settings = answer.query, answer.settings
-    return {
-        "name": query.name,
-        "title": query.title,
-        "query": query.text,
-        "expected": None if query.expectation is None else query.expectation.value,
-        "met": answer.met,
-        "reason": answer.reason,
-        "seed": settings.source.seed,
-        "confidence": settings.confidence,
-        "alpha": settings.errors.alpha,
-        "beta": settings.errors.beta,
-        "delta": settings.errors.delta,
-        "found": None if answer.found is None else answer_document(answer.found),
-    }
-
-
 def short_answer(found: Mapping[str, Any] | None) -> str:
-    """An answer in a few words, from what `answer_document` makes."""
+    """An answer in a few words, from what `answered_document` has as ``found``."""
     if found is None:
         return "unknown"
     match found["kind"]:

@@ -2,106 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isfinite
-from typing import Any, assert_never
+from typing import Any
 
+from tachk.base.plain_data import Fields, PlainData
+from tachk.simulation.statistics.answers import StatisticalAnswer
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, Split
 from tachk.simulation.statistics.sampling import SampledRuns
 from tachk.simulation.statistics.trajectories import Trajectory
 
 
 def estimates_document(model: str, found: Sequence[Estimate], settings: Settings) -> dict[str, Any]:
-    return {
-        "model": model,
-        "seed": settings.source.seed,
-        "confidence": settings.confidence,
-        "alpha": settings.errors.alpha,
-        "beta": settings.errors.beta,
-        "delta": settings.errors.delta,
-        "answers": [answer_document(each) for each in found],
-    }
+    return {"model": model, **_PLAIN.of(settings), "answers": _PLAIN(list(found))}
 
 
-def answer_document(found: Estimate) -> dict[str, Any]:
-    head = {"name": found.query.name, "query": " ".join(found.query.text.split())}
-    match found:
-        case Estimated():
-            return {
-                **head,
-                "kind": "probability",
-                "low": found.low,
-                "high": found.high,
-                "frequency": found.frequency,
-                "method": found.method,
-                "samples": [_sample(found.sample)],
-                "times": found.sample.all_times.tolist(),
-            }
-        case Decided():
-            return {
-                **head,
-                "kind": "test",
-                "answer": found.decision.value,
-                "interval": None if found.interval is None else list(found.interval),
-                "frequencies": list(found.frequencies),
-                "samples": [_sample(sample) for sample in found.samples],
-            }
-        case Mean():
-            return {
-                **head,
-                "kind": "mean",
-                "mean": _finite(found.mean),
-                "low": found.low,
-                "high": found.high,
-                "asymptotic": [_finite(end) for end in found.asymptotic],
-                "bounds": None if found.values is None else list(found.values),
-                "samples": [_sample(found.sample)],
-            }
-        case Split():
-            return {**head, **_splitting(found)}
-        case DrawnRuns():
-            picked = None if found.picked is None else _sample(found.picked)
-            interval = None if found.interval is None else list(found.interval)
-            runs = [_run(run) for run in found.runs]
-            return {**head, "kind": "trajectories", "runs": runs, "picked": picked, "interval": interval}
-        case never:
-            assert_never(never)
+def answered_document(answer: StatisticalAnswer) -> dict[str, Any]:
+    """What docs/schema/verify.schema.json calls an estimate."""
+    return _PLAIN.of(answer)
+
+
+def _answer(kind: str, names: str, **computed: Callable[[Any], object]) -> Fields:
+    computed |= {"query": lambda found: " ".join(found.query.text.split()), "kind": lambda found: kind}
+    return Fields(f"name=query.name query kind {names}", **computed)
+
+
+def _one_sample(found: Estimated | Mean) -> list[SampledRuns]:
+    return [found.sample]
 
 
 def _finite(number: float) -> float | None:
     return number if isfinite(number) else None
 
 
-def _splitting(found: Split) -> dict[str, Any]:
-    rare = found.rare
-    return {
-        "kind": "splitting",
-        "mean": rare.mean,
-        "low": found.low,
-        "high": found.high,
-        "replications": rare.probabilities.tolist(),
-        "levels": rare.levels,
-        "states": rare.states,
-        "whole": rare.whole,
-        "transitions": rare.transitions,
-        "unknown": rare.unknown,
-    }
-
-
-def _run(run: Trajectory) -> dict[str, Any]:
-    return {
-        "run": run.number,
-        "ending": run.ending.value,
-        "end": run.end,
-        "lines": [{"name": l.name, "times": l.times.tolist(), "values": l.values.tolist()} for l in run.lines],
-    }
-
-
-def _sample(sample: SampledRuns) -> dict[str, Any]:
-    return {
-        "runs": sample.runs,
-        "hits": sample.hits,
-        "unknown": sample.unknown,
-        "transitions": sample.transitions,
-        "endings": {ending.value: count for ending, count in sample.endings.items()},
-    }
+FORMS: dict[type, Fields | Callable[[Any], object]] = {
+    Settings: Fields("seed=source.seed confidence alpha=errors.alpha beta=errors.beta delta=errors.delta"),
+    StatisticalAnswer: Fields(
+        "name=query.name title=query.title query=query.text expected=query.expectation met reason "
+        "seed=settings.source.seed confidence=settings.confidence alpha=settings.errors.alpha "
+        "beta=settings.errors.beta delta=settings.errors.delta found"
+    ),
+    Estimated: _answer("probability", "low high frequency method samples times=sample.all_times", samples=_one_sample),
+    Decided: _answer("test", "answer=decision interval frequencies samples"),
+    Mean: _answer(
+        "mean",
+        "mean low high asymptotic bounds=values samples",
+        mean=lambda found: _finite(found.mean),
+        asymptotic=lambda found: [_finite(end) for end in found.asymptotic],
+        samples=_one_sample,
+    ),
+    Split: _answer(
+        "splitting",
+        "mean=rare.mean low high replications=rare.probabilities levels=rare.levels states=rare.states "
+        "whole=rare.whole transitions=rare.transitions unknown=rare.unknown",
+    ),
+    DrawnRuns: _answer("trajectories", "runs picked interval"),
+    Trajectory: Fields("run=number ending end lines"),
+    SampledRuns: Fields("runs hits unknown transitions endings"),
+}
+_PLAIN = PlainData(FORMS)

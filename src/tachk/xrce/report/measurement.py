@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.base.records import dataclass
 from tachk.xrce.measuring.measure import Measurement
-from tachk.xrce.measuring.quantity import PacketPlace, Quantity
+from tachk.xrce.measuring.quantity import Observation, PacketPlace, Quantity
 from tachk.xrce.measuring.settings import Setting
 
 _PLACES = 6
@@ -47,13 +48,21 @@ def settings_line(found: Measurement, time: ModelTime) -> str:
 def measurement_to_json(found: Measurement, time: ModelTime) -> dict[str, Any]:
     """The measurement as a dictionary for `json.dumps`."""
     return {
-        "files": list(found.files),
-        "problems": list(found.problems),
-        "quantities": [_quantity_to_json(quantity) for quantity in found.quantities],
+        **PlainData(_FORMS).of(found),
         "unit_ms": time.milliseconds,
         "settings": [_setting_to_json(one, time) for one in time.chosen(found)],
         "recorded_settings": [_setting_to_json(one, ModelTime()) for one in found.recorded],
     }
+
+
+_FORMS = {
+    Measurement: Fields("files problems quantities"),
+    Quantity: Fields(
+        "name title unit value min=minimum median max=maximum count confidence how samples",
+        count=lambda quantity: len(quantity.samples),
+    ),
+    Observation: Fields("value packets=places"),
+}
 
 
 def _setting_to_json(setting: Setting, time: ModelTime) -> dict[str, Any]:
@@ -63,28 +72,6 @@ def _setting_to_json(setting: Setting, time: ModelTime) -> dict[str, Any]:
         "ms": setting.value if setting.is_time else None,
         "confidence": setting.confidence.value,
         "how": setting.how,
-    }
-
-
-def _quantity_to_json(quantity: Quantity) -> dict[str, Any]:
-    return {
-        "name": quantity.name,
-        "title": quantity.title,
-        "unit": quantity.unit.value,
-        "value": quantity.value,
-        "min": quantity.minimum,
-        "median": quantity.median,
-        "max": quantity.maximum,
-        "count": len(quantity.samples),
-        "confidence": quantity.confidence.value,
-        "how": quantity.how,
-        "samples": [
-            {
-                "value": sample.value,
-                "packets": [{"file": place.file, "packet": place.packet} for place in sample.places],
-            }
-            for sample in quantity.samples
-        ],
     }
 
 

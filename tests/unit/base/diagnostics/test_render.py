@@ -6,7 +6,7 @@ import re
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.diagnostics.render import WIDEST, render
-from tachk.base.diagnostics.render_json import diagnostic_to_json
+from tachk.base.plain_data import PlainData
 from tachk.base.span import NOWHERE, Source, Span
 
 
@@ -86,7 +86,7 @@ def test_colour_only_adds_escape_sequences() -> None:
 
 
 def test_json() -> None:
-    assert diagnostic_to_json(Diagnostic("E0201", "m", at(TEXT, "heigth"), None, (Label(at(TEXT, "a"), "l"),))) == {
+    assert PlainData().of(Diagnostic("E0201", "m", at(TEXT, "heigth"), None, (Label(at(TEXT, "a"), "l"),))) == {
         "code": "E0201",
         "severity": "error",
         "message": "m",

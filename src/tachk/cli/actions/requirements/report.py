@@ -7,6 +7,7 @@ from fractions import Fraction
 from rich.console import Console
 from rich.table import Table
 
+from tachk.base.plain_data import Fields, PlainData
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.syntax.formulas.printer import print_number
 from tachk.verify.requirements.analysis import FindingKind, RequirementAnalysis, RequirementFinding, WitnessMoment
@@ -65,27 +66,20 @@ def _time(time: Fraction, unit: str, scale: int) -> str:
 
 
 def to_json(analysis: RequirementAnalysis, named: tuple[NamedFormula, ...], unit: str, scale: int) -> dict[str, object]:
+    plain = PlainData(
+        {
+            RequirementAnalysis: Fields("findings undecided"),
+            RequirementFinding: Fields(
+                "kind requirements=names by run", run=lambda found: [m for m in found.run if m.values]
+            ),
+            WitnessMoment: Fields("time signals=values", time=lambda moment: print_number(moment.time / scale)),
+        }
+    )
     return {
         "unit": unit,
         "requirements": [
             {"name": each.name, "formula": given.text, "followed": not each.unfollowed, "reason": each.unfollowed}
             for each, given in zip(analysis.requirements, named, strict=True)
         ],
-        "findings": [
-            {
-                "kind": finding.kind.value,
-                "requirements": list(finding.names),
-                "by": list(finding.by),
-                "run": [
-                    {
-                        "time": print_number(moment.time / scale),
-                        "signals": dict(moment.values),
-                    }
-                    for moment in finding.run
-                    if moment.values
-                ],
-            }
-            for finding in analysis.findings
-        ],
-        "undecided": list(analysis.undecided),
+        **plain.of(analysis),
     }
