@@ -12,6 +12,7 @@ from tests.support import Shape, random_case
 from tests.support.agreement import Effort
 from tests.support.endless.diverging_agreement import compare_diverging
 from tests.support.obligations import random_obligations
+from tests.support.strategies import with_states
 
 SMALL = {"processes": 2, "locations": 3, "clocks": 2, "constant": 3, "deadlocks": False}
 SHAPES = {
@@ -32,7 +33,7 @@ def test_the_search_finds_what_the_oracles_find(shape: str, monkeypatch: pytest.
     """With short beats, and with long ones."""
     decided = set()
     for seed in range(100, 112):
-        monkeypatch.setattr("tachk.verify.liveness._SHORT_BEATS", 2000 if seed % 2 else 0)
+        with_states(monkeypatch, "short-beats", 2000 if seed % 2 else 0)
         random = Random(seed)
         case = random_case(random, SHAPES[shape])
         for obligation in random_obligations(random, case, 1):

@@ -86,7 +86,7 @@ def without(name: str) -> Options:
         "merging": replace(BY_DEFAULT, merging=False),
         "local times": replace(BY_DEFAULT, local_times=LocalTimes.NEVER),
         "spectators": replace(BY_DEFAULT, hold_spectators=False),
-        "bystanders": replace(BY_DEFAULT, drop_bystanders=False),
+        "bystanders": replace(BY_DEFAULT, without=frozenset({"unblocked", "sliced"})),
         "symmetry": replace(BY_DEFAULT, symmetry=False),
     }.get(name, BY_DEFAULT)
 

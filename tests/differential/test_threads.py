@@ -80,7 +80,7 @@ def test_large_discrete_states(chunk_words: int) -> None:
     one, two = (
         model.verify(
             "E<> false",
-            options=replace(ONE, threads=threads, chunk_words=chunk_words, drop_bystanders=False),
+            options=replace(ONE, threads=threads, chunk_words=chunk_words, without=frozenset({"unblocked", "sliced"})),
             limits=Limits(states=3_000),
         )[0].statistics
         for threads in (1, 2)
@@ -96,7 +96,7 @@ def test_as_many_threads_work_as_are_asked_for(threads: int, query: str) -> None
     for options in (
         replace(ONE, threads=threads, symmetry=False),
         replace(ONE, threads=threads, symmetry=False, shortest=True),
-        replace(ONE, threads=threads, order=SearchOrder.PROGRESS, drop_bystanders=False),
+        replace(ONE, threads=threads, order=SearchOrder.PROGRESS, without=frozenset({"unblocked", "sliced"})),
     ):
         (verdict,) = model.verify(query, options=options)
         assert verdict.statistics.threads == threads

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import OutOfTimeError, limited
 from tachk.cli.main import app
 from tachk.meaning.judge.certificate import MAGIC, encoded
 from tachk.recordings.traces.trace_header import read_header
@@ -151,7 +151,7 @@ def test_a_cell_of_an_event_that_is_too_long(capsys: pytest.CaptureFixture[str])
 def test_waiting_for_a_capture_ends_with_the_time(folder: Path) -> None:
     Path("c.pcap").write_bytes(b"")
     growing = GrowingFile(Path("c.pcap"), lambda _: None)
-    with time_limit(0.01), pytest.raises(OutOfTimeError):
+    with limited(0.01), pytest.raises(OutOfTimeError):
         list(iter(lambda: growing.read1(10), b""))
     growing.close()
 

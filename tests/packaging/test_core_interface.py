@@ -96,7 +96,7 @@ def test_an_enumeration_of_the_core_has_the_members_of_ours(bound: type[Enum], o
 
 def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> None:
     names = {name for name in vars(_core.Options) if not name.startswith("_")}
-    of_networks = {"processes", "hold_spectators", "drop_bystanders", "symmetry", "engine", "pace", "local_times"}
+    of_networks = {"processes", "hold_spectators", "without", "symmetry", "engine", "pace", "local_times"}
     assert names == {field.name for field in fields(Options)} - of_networks
     changed = Options(
         order=SearchOrder.RANDOM_DFS,

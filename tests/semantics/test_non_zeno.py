@@ -10,6 +10,7 @@ from tachk.engine.options import Extrapolation, Options
 from tachk.formats.loading.load import load_model
 from tachk.model.run import Ending
 from tachk.verify.verdict import Answer, Verdict
+from tests.support.strategies import with_states
 
 OPTIONS = (
     Options(),
@@ -156,7 +157,7 @@ def test_with_a_deadline_only_its_runs_count() -> None:
 
 def test_long_beats_decide_where_short_ones_take_too_many_states(monkeypatch: pytest.MonkeyPatch) -> None:
     model = process(WAITING.format(loop="{ guard x < 1; assign x = 0; }"))
-    monkeypatch.setattr("tachk.verify.liveness._SHORT_BEATS", 0)
+    with_states(monkeypatch, "short-beats", 0)
     assert not holds(model, "A<> P.b")
     assert holds(process(WAITING.format(loop=";")), "A<> P.b")
 

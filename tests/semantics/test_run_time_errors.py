@@ -308,7 +308,7 @@ def test_an_error_in_a_query_leaves_the_others_their_answers(engine: Engine) -> 
         Options(order=SearchOrder.DFS),
         Options(shortest=True),
         Options(local_times=LocalTimes.ALWAYS),
-        Options(symmetry=False, drop_bystanders=False, hold_spectators=False),
+        Options(symmetry=False, without=frozenset({"unblocked", "sliced"}), hold_spectators=False),
         Options(extrapolation=Extrapolation.MAX, merging=False),
     ],
 )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import InternalError, UnsupportedError
+from tachk.base.job import Job, under_way
 from tachk.base.words import QueryKind
 from tachk.engine import zone
 from tachk.engine.compiler.lower import lower
@@ -109,9 +110,10 @@ def _zone_outcomes(case: RandomCase, variants: Sequence[Options]) -> dict[str, O
     for name, limits in (
         ("states", Limits(states=stored // 2)),
         ("depth", Limits(depth=2)),
-        ("seconds", Limits(seconds=0.0)),
     ):
         outcomes[f"zone limited in {name}"] = zone.explore(program, goals, Options(), limits)
+    with under_way(Job(ends=0.0)):
+        outcomes["zone limited in seconds"] = zone.explore(program, goals)
     for options in variants:
         limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
         outcomes[option_name(options)] = zone.explore(program, goals, options, limits)

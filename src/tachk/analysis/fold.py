@@ -10,9 +10,9 @@ from dataclasses import field, replace
 from operator import is_
 from typing import Any, TypeVar, assert_never
 
+from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.model.cell_layout import default_cells
 from tachk.model.connectives import negation
 from tachk.model.expressions import (
@@ -197,7 +197,7 @@ def fold_place(place: Expression, known: Known) -> Expression:
 
 
 def _fold(expression: Expression, known: Known) -> Expression:
-    check_time()
+    check_job()
     match expression:
         case Constant() | LocationTest() | Deadlock():
             return expression

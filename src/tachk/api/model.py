@@ -14,15 +14,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
-from time import monotonic
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from tachk.api.estimating import Estimable, answers_among, share_of_searches
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import Progress, current_job, followed, limited
 from tachk.base.span import Source
-from tachk.base.time_limit import time_limit
 from tachk.engine.options import Engine, Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
@@ -45,7 +43,6 @@ if TYPE_CHECKING:
     from tachk.simulation.statistics.estimate import Settings
     from tachk.verify.campaign.job import Judge
     from tachk.verify.campaign.run import Progress as CampaignProgress
-    from tachk.verify.scheduling.in_order import VerifyProgress
     from tachk.verify.semantic_lint.findings import DeepCheck
     from tachk.verify.synthesis.parameters import VariedConstant
     from tachk.verify.times import Times
@@ -273,7 +270,7 @@ class Model(Estimable):
         options: Options | None = None,
         limits: Limits | None = None,
         trace: bool = True,
-        progress: VerifyProgress | None = None,
+        progress: Progress | None = None,
     ) -> Report:
         """Checks the given queries and the named properties; without either, every property of the model.
 
@@ -289,11 +286,10 @@ class Model(Estimable):
             InputError: one of ``queries`` is wrong. A wrong query of a file is listed as not checked.
             UsageError: there is no property of that name.
             UnsupportedError: the model uses a feature that the query cannot be decided with.
-            OutOfTimeError: the limit on seconds was over before the queries were read.
+            StoppedError: the limit on seconds was over before the queries were read.
         """
         from tachk.verify.answering import answers
 
-        started = monotonic()
         options, limits = options or Options(), limits or Limits()
         questions = Questions(
             self.path,
@@ -303,13 +299,14 @@ class Model(Estimable):
             non_zeno,
             statistical=True,
         )
-        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
-            formulas = questions.about(self.loaded)
-        symbolic = checked(formulas)
-        left = limits.after(monotonic() - started)
-        share = share_of_searches(left, formulas)
-        verdicts = answers(self.loaded, questions, symbolic, options, share, progress, trace)
-        found = answers_among(self.loaded, questions, formulas, options, limits.after(monotonic() - started))
+        with limited(limits.seconds), followed(progress):
+            with limited(memory=limits.memory_bytes):
+                formulas = questions.about(self.loaded)
+            symbolic = checked(formulas)
+            left = replace(limits, seconds=current_job().seconds_left)
+            share = share_of_searches(left, formulas)
+            verdicts = answers(self.loaded, questions, symbolic, options, share, trace)
+            found = answers_among(self.loaded, questions, formulas, options, limits)
         record = RunRecord(
             self.path,
             self.loaded.heading if self.refusals else self.network,
@@ -378,7 +375,8 @@ class Model(Estimable):
 
         loaded = self.loaded
         unused = unused_names(loaded.items, loaded.document.items) if loaded.items else None
-        return deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits(), progress)
+        with followed(None if progress is None else lambda statistics, _: progress(statistics)):
+            return deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits())
 
     def synthesize(
         self,
@@ -388,7 +386,7 @@ class Model(Estimable):
         answer: Answer = Answer.HOLDS,
         options: Options | None = None,
         limits: Limits | None = None,
-        progress: VerifyProgress | None = None,
+        progress: Progress | None = None,
         infer: bool = True,
         reuse: bool = True,
         certify: bool = False,
@@ -416,18 +414,18 @@ class Model(Estimable):
         from tachk.verify.synthesis.synthesize import synthesize
 
         names = () if property is None else (property,)
-        region = synthesize(
-            self._written,
-            Questions(self.path, names, (), tuple(Source("<query>", text) for text in query)),
-            parameters_from(over),
-            answer,
-            options or Options(),
-            limits or Limits(),
-            progress,
-            infer,
-            reuse,
-            certify,
-        )
+        with followed(progress):
+            region = synthesize(
+                self._written,
+                Questions(self.path, names, (), tuple(Source("<query>", text) for text in query)),
+                parameters_from(over),
+                answer,
+                options or Options(),
+                limits or Limits(),
+                infer,
+                reuse,
+                certify,
+            )
         return Synthesis(region, self.loaded.heading.time_unit)
 
     def sweep(

@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable, Iterable
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
-from tachk.base.time_limit import OutOfTimeError
+from tachk.base.job import StoppedError
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import wants_colour
 
@@ -15,7 +15,7 @@ _DIAGNOSTICS_SHOWN = 20
 _NO_MEMORY = "the machine was out of memory before there was a result"
 
 
-def without_result(error: OutOfTimeError) -> str:
+def without_result(error: StoppedError) -> str:
     """What is said where a limit has ended a command."""
     return f"the {error.reason} was over before there was a result"
 
@@ -44,7 +44,7 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
     except OSError as error:
         complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         return ExitStatus.BAD_INPUT
-    except OutOfTimeError as error:
+    except StoppedError as error:
         complain(f"{subject}: {without_result(error)}" if subject else without_result(error))
         return ExitStatus.UNKNOWN
     except MemoryError:

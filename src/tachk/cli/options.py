@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
-from tachk.base.time_limit import time_limit
+from tachk.base.job import limited
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
 from tachk.cli.reporting import ReportForm
@@ -40,11 +40,11 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
         seconds: the limit on the time of the command as a whole, see `max_seconds`.
     """
 
-    def limited() -> ExitStatus:
-        with time_limit(seconds):
+    def within_limit() -> ExitStatus:
+        with limited(seconds):
             return action()
 
-    click.get_current_context().exit(guarded(limited))
+    click.get_current_context().exit(guarded(within_limit))
 
 
 class Seconds(click.FloatRange):

@@ -11,11 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from tachk import _core
-from tachk.base.memory_limit import OutOfMemoryError
+from tachk.base.job import OutOfMemoryError
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import RunningSearch, core_limits, core_options, run_in_slices
 from tachk.engine.options import Limits, Options, SearchOrder
-from tachk.engine.outcome import Progress
 from tachk.engine.program_image import encode
 
 STORED = 20_000
@@ -76,7 +75,7 @@ def are_made(options: Options, limits: Limits) -> bool:
 
 
 def in_one_order(
-    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits
 ) -> tuple[_core.Explorer | None, str]:
     """A search that has decided all goals, or None; and why it was ended from outside, if it was."""
     deadlocks = any(goal.asks_deadlock for goal in goals)
@@ -85,17 +84,16 @@ def in_one_order(
     one = replace(options, partial_order=True, threads=1)
     explorer = _core.Explorer(encode(program, goals), core_options(one), core_limits(limits))
     start = time.perf_counter()
-    status, reason = run_in_slices(BudgetedSearch(explorer, explored=FIRST_IN_ONE_ORDER), start, limits, progress)
+    status, reason = run_in_slices(BudgetedSearch(explorer, explored=FIRST_IN_ONE_ORDER), start)
     if status is _core.Status.STATE_LIMIT and 4 * explorer.reduced_states() >= FIRST_IN_ONE_ORDER:
-        left = limits.after(time.perf_counter() - start)
         stretch = BudgetedSearch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
-        status, reason = run_in_slices(stretch, time.perf_counter(), left, progress)
+        status, reason = run_in_slices(stretch, time.perf_counter())
     decided = status is _core.Status.FINISHED and not explorer.any_failure()
     return explorer if decided else None, _ended_from_outside(status, reason)
 
 
 def depth_first(
-    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits
 ) -> tuple[_core.Explorer | None, str]:
     """A search that has reached all goals that decide, or None; and why it was ended from outside, if it was.
 
@@ -107,7 +105,7 @@ def depth_first(
     deep = replace(options, order=SearchOrder.DFS, threads=1)
     apart = replace(program, interchangeable=())
     explorer = _core.Explorer(encode(apart, goals), core_options(deep), core_limits(limits))
-    status, reason = run_in_slices(BudgetedSearch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
+    status, reason = run_in_slices(BudgetedSearch(explorer, explored=EXPLORED), time.perf_counter())
     reached = all(explorer.reached(number) is not None for number, goal in enumerate(goals) if goal.decides)
     return explorer if reached else None, _ended_from_outside(status, reason)
 

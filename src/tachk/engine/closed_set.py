@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from tachk import _core
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import transition_of
 from tachk.engine.program_image import encode
@@ -36,14 +36,14 @@ def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iter
     closed = _core.ClosedSet(encode(program, goals))
     try:
         for block in blocks:
-            check_time()
+            check_job()
             discretes = block.discretes(program.state_slots)
             bounds = block.matrices(program.clocks + 1).ravel()
             closed.add(discretes, block.zones, block.ranks, block.shapes, bounds)
     except (ValueError, IndexError) as error:
         raise MalformedCertificateError(str(error)) from None
     while not closed.check(_STATES_AT_ONCE):
-        check_time()
+        check_job()
     found = closed.objection()
     if found is None:
         return None

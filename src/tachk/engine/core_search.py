@@ -11,11 +11,11 @@ from typing import Protocol
 
 from tachk import _core
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import StoppedError, current_job
 from tachk.base.span import NOWHERE, Span
-from tachk.base.time_limit import OutOfTimeError, check_other_limit
 from tachk.engine.compiler.program import Program
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, STATE_LIMIT, TIME_LIMIT, Progress, Statistics
+from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, STATE_LIMIT, TIME_LIMIT, Statistics
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.run import Participant, RunTimeFault, Transition
 
@@ -77,42 +77,34 @@ def user_seconds() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
-def run_in_slices(
-    search: RunningSearch, start: float, limits: Limits, progress: Progress | None
-) -> tuple[_core.Status, str]:
-    """Run a search that began at ``start`` to its end or a limit: its last status, and why it is not FINISHED."""
+def run_in_slices(search: RunningSearch, start: float) -> tuple[_core.Status, str]:
+    """Run a search that began at ``start`` to its end or a limit: its last status, and why it is not FINISHED.
+
+    The time, the memory beside what the search counts, and who follows it are those of the job that is under way.
+    """
+    job = current_job()
     slice_size = 256
     while True:
         begun = time.perf_counter()
         try:
-            status = search.run(slice_size, _seconds_left(limits, start), check_other_limit)
+            status = search.run(slice_size, job.seconds_left, job.check_memory)
             if status is _core.Status.RUNNING:
-                check_other_limit()
+                job.check()
+                if job.progress is not None:
+                    job.progress(statistics_of(search, start), job.about)
         except KeyboardInterrupt:
             return _core.Status.RUNNING, INTERRUPTED
-        except OutOfTimeError as error:
+        except StoppedError as error:
             return _core.Status.RUNNING, error.reason
         except MemoryError:
             return _core.Status.RUNNING, MACHINE_OUT_OF_MEMORY
         if status is not _core.Status.RUNNING:
             return status, _REASONS.get(status, "")
         now = time.perf_counter()
-        if limits.seconds is not None and now - start >= limits.seconds:
-            return _core.Status.RUNNING, TIME_LIMIT
-        try:
-            if progress is not None:
-                progress(statistics_of(search, start))
-        except KeyboardInterrupt:
-            return _core.Status.RUNNING, INTERRUPTED
         if now - begun < _SLICE_SECONDS / 2:
             slice_size *= 2
         elif now - begun > 2 * _SLICE_SECONDS:
             slice_size = max(slice_size // 2, 1)
-
-
-def _seconds_left(limits: Limits, start: float) -> float | None:
-    """The seconds that remain of those since a start."""
-    return None if limits.seconds is None else max(limits.seconds - (time.perf_counter() - start), 0.0)
 
 
 def statistics_of(search: RunningSearch, start: float) -> Statistics:

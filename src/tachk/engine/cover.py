@@ -8,12 +8,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from tachk import _core
+from tachk.base.job import check_job, current_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_other_limit, check_time, time_left
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import core_limits, core_options, run_in_slices
 from tachk.engine.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Options
-from tachk.engine.outcome import Progress
 from tachk.engine.program_image import encode
 from tachk.meaning.judge.certificate import StateBlock
 
@@ -46,19 +45,15 @@ class Cover:
     blocks: Callable[[], Iterator[StateBlock]]
 
 
-def find_cover(
-    program: Program, goal: Goal, options: Options, limits: Limits, progress: Progress | None = None
-) -> Cover | str:
+def find_cover(program: Program, goal: Goal, options: Options, limits: Limits) -> Cover | str:
     """The smallest of some covers, or the reason why there is none: `_TwoSearches` tells of two, `_single` of one.
 
     With the bounds of LU a goal that asks for deadlock may seem reachable that is not; the maximum bounds are tried
     then.
     """
-    started = time.perf_counter()
     for bounds in dict.fromkeys((options.extrapolation, Extrapolation.MAX)):
-        left = limits.after(time.perf_counter() - started)
-        searches = _TwoSearches(program, goal, replace(options, extrapolation=bounds), replace(left, depth=None))
-        status, reason = run_in_slices(searches, time.perf_counter(), left, progress)
+        searches = _TwoSearches(program, goal, replace(options, extrapolation=bounds), replace(limits, depth=None))
+        status, reason = run_in_slices(searches, time.perf_counter())
         best = searches.best()
         if best is not None:
             single = _single(program, goal, options, best, searches.statistics()[0])
@@ -155,16 +150,14 @@ def _single(program: Program, goal: Goal, options: Options, best: Cover, explore
     exact = replace(options, extrapolation=Extrapolation.NONE)
     search = _core.CoverSearch(encode(program, [goal]), core_options(exact), core_limits(Limits()), hulls=True)
     for _ in range(min(_STEPS_FOR_A_ZONE * best.zones, max(_SHORT, explored)) // _TURN + 1):
-        check_time()
-        status = search.run(_TURN, time_left(), check_other_limit)
+        check_job()
+        status = search.run(_TURN, current_job().seconds_left, current_job().check_memory)
         if status is not _core.Status.RUNNING:
             return _told(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
     return None
 
 
-def find_descent(
-    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None = None
-) -> Cover | str:
+def find_descent(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> Cover | str:
     """What shows that no run avoids the first goal, from the initial state or from each reachable state of the second
     one; or the reason why there is none.
 
@@ -172,7 +165,6 @@ def find_descent(
     that an action leads to; where there is a second goal, all reachable states come with the rank 0. The clock bounds
     of the program must be as for `tachk.engine.liveness.find_avoiding_run`.
     """
-    started = time.perf_counter()
     for bounds in dict.fromkeys((options.extrapolation, Extrapolation.MAX)):
         plain = replace(
             options,
@@ -184,8 +176,7 @@ def find_descent(
             proof_after=NEVER,
         )
         search = _core.LivenessSearch(encode(program, goals), core_options(plain), core_limits(limits))
-        left = limits.after(time.perf_counter() - started)
-        status, reason = run_in_slices(search, time.perf_counter(), left, progress)
+        status, reason = run_in_slices(search, time.perf_counter())
         if status is not _core.Status.FINISHED:
             return reason
         if search.violation() is None:

@@ -7,14 +7,13 @@ more in the whole network as it is, without extrapolation: that decides.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import ProgramEdge
 from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
-from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.zone import explore, leads_to
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
@@ -36,20 +35,18 @@ def explore_along(
     target: Expression,
     options: Options,
     limits: Limits,
-    progress: Progress | None = None,
 ) -> Outcome:
     """Search the guided form of a network for a path to the target that is one of the network.
 
     The goal is REACHED with a path of the network, or UNDECIDED: other paths were not looked for.
     """
-    started = time.monotonic()
     program, goals = lower(along.network, [target], along.tables)
     whole, whole_goals = lower(network, [target])
     statistics = Statistics()
     reason = ""
     for order in _ORDERS:
         searching = replace(options, order=order, local_times=LocalTimes.NEVER)
-        outcome = explore(program, goals, searching, limits.after(time.monotonic() - started), progress)
+        outcome = explore(program, goals, searching, limits)
         statistics = statistics.then(outcome.statistics)
         reason = outcome.reason
         (goal,) = outcome.goals

@@ -19,7 +19,7 @@ from tachk.engine.core_search import (
 )
 from tachk.engine.exchanged import with_exchanges
 from tachk.engine.options import Extrapolation, Limits, Options
-from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Progress, RunEnd
+from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, RunEnd
 from tachk.engine.program_image import encode
 
 
@@ -29,7 +29,6 @@ def find_avoiding_run(
     begins: Goal | None = None,
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> LivenessOutcome:
     """Look for a run that never meets ``avoided``: from the initial state, or from any reachable state of ``begins``
     that is none of ``avoided``.
@@ -47,29 +46,28 @@ def find_avoiding_run(
     tried without extrapolation; if it proves not to be one, a search with MAX decides.
     """
     if not program.interchangeable:
-        return _avoiding_run(program, avoided, begins, options, limits, progress)
-    first = _avoiding_run(program, avoided, begins, options, limits, progress)
+        return _avoiding_run(program, avoided, begins, options, limits)
+    first = _avoiding_run(program, avoided, begins, options, limits)
     if first.status is LivenessStatus.NONE or (first.status is LivenessStatus.UNDECIDED and first.fault is None):
         return replace(first, statistics=with_exchanges(first.statistics, program))
-    everybody, left = replace(program, interchangeable=()), limits.after(first.statistics.seconds)
-    second = _avoiding_run(everybody, avoided, begins, options, left, progress)
+    everybody = replace(program, interchangeable=())
+    second = _avoiding_run(everybody, avoided, begins, options, limits)
     return replace(second, statistics=first.statistics.then(second.statistics))
 
 
 def _avoiding_run(
-    program: Program, avoided: Goal, begins: Goal | None, options: Options, limits: Limits, progress: Progress | None
+    program: Program, avoided: Goal, begins: Goal | None, options: Options, limits: Limits
 ) -> LivenessOutcome:
     """As `find_avoiding_run`, by one search; where processes are interchangeable a run is one up to exchanges."""
     goals = [avoided] if begins is None else [avoided, begins]
     if options.extrapolation is Extrapolation.LU and any(goal.asks_deadlock for goal in goals):
         # A widened valuation may be stuck where the true ones are not, and so on one side of the goal only.
         options = replace(options, extrapolation=Extrapolation.MAX)
-    first, stands = _search(program, goals, options, limits, progress)
+    first, stands = _search(program, goals, options, limits)
     if stands:
         return first
-    limits = limits.after(first.statistics.seconds)
     finer = replace(options, extrapolation=Extrapolation.MAX)
-    second, _ = _search(program, goals, finer, limits, progress)
+    second, _ = _search(program, goals, finer, limits)
     return replace(second, statistics=first.statistics.then(second.statistics))
 
 
@@ -79,7 +77,6 @@ def find_recurring_run(
     begins: bool = False,
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> LivenessOutcome:
     """Look for a run that avoids a predicate, and that meets others again and again or ends where it may.
 
@@ -93,16 +90,14 @@ def find_recurring_run(
         options = replace(options, extrapolation=Extrapolation.MAX)
     image = encode(program, goals)
     search = _core.RecurrenceSearch(image, begins, core_options(options), core_limits(limits))
-    return _outcome(program, search, limits, progress)
+    return _outcome(program, search, limits)
 
 
-def _search(
-    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
-) -> tuple[LivenessOutcome, bool]:
+def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[LivenessOutcome, bool]:
     """The outcome of one search, and whether it stands."""
     image = encode(program, goals)
     search = _core.LivenessSearch(image, core_options(options), core_limits(limits))
-    outcome = _outcome(program, search, limits, progress)
+    outcome = _outcome(program, search, limits)
     violation = search.violation()
     if violation is None or violation[0] is not _core.ViolationKind.STUCK:
         return outcome, True
@@ -117,11 +112,10 @@ def _outcome(
     program: Program,
     search: _core.LivenessSearch | _core.RecurrenceSearch,
     limits: Limits,
-    progress: Progress | None,
 ) -> LivenessOutcome:
     """The outcome of a search that has not begun."""
     start, user = time.perf_counter(), user_seconds()
-    status, reason = run_in_slices(search, start, limits, progress)
+    status, reason = run_in_slices(search, start)
     fault = fault_of(program, search) if status is _core.Status.FAULT else None
     statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user)
     violation = search.violation()

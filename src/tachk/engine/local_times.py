@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk import _core
-from tachk.base.memory_limit import OutOfMemoryError
-from tachk.base.time_limit import check_other_limit
+from tachk.base.job import OutOfMemoryError, current_job
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import (
     core_limits,
@@ -25,7 +24,7 @@ from tachk.engine.core_search import (
 )
 from tachk.engine.exchanged import with_exchanges
 from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options
-from tachk.engine.outcome import GoalOutcome, Outcome, Progress, Status
+from tachk.engine.outcome import GoalOutcome, Outcome, Status
 from tachk.engine.program_image import encode
 
 _FIRST_LOOK = 500
@@ -51,7 +50,6 @@ def explore_locally(
     ordinary: _core.Explorer,
     options: Options,
     limits: Limits,
-    progress: Progress | None,
 ) -> Outcome | None:
     """Search over local times, where the options and the program allow it and it seems to pay.
 
@@ -66,7 +64,7 @@ def explore_locally(
     search = _chosen(program, goals, ordinary, options, limits)
     if search is None:
         return None
-    status, reason = run_in_slices(search, start, limits, progress)
+    status, reason = run_in_slices(search, start)
     if status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT):
         return None
     outcomes = tuple(_goal_outcome(program, search, number, goal, status) for number, goal in enumerate(goals))
@@ -77,12 +75,11 @@ def explore_locally(
 def _chosen(
     program: Program, goals: Sequence[Goal], ordinary: _core.Explorer, options: Options, limits: Limits
 ) -> _core.LocalExplorer | None:
-    end = None if limits.seconds is None else time.perf_counter() + limits.seconds
     counts_steps = options.shortest or limits.depth is not None
     if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
     look = options.local_times is LocalTimes.AUTO
-    if look and _first_look(ordinary, end) is not _core.Status.RUNNING:
+    if look and _first_look(ordinary) is not _core.Status.RUNNING:
         return None  # what stops it now stops it again when it goes on
     image = encode(program, goals)
     if obstacle(image) is not None:
@@ -90,7 +87,7 @@ def _chosen(
     if look:
         if ordinary.has_merged():  # which hides how many orders there are
             ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
-            if _look_beside(ordinary, end) is not _core.Status.RUNNING:
+            if _look_beside(ordinary) is not _core.Status.RUNNING:
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:
             return None
@@ -99,7 +96,7 @@ def _chosen(
         options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
     if look:
-        status = _look_beside(search, end)
+        status = _look_beside(search)
         if status in _IMPATIENT:
             return None
         if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
@@ -110,13 +107,13 @@ def _chosen(
 _IMPATIENT = (_core.Status.TIME_LIMIT, _core.Status.MEMORY_LIMIT)
 
 
-def _first_look(search: _core.Explorer | _core.LocalExplorer, end: float | None) -> _core.Status:
+def _first_look(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
     """The status behind a first look: RUNNING if there is more to explore, MEMORY_LIMIT also if that would take much
     more memory than a search needs as a rule."""
+    job = current_job()
     status = _core.Status.RUNNING
     for _ in range(_FIRST_LOOK // _STEP):
-        left = None if end is None else max(end - time.perf_counter(), 0.0)
-        status = search.run(_STEP, left, check_other_limit)
+        status = search.run(_STEP, job.seconds_left, job.check_memory)
         if status is not _core.Status.RUNNING:
             return status
         if search.statistics()[3] > _MUCH_MEMORY:
@@ -124,10 +121,10 @@ def _first_look(search: _core.Explorer | _core.LocalExplorer, end: float | None)
     return status
 
 
-def _look_beside(search: _core.Explorer | _core.LocalExplorer, end: float | None) -> _core.Status:
+def _look_beside(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
     """A first look of a search without which another one goes on, with the memory that this one has taken."""
     try:
-        return _first_look(search, end)
+        return _first_look(search)
     except (MemoryError, OutOfMemoryError):
         return _core.Status.MEMORY_LIMIT
 

@@ -20,7 +20,7 @@ from tachk.engine.core_search import (
     user_seconds,
 )
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import Outcome, Progress
+from tachk.engine.outcome import Outcome
 from tachk.engine.program_image import encode
 from tachk.engine.zone import goal_outcome
 from tachk.model.run import Transition
@@ -49,7 +49,6 @@ def measure(
     measures: Sequence[Measure],
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> tuple[Outcome, tuple[ExtremeMeasurement | None, ...]]:
     """Explores everything, unless all of some goals are reached or a limit is hit, and measures all states.
 
@@ -58,7 +57,7 @@ def measure(
     """
     explorer = _core.Explorer(encode(program, goals, measures), core_options(options), core_limits(limits))
     start, user = time.perf_counter(), user_seconds()
-    status, reason = run_in_slices(explorer, start, limits, progress)
+    status, reason = run_in_slices(explorer, start)
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
     outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
     failed = next((found.fault for found in outcomes if found.fault is not None), None)

@@ -127,8 +127,7 @@ class Options:
         processes: how many searches for different queries run at the same time, each in a process of its own, once a
             second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
-        drop_bystanders: first search without the processes that can only block others; off: search the whole network
-            at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
+        without: the names of strategies (`tachk.verify.strategies`) that are not tried.
         symmetry: search one state for all that differ by an exchange of interchangeable processes.
         shortest: find paths of as few transitions as possible; with BFS only, which AUTO then is. It may take more
             states: a state is dropped for a larger one only if that is not further from the initial state.
@@ -160,7 +159,7 @@ class Options:
     threads_after: int = 4096
     processes: int = 1
     hold_spectators: bool = True
-    drop_bystanders: bool = True
+    without: frozenset[str] = frozenset()
     symmetry: bool = True
     shortest: bool = False
     engine: Engine = Engine.ZONE

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from enum import StrEnum
 
 from tachk.base.records import dataclass
@@ -177,6 +177,3 @@ MACHINE_OUT_OF_MEMORY = "the machine is out of memory"
 
 STATE_LIMIT = "state limit"
 """The reason of a search that stored as many states as it might."""
-
-Progress = Callable[[Statistics], None]
-"""Called now and then during long searches."""

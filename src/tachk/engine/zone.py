@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tachk import _core
-from tachk.base.memory_limit import OutOfMemoryError
+from tachk.base.job import OutOfMemoryError
 from tachk.base.records import dataclass
 from tachk.engine import attempts
 from tachk.engine.compiler.program import Goal, Program
@@ -25,7 +25,7 @@ from tachk.engine.core_search import (
 from tachk.engine.exchanged import with_exchanges
 from tachk.engine.local_times import explore_locally
 from tachk.engine.options import Extrapolation, Limits, Options
-from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.program_image import encode
 
 
@@ -34,11 +34,10 @@ def explore(
     goals: Sequence[Goal],
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> Outcome:
     """Search the zone graph until every goal is decided or a limit is hit.
 
-    Ctrl-C ends the search with the reason INTERRUPTED. ``progress`` is called a few times a second.
+    Ctrl-C ends the search with the reason INTERRUPTED. The time is that of the job.
 
     LU bounds do not preserve deadlock: a widened zone holds valuations that can do less than those they stand for, so
     that some may be stuck where no true one is. But every true valuation is in a stored zone, so that a search that
@@ -47,15 +46,14 @@ def explore(
     Priorities and broadcast guards also depend on an action being impossible; their bounds are already the maximum (see
     `tachk.engine.compiler.bounds`).
     """
-    outcome, doubtful = _search(program, goals, options, limits, progress)
+    outcome, doubtful = _search(program, goals, options, limits)
     if not doubtful:
         return outcome
     if outcome.reason == INTERRUPTED:
         goals_left = dict.fromkeys(doubtful, GoalOutcome(Status.UNDECIDED))
         return replace(outcome, goals=_with_goals(outcome, goals_left))
-    limits = limits.after(outcome.statistics.seconds)
     finer = replace(options, extrapolation=Extrapolation.MAX)
-    second, _ = _search(program, [goals[number] for number in doubtful], finer, limits, progress)
+    second, _ = _search(program, [goals[number] for number in doubtful], finer, limits)
     return _joined(outcome, second, doubtful)
 
 
@@ -64,7 +62,6 @@ def explore_everything(
     goals: Sequence[Goal],
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> tuple[Outcome, frozenset[tuple[int, int]]]:
     """Search as `explore` does, but go on when every goal is decided, until nothing is left or a limit is hit.
 
@@ -76,13 +73,13 @@ def explore_everything(
     options = replace(options, attempts=False, partial_order=False)
     explorer = _explorer(program, [*goals, never], options, limits)
     begun = time.perf_counter(), user_seconds()
-    ran = _ran(program, [*goals, never], explorer, options, limits, progress, begun)
+    ran = _ran(program, [*goals, never], explorer, options, limits, begun)
     outcome, doubtful = _told(program, [*goals, never], options, ran)
     outcome = replace(outcome, goals=outcome.goals[:-1])
     taken = frozenset((program.edges[n].process, program.edges[n].edge) for n in explorer.taken())
     if doubtful:
-        left = limits.after(outcome.statistics.seconds)
-        second = explore(program, [goals[n] for n in doubtful], replace(options, extrapolation=Extrapolation.MAX), left)
+        finer = replace(options, extrapolation=Extrapolation.MAX)
+        second = explore(program, [goals[n] for n in doubtful], finer, limits)
         reason = outcome.reason
         outcome = replace(_joined(outcome, second, doubtful), reason=reason)
     return outcome, taken
@@ -96,14 +93,12 @@ def leads_to(
     return _explorer(program, goals, exact, Limits()).leads_to(actions, goal)
 
 
-def _search(
-    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
-) -> tuple[Outcome, list[int]]:
+def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[Outcome, list[int]]:
     """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
     begun = time.perf_counter(), user_seconds()
     explorer = _explorer(program, goals, options, limits)
     try:
-        found = explore_locally(program, goals, explorer, options, limits, progress)
+        found = explore_locally(program, goals, explorer, options, limits)
     except (MemoryError, OutOfMemoryError) as error:
         # In the midst of the first states: the search cannot go on from there.
         reason = error.reason if isinstance(error, OutOfMemoryError) else MACHINE_OUT_OF_MEMORY
@@ -111,7 +106,7 @@ def _search(
         return _told(program, goals, options, ran)
     if found is not None:
         return replace(found, goals=_noted(goals, found.goals)), []
-    return _told(program, goals, options, _ran(program, goals, explorer, options, limits, progress, begun))
+    return _told(program, goals, options, _ran(program, goals, explorer, options, limits, begun))
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +125,6 @@ def _ran(
     explorer: _core.Explorer,
     options: Options,
     limits: Limits,
-    progress: Progress | None,
     begun: tuple[float, float],
 ) -> _Ran:
     """Runs an explorer; or, if that decides the goals, another one for a while.
@@ -147,20 +141,20 @@ def _ran(
     status, reason = _core.Status.STATE_LIMIT, ""
     if attempts.are_made(options, limits):
         stretch = attempts.BudgetedSearch(explorer, stored=attempts.STORED)
-        status, reason = run_in_slices(stretch, start, limits, progress)
+        status, reason = run_in_slices(stretch, start)
         others = (attempts.in_one_order, attempts.depth_first) if status is _core.Status.STATE_LIMIT else ()
         reason = "" if others else reason
         for attempt in others:
             if reason:
                 break
             first = statistics(explorer)
-            other, reason = attempt(program, goals, options, limits.after(first.seconds), progress)
+            other, reason = attempt(program, goals, options, limits)
             if other is not None and not _doubtful(program, goals, options, other):
                 # The clock of the other one has run since the first one began.
                 both = replace(first, seconds=0.0, user_seconds=0.0).then(statistics(other))
                 return _Ran(other, _core.Status.FINISHED, "", both)
     if status is _core.Status.STATE_LIMIT and not reason:
-        status, reason = run_in_slices(explorer, start, limits, progress)
+        status, reason = run_in_slices(explorer, start)
     return _Ran(explorer, status, reason, statistics(explorer))
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.formats.network_text import expression_text, type_text
 from tachk.model.network import Edge, Location, Network, Process
 
@@ -26,7 +26,7 @@ def to_dot(network: Network) -> str:
 
 
 def _process(number: int, process: Process, network: Network) -> Iterator[str]:
-    check_time()
+    check_job()
     yield f"    subgraph cluster_{number} {{"
     yield f"        label={_quoted(process.name)};"
     for place, location in enumerate(process.locations):

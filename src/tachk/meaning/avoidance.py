@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.dbm import INFINITY, Federation, Zone
 from tachk.meaning.discrete import PreparedNetwork
@@ -82,7 +82,7 @@ def recurring(
     """The valuations from which a loop can be taken again and again, at some moments, without meeting the goal.
 
     The greatest fixed point of the way back through the loop. All sets on the way are unions of regions, so it is
-    reached after finitely many rounds. Raises EvaluationFault, and OutOfTimeError.
+    reached after finitely many rounds. Raises EvaluationFault, and StoppedError.
 
     Args:
         states: the discrete state before each transition.
@@ -92,7 +92,7 @@ def recurring(
     first = situations[states[0]]
     here = dbm.subtract_all([first.invariant] if first.invariant is not None else [], goals[states[0]])
     while here:
-        check_time()
+        check_job()
         back = here
         for state, transition in reversed(list(zip(states, loop, strict=True))):
             back = _before(situations[state], transition, back, goals[state])

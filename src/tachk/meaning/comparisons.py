@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.base.time_limit import check_time
 from tachk.meaning.constraints import FALSE, TRUE, disjunctive
 from tachk.meaning.dbm import Constraint
 from tachk.model.evaluate import Environment, evaluate
@@ -40,7 +40,7 @@ def comparisons(predicate: Expression, environment: Environment) -> frozenset[Co
 
 
 def _dependence(predicate: Expression, environment: Environment) -> Dependence:
-    check_time()
+    check_job()
     if not depends_on_clocks(predicate):
         try:
             return evaluate(predicate, environment) != 0

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.base.time_limit import check_time
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, add, bound_value, complement, raw_bound
 from tachk.model.evaluate import Environment, clock_number, evaluate
 from tachk.model.expressions import Binary, Comma, Conditional, Expression, Quantifier, QuantifierKind, Unary
@@ -212,7 +212,7 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
 
 
 def conjunction(left: Disjunction, right: Disjunction) -> Disjunction:
-    check_time()
+    check_job()
     return list(dict.fromkeys(a + b for a in left for b in right))
 
 

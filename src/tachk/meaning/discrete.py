@@ -12,8 +12,8 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.base.words import Direction
 from tachk.meaning.dbm import ClockValues
 from tachk.meaning.memory import Memory, by_state
@@ -124,7 +124,7 @@ def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...],
     for number, edge in enumerate(network.processes[process].edges):
         ranges = [bounds(v.type) for v in edge.selects]  # type: ignore[arg-type]
         for values in product(*(range(low, high + 1) for low, high in ranges)):
-            check_time()
+            check_job()
             by_location[edge.source].append(Participant(process, number, values))
     return tuple(tuple(i) for i in by_location)
 

@@ -14,8 +14,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.base.words import Direction
 from tachk.meaning.constraints import (
     FALSE,
@@ -237,7 +237,7 @@ class ManyStates:
     def explore(self, rows: Numbers) -> None:
         """Finds all transitions that discrete states admit, in ascending order of their numbers."""
         for part, participants, guard, channel in self._joint(rows):
-            check_time()
+            check_job()
             priority = self.model.network.default_priority
             if channel is not None:
                 type_, priority = self.model.channels[channel]

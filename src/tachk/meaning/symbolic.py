@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import suppress
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.meaning import dbm
 from tachk.meaning.constraints import (
     FALSE,
@@ -233,7 +233,7 @@ def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
 
 def _few(model: PreparedNetwork, condition: Disjunction) -> Disjunction:
     """A product that has grown by a factor. Raises TooManyConjunctionsError."""
-    check_time()
+    check_job()
     found = condition if len(condition) == 1 else tidied(condition)
     if len(found) > model.most_cases:
         raise TooManyConjunctionsError

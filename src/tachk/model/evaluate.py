@@ -12,10 +12,10 @@ from dataclasses import field
 from fractions import Fraction
 from typing import assert_never
 
+from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, wrapped
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.model.cell_layout import CellLayout, cell_bounds, default_cells
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
@@ -192,7 +192,7 @@ def channel_number(expression: Expression, environment: Environment) -> int:
 def _count_step(span: Span, environment: Environment) -> None:
     environment.steps += 1
     if not environment.steps % _STEPS_UNWATCHED:
-        check_time()
+        check_job()
     if environment.steps > STEP_LIMIT:
         raise EvaluationFault(RuntimeErrorKind.LOOP, span)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.base.words import Direction
 from tachk.model.expressions import (
     Assert,
@@ -65,7 +65,7 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
     found: set[Variable] = set()
     sent: dict[Variable, frozenset[Part]] = {}  # what every sender on a channel writes
     for process in network.processes:
-        check_time()
+        check_job()
         for location in process.locations:
             rates = [part for pair in location.rates for part in pair]
             _LastingMetas(metas, found).values([e for e in (location.invariant, *rates) if e], _NONE)

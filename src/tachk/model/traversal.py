@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import attrgetter
 from typing import Any
 
+from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS
-from tachk.base.time_limit import check_time
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -64,7 +64,7 @@ def children(expression: Expression) -> tuple[Expression, ...]:
 
 def walk(expression: Expression) -> Iterator[Expression]:
     """The expression and everything inside it; the bodies of called functions are not entered."""
-    check_time()
+    check_job()
     pending = [expression]
     while pending:
         current = pending.pop()

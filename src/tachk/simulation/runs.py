@@ -9,7 +9,7 @@ import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import is_whole
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.engine.compiler.features import check_simulated
 from tachk.engine.compiler.lower import lower_simulation
@@ -42,10 +42,10 @@ class Runs:
     def draw(
         self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges = _NOTHING
     ) -> Iterator[Simulated]:
-        """The runs of these numbers, in order. Raises OutOfTimeError between them."""
+        """The runs of these numbers, in order. Raises StoppedError between them."""
         batch = _LONG_BATCH if recorded == _NOTHING else _BATCH
         for first in range(numbers.start, numbers.stop, batch):
-            check_time()
+            check_job()
             yield from self._simulator.runs(drawing, range(first, min(first + batch, numbers.stop)), recorded)
 
     def trace(self, run: Simulated) -> Trace:

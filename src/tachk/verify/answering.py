@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from time import monotonic
 
 from tachk.engine.options import Limits, Options
 from tachk.frontend.loaded import LoadedModel, other_readings_of
 from tachk.frontend.priority_readings import FIRST
 from tachk.model.query import Query
 from tachk.verify.questions import Questions, checked
-from tachk.verify.scheduling.in_order import VerifyProgress
 from tachk.verify.unanswered import refused
 from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
@@ -23,7 +21,6 @@ def answers(
     queries: Sequence[Query],
     options: Options,
     limits: Limits,
-    progress: VerifyProgress | None,
     trace: bool,
 ) -> tuple[Verdict, ...]:
     """The verdicts about the queries, each with the assumption on which it rests where readings differ.
@@ -35,15 +32,13 @@ def answers(
     """
     if model.refusals:
         return refused(queries, model.refusals[0])
-    started = monotonic()
-    verdicts = verify(model.network, queries, options, limits, progress, trace)
+    verdicts = verify(model.network, queries, options, limits, trace)
     if all(verdict.answer is Answer.UNKNOWN for verdict in verdicts):
         return verdicts
     others = []
     for place, reading in other_readings_of(model):
         asked = checked(questions.about(reading))
-        left = limits.after(monotonic() - started)
-        others.append((place, verify(reading.network, asked, options, left, progress, trace=False)))
+        others.append((place, verify(reading.network, asked, options, limits, trace=False)))
     return tuple(
         agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
         for number, verdict in enumerate(verdicts)

@@ -8,13 +8,13 @@ from enum import StrEnum
 from functools import partial
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import StoppedError, limited
 from tachk.engine.closed_set import check_closed_natively, check_descent_natively
 from tachk.engine.compiler.lower import lower, lower_obligation
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
 from tachk.engine.cover import Cover, find_cover, find_descent
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import Progress
 from tachk.engine.symmetry.detection import find_symmetry
 from tachk.engine.symmetry.sketch import sketch_of
 from tachk.engine.symmetry.tables import tables_of
@@ -38,7 +38,6 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.transform.observed import observed
-from tachk.verify import liveness
 from tachk.verify.verdict import Verdict, answers_of
 
 
@@ -83,7 +82,7 @@ def is_provable(verdict: Verdict) -> bool:
     query = verdict.query
     if query.target is not None:
         return verdict.answer is answers_of(query)[1]
-    return query.avoided is not None and verdict.answer is liveness.answers_of(query)[1]
+    return query.avoided is not None and verdict.answer is answers_of(query)[1]
 
 
 def find_proof(
@@ -92,7 +91,6 @@ def find_proof(
     query: Query,
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> Proof | str:
     """A certificate of a provable answer, or the reason why there is none.
 
@@ -104,14 +102,22 @@ def find_proof(
         network: without observer.
         model: the digest of the network.
     """
+    try:
+        with limited(limits.seconds):
+            return _proof(network, model, query, options, limits)
+    except StoppedError as error:
+        return error.reason
+
+
+def _proof(network: Network, model: str, query: Query, options: Options, limits: Limits) -> Proof | str:
     whole = observed(network, query.observer)
     groups = _exchanges(whole, query) if options.symmetry else ()
-    cover = _cover(whole, query, groups, options, limits, progress)
+    cover = _cover(whole, query, groups, options, limits)
     header = _header(network, model, query, groups)
     if groups and not isinstance(cover, str):
         accepted = _objection(whole, query, header, cover) is None
         enough = replace(limits, states=2 * cover.zones) if accepted else limits
-        plain = _cover(whole, query, (), options, enough, progress)
+        plain = _cover(whole, query, (), options, enough)
         if not accepted or (not isinstance(plain, str) and plain.zones <= cover.zones):
             cover, header = plain, replace(header, groups=())
     if isinstance(cover, str):
@@ -132,13 +138,12 @@ def _cover(
     groups: Sequence[ExchangeGroup],
     options: Options,
     limits: Limits,
-    progress: Progress | None,
 ) -> Cover | str:
     """What the search finds, which goes through one state for all that exchanges make of it."""
     if query.target is None:
-        return _descent(network, query, groups, options, limits, progress)
+        return _descent(network, query, groups, options, limits)
     program, (goal,) = lower(network, [query.target])
-    return find_cover(_with_groups(program, groups), goal, options, limits, progress)
+    return find_cover(_with_groups(program, groups), goal, options, limits)
 
 
 def _exchanges(network: Network, query: Query) -> tuple[ExchangeGroup, ...]:
@@ -176,13 +181,16 @@ _LEAST_ZONES, _MOST_ZONES = 20, 20_000
 
 def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> Proof:
     """A proof with at most a quarter as many different zones as the search has stored, if that comes off, so that its
-    file is smaller. The native checker has accepted it. Raises OutOfTimeError."""
+    file is smaller. The native checker has accepted it. Without time it stays as it is."""
     width, clocks = proof.header.width, len(proof.header.clocks)
     different = sum(len(columns.constraints) for columns in proof.columns())
     if not _LEAST_ZONES <= proof.zones <= _MOST_ZONES or 4 * different <= stored:
         return proof
     check = _native_check(observed(network, query.observer), query, proof.header)
-    block = widened(proof.blocks(), width, clocks + 1, stored // 4, lambda columns: check([columns]) is None)
+    try:
+        block = widened(proof.blocks(), width, clocks + 1, stored // 4, lambda columns: check([columns]) is None)
+    except StoppedError:
+        return proof
     return replace(proof, cover=Cover(len(block.zones), len(block.constraints), lambda: iter([block])))
 
 
@@ -213,7 +221,6 @@ def _descent(
     groups: Sequence[ExchangeGroup],
     options: Options,
     limits: Limits,
-    progress: Progress | None,
 ) -> Cover | str:
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
@@ -224,7 +231,7 @@ def _descent(
         return "there are no certificates of what runs meet where clocks stop and `deadlock` is asked for"
     program, goal, trigger = lower_obligation(network, avoided, begins)
     program = _with_groups(program, groups)
-    found = find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits, progress)
+    found = find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits)
     if query.again and isinstance(found, str):
         return "there are no certificates yet of what does not happen again and again"
     return found

@@ -19,7 +19,6 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import Progress
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.connectives import both, negation
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference, Variable, VariableKind
@@ -31,20 +30,19 @@ from tachk.transform.doubled_edges import DoubledNetwork, with_beginnings
 from tachk.transform.observed import fault_without_observer, without_observer
 from tachk.verify import liveness
 from tachk.verify.plan import Search, Task
+from tachk.verify.strategies import avoidable
 from tachk.verify.verdict import Verdict
 
 NAME = "Deadline"
 
 
-def answer(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> dict[int, Verdict]:
+def answer(model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number; each has a deadline."""
     verdicts = {}
     for task in search.tasks:
         deadlined = with_deadline(model.network, task.query)
         alone = replace(search, tasks=(Task(task.number, deadlined.query),))
-        found = liveness.answer(prepare(deadlined.network), alone, options, limits, progress, trace)[task.number]
+        found = avoidable(prepare(deadlined.network), alone, options, limits, trace)[task.number]
         verdicts[task.number] = deadlined.told(replace(found, query=task.query))
     return verdicts
 

@@ -9,20 +9,18 @@ search for each question whether it can be beyond a number.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import field
 
 from tachk.analysis.fold import fold_place, known_cell, known_values
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.growth import grows_without_limit
 from tachk.engine.measuring import measure
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import Outcome, Progress, Statistics, Status
+from tachk.engine.outcome import Outcome, Statistics, Status
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
@@ -83,20 +81,11 @@ class ExtremeSearch:
     where: Expression
     options: Options
     limits: Limits
-    progress: Progress | None
     statistics: Statistics = field(default_factory=Statistics)
     exact: bool = True
-    started: float = field(default_factory=time.monotonic)
 
     def find(self, questions: Sequence[Question]) -> list[FoundExtreme] | None:
         """The answers; None where no state satisfies the predicate. Raises UndecidedExtremeError."""
-        try:
-            with time_limit(self._rest().seconds):
-                return self._found(questions)
-        except OutOfTimeError as error:
-            raise UndecidedExtremeError(error.reason) from None
-
-    def _found(self, questions: Sequence[Question]) -> list[FoundExtreme] | None:
         found: dict[Question, FoundExtreme] = {}
         numbers = [question for question in questions if self._is_number(question[0])]
         if numbers:
@@ -138,7 +127,7 @@ class ExtremeSearch:
     def _numbers(self, questions: Sequence[Question]) -> list[FoundExtreme] | None:
         measured = [MeasuredExpression(self.where, expression, largest) for expression, largest in questions]
         program, _, measures = lower_measures(self._network, measured)
-        outcome, found = measure(program, (), measures, self.options, self._rest(), self.progress)
+        outcome, found = measure(program, (), measures, self.options, self.limits)
         self._note(outcome)
         if outcome.reason:
             raise UndecidedExtremeError(outcome.reason, outcome.fault)
@@ -149,7 +138,7 @@ class ExtremeSearch:
         for horizon in self._horizons():
             measured = MeasuredExpression(self.where, clock, largest, horizon)
             program, goals, measures = lower_measures(self._network, [measured])
-            outcome, (found,) = measure(program, goals, measures, self.options, self._rest(), self.progress)
+            outcome, (found,) = measure(program, goals, measures, self.options, self.limits)
             self._note(outcome)
             if largest and outcome.goals[0].status is Status.REACHED:
                 path = outcome.goals[0].path or ()
@@ -228,7 +217,7 @@ class ExtremeSearch:
     def _path_to(self, condition: Expression | None) -> tuple[Transition, ...] | None:
         target = self.where if condition is None else Binary(BinaryOperator.AND, self.where, condition, BOOL)
         program, goals = lower(self._network, [target])
-        outcome = explore(program, goals, self.options, self._rest(), self.progress)
+        outcome = explore(program, goals, self.options, self.limits)
         self._note(outcome)
         (goal,) = outcome.goals
         if goal.status is Status.UNDECIDED:
@@ -238,9 +227,6 @@ class ExtremeSearch:
         return goal.path
 
     # ---- all searches -----------------------------------------------------------------------------------------------
-
-    def _rest(self) -> Limits:
-        return self.limits.after(time.monotonic() - self.started)
 
     def _note(self, outcome: Outcome) -> None:
         self.exact = self.exact and outcome.exact

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.operators import BinaryOperator
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.base.words import QueryKind
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import Progress, Statistics
+from tachk.engine.outcome import Statistics
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.meaning.step import StepError
@@ -23,43 +21,33 @@ from tachk.model.run import TimedTrace
 from tachk.transform.cone_of_influence import with_spectators
 from tachk.verify.extreme_search import INEXACT, ExtremeSearch, FoundExtreme, Question, UndecidedExtremeError
 from tachk.verify.fault_explanation import explain
+from tachk.verify.over_approximations import held
 from tachk.verify.plan import Search, Task
-from tachk.verify.unanswered import none_begun
 from tachk.verify.unexamined import unexamined
 from tachk.verify.verdict import Answer, Extreme, Extremes, Verdict
-from tachk.verify.weaker import held
 
 NEVER = "no reachable state satisfies the restriction, so that there is no value"
 
 
-def answer(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> dict[int, Verdict]:
+def answer(model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number: HOLDS with the values, FAILS where there are none."""
-    return {task.number: _answer(model, task, options, limits, progress, trace) for task in search.tasks}
+    return {task.number: _answer(model, task, options, limits, trace) for task in search.tasks}
 
 
-def _answer(
-    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> Verdict:
-    started = time.monotonic()
+def _answer(model: PreparedNetwork, task: Task, options: Options, limits: Limits, trace: bool) -> Verdict:
     query = task.query
     where = restriction(query)
-    try:
-        with time_limit(limits.seconds):
-            targets = [_where_it_is(where, expression, 0) for expression in query.operands]
-            network = held(model.network, targets, options)
-            searched = model if network == model.network else prepare(network)
-    except OutOfTimeError as error:
-        return none_begun([task], error.reason)[task.number]
-    search = ExtremeSearch(searched, where, options, limits.after(time.monotonic() - started), progress)
+    targets = [_where_it_is(where, expression, 0) for expression in query.operands]
+    network = held(model.network, targets, options)
+    searched = model if network == model.network else prepare(network)
+    search = ExtremeSearch(searched, where, options, limits)
     verdict = Verdict(query, Answer.UNKNOWN, True, "", Statistics())
     try:
         found = search.find(_questions(query))
     except UndecidedExtremeError as error:
         fault = error.fault
         if fault is not None:
-            fault = explain(searched, fault, limits.seconds)
+            fault = explain(searched, fault)
             if fault.run is not None:
                 fault = replace(fault, run=_whole_run(model, searched, fault.run))
         exact = error.reason != INEXACT
@@ -73,7 +61,7 @@ def _answer(
         if value.value is not None and not value.strict and (trace or not search.exact):
             run, possible = _run(model, searched, _where_it_is(where, expression, value.value), value, search.exact)
             if not possible:
-                return _answer(model, task, replace(options, hold_spectators=False), limits, progress, trace)
+                return _answer(model, task, replace(options, hold_spectators=False), limits, trace)
         if not search.exact and run is None:
             return replace(verdict, reason=INEXACT, exact=False)
         extremes.append(Extreme(value.value, value.strict, run))

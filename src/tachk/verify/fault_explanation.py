@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.job import StoppedError, unhurried
 from tachk.base.span import NOWHERE, Span
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.exact.concretise import concretise
 from tachk.meaning.discrete import PreparedNetwork, execute_updates
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
@@ -63,19 +63,21 @@ def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
     return Diagnostic(code, f"run-time error: {message}{detail}", fault.span, help)
 
 
-def explain(model: PreparedNetwork, fault: RunTimeFault, seconds: float | None = None) -> RunTimeFault:
+_LEAST_SECONDS = 1.0
+
+
+def explain(model: PreparedNetwork, fault: RunTimeFault) -> RunTimeFault:
     """The fault with its run and, where an update failed, the values as the reference evaluator finds them.
 
-    Args:
-        seconds: how long that may take; what is not found by then is left out. The run is one of Python, in which a
-            function that loops takes many seconds.
+    What is not found in the time that is left, or in a second, is left out: the run is one of Python, in which a
+    function that loops takes many seconds.
     """
     placed = replace(fault, span=_place(model.network, fault))
     try:
-        with time_limit(seconds):
+        with unhurried(_LEAST_SECONDS):
             run = concretise(model, fault.path)
             return replace(placed, detail=_detail(model, fault, run), run=run)
-    except OutOfTimeError:
+    except StoppedError:
         return placed
 
 

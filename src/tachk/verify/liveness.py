@@ -1,23 +1,24 @@
-"""Queries that no single state decides: whether some run avoids a predicate for ever."""
+"""Strategies for queries that no single state decides: whether some run avoids a predicate for ever.
+
+Spectators are not held still: one that cannot influence the predicates may still run for ever, or stop time.
+"""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import StoppedError, limited, unhurried
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_limit
-from tachk.base.words import QueryKind
 from tachk.engine.compiler.lower import lower_obligation, lower_recurrence
 from tachk.engine.exact.concretise import discrete_run
 from tachk.engine.lasso import lasso
 from tachk.engine.liveness import find_avoiding_run, find_recurring_run
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Obligation, Progress, RunEnd
+from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Obligation, RunEnd
 from tachk.engine.symmetry.tables import with_symmetry
 from tachk.meaning.clock_constants import clock_constants
 from tachk.meaning.discrete import PreparedNetwork, prepare
@@ -33,55 +34,42 @@ from tachk.model.run import DiscreteState, RunTimeFault, TimedState, TimedTrace
 from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.transform.doubled_edges import DoubledNetwork, with_beats
 from tachk.verify.fault_explanation import explain
-from tachk.verify.plan import Search, Task
+from tachk.verify.plan import Task
 from tachk.verify.semantic_lint.unobtrusive import without_unobtrusive
-from tachk.verify.unanswered import not_begun
+from tachk.verify.strategy import Findings, Problem
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import never_begins
-from tachk.verify.verdict import Answer, Verdict
-
-
-def answer(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> dict[int, Verdict]:
-    """The verdicts about the tasks of a search, by number.
-
-    Spectators are not held still: one that cannot influence the predicates may still run for ever, or stop time. Left
-    out is what certainly does neither.
-    """
-    return {task.number: _verdict(model, task, options, limits, progress, trace) for task in search.tasks}
+from tachk.verify.verdict import Answer, Verdict, answers_of
 
 
 @dataclass(frozen=True, slots=True)
-class _Searched:
-    """What a search has found, and where: in the network with beats, or (None) in the network itself."""
+class SearchedRun:
+    """What a search for runs has found, and where: in the network with doubled edges, or (None) in the network."""
 
     outcome: LivenessOutcome
     obligation: Obligation
     beating: DoubledNetwork | None = None
 
 
-def _verdict(
-    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> Verdict:
-    started = time.monotonic()
-    try:
-        with time_limit(limits.seconds):
-            reduced = _reduced(model.network, task.query) if options.drop_bystanders else model.network
-    except OutOfTimeError as error:
-        return not_begun(task.query, error.reason)
-    left = limits.after(time.monotonic() - started)
-    if reduced == model.network:
-        return _of_network(model, task, options, left, progress, trace)
-    # What is left out may be what meets something again and again: a run that does not need it decides nothing there.
-    weaker = replace(task, query=replace(task.query, again=(), ends=None))
-    verdict = _of_network(prepare(reduced), weaker, options, left, progress, trace=False)
-    verdict = replace(verdict, query=task.query)
-    no_run = verdict.answer is answers_of(task.query)[1]
-    if no_run or (verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact):
-        return replace(verdict, unexamined=unexamined(model.network, reduced) if no_run else ())
-    # There is a run, which is to be shown as one of the whole network.
-    return _of_network(model, task, options, limits.after(time.monotonic() - started), progress, trace)
+def sliced(problem: Problem) -> Findings:
+    """Without what certainly neither changes a run that goes on for ever nor ends one.
+
+    Only that there is no run is an answer: one that is found has to be shown as one of the whole network.
+    """
+    verdicts = {}
+    for task in problem.tasks:
+        reduced = _reduced(problem.network, task.query)
+        if reduced == problem.network:
+            continue
+        # What is left out may be what meets something again and again: a run that does not need it decides nothing.
+        query = replace(task.query, again=(), ends=None)
+        searched = _any_run(prepare(reduced), query, problem)
+        verdict = replace(_of_outcome(query, searched.outcome), query=task.query)
+        if verdict.answer is answers_of(task.query)[1]:
+            verdicts[task.number] = replace(verdict, unexamined=unexamined(problem.network, reduced))
+        elif verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact:
+            verdicts[task.number] = verdict
+    return Findings(verdicts)
 
 
 def _reduced(network: Network, query: Query) -> Network:
@@ -91,22 +79,71 @@ def _reduced(network: Network, query: Query) -> Network:
     return without_unobtrusive(network, [one for one in (query.avoided, query.begins) if one is not None])
 
 
-def _of_network(
-    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> Verdict:
-    """The verdict from a search of one network."""
-    started = time.monotonic()
-    query = task.query
-    try:
-        searched = _searched(model, query, options, limits, progress)
-    except OutOfTimeError as error:
-        return not_begun(query, error.reason)
-    outcome = searched.outcome
+def any_run(problem: Problem) -> Findings:
+    """A search for any run that avoids the goal: where there is none, there is none that counts."""
+    verdicts, runs = {}, {}
+    for task in problem.tasks:
+        searched = _any_run(problem.model, task.query, problem)
+        if _is_answer(problem.model, task.query, searched):
+            verdicts[task.number] = _finished(problem, task, searched)
+        else:
+            runs[task.number] = searched
+    return Findings(verdicts, runs=runs)
+
+
+def recurring(problem: Problem) -> Findings:
+    """A search for runs that meet something again and again, or end where they may."""
+    verdicts = {}
+    for task in problem.tasks:
+        first = problem.runs.get(task.number)
+        if first is not None and not task.query.non_zeno:
+            second = _recurring(problem.network, first.obligation, problem.options, problem.limits)
+            verdicts[task.number] = _finished(problem, task, replace(first, outcome=_after(first.outcome, second)))
+    return Findings(verdicts)
+
+
+def short_beats(problem: Problem) -> Findings:
+    """A search for runs in which a time unit passes again and again, which finds short loops soon."""
+    return _diverging(problem, lambda longest: 1 if longest > 1 else None)
+
+
+def long_beats(problem: Problem) -> Findings:
+    """A search for runs in which as much time passes again and again as anything in the network waits for: that there
+    is none takes many times fewer states so."""
+    return _diverging(problem, lambda longest: max(longest, 1))
+
+
+def _diverging(problem: Problem, length_of: Callable[[int], int | None]) -> Findings:
+    verdicts, runs = {}, {}
+    for task in problem.tasks:
+        first = problem.runs.get(task.number)
+        if first is None or not task.query.non_zeno:
+            continue
+        query, obligation = (
+            task.query,
+            Obligation(_goal(task.query), task.query.begins, task.query.again, task.query.ends),
+        )
+        predicates = [one for one in (obligation.goal, obligation.trigger) if one is not None]
+        length = length_of(max(clock_constants(problem.network, predicates).maximum, default=0))
+        if length is None:
+            continue
+        beating = with_beats(problem.network, length)
+        counting = replace(obligation, again=(*query.again, _counted(problem.network, query, beating)))
+        second = _recurring(beating.network, counting, problem.options, problem.limits)
+        searched = SearchedRun(_after(first.outcome, second), counting, beating)
+        verdicts[task.number] = _finished(problem, task, searched)
+        runs[task.number] = searched
+    return Findings(verdicts, runs=runs)
+
+
+def _finished(problem: Problem, task: Task, searched: SearchedRun) -> Verdict:
+    """The verdict, with its run."""
+    query, outcome = task.query, searched.outcome
     if outcome.fault is not None:
-        outcome = replace(outcome, fault=explain(model, fault_alone(outcome.fault, searched.beating), limits.seconds))
+        outcome = replace(outcome, fault=explain(problem.model, fault_alone(outcome.fault, searched.beating)))
     verdict = _of_outcome(query, outcome)
-    if outcome.run is not None and (trace or not outcome.exact):
-        verdict = _shown(model, verdict, searched, limits.after(time.monotonic() - started))
+    if outcome.run is not None and (problem.trace or not outcome.exact):
+        verdict = _shown(problem.model, verdict, searched)
     if searched.beating is not None and not query.again and outcome.status is LivenessStatus.NONE:
         verdict = replace(verdict, notes=(*verdict.notes, _ZENO_ONLY))
     return verdict
@@ -121,39 +158,30 @@ def fault_alone(fault: RunTimeFault, doubled: DoubledNetwork | None) -> RunTimeF
     return replace(fault, path=tuple(map(doubled.without_copies, fault.path)), transition=failed, run=run)
 
 
-def _searched(
-    model: PreparedNetwork, query: Query, options: Options, limits: Limits, progress: Progress | None
-) -> _Searched:
-    """Looks for any run first: where there is none, there is none that counts. Raises OutOfTimeError."""
-    started = time.monotonic()
-    avoided, begins = query.avoided, query.begins
-    assert avoided is not None
-    with time_limit(limits.seconds):
-        program, goal, trigger = lower_obligation(model.network, avoided, begins)
-        asked = [one for one in (avoided, begins) if one is not None]
-        if options.symmetry and not any(asks_deadlock(one) or clock_in(one) is not None for one in asked):
-            program = with_symmetry(program, model.network, asked)
-    left = limits.after(time.monotonic() - started)
-    first = find_avoiding_run(program, goal, trigger, options, left, progress)
-    obligation = Obligation(avoided, begins, query.again, query.ends)
-    ends = first.run is not None and first.run.end is not RunEnd.LOOP
-    if first.run is None or not (query.again or (query.non_zeno and not ends)):
-        return _Searched(first, obligation)
-    if not (query.non_zeno and not ends) and _counts(model, first.run, obligation):
-        return _Searched(first, obligation)
-    if not query.non_zeno:
-        second = _recurring(model.network, obligation, options, limits.after(time.monotonic() - started), progress)
-        return _Searched(_after(first, second), obligation)
-    searched = _Searched(first, obligation)
-    for length, states in _beats(model.network, obligation, limits):
-        beating = with_beats(model.network, length)
-        counting = replace(obligation, again=(*query.again, _counted(model.network, query, beating)))
-        left = replace(limits, states=states).after(time.monotonic() - started)
-        second = _recurring(beating.network, counting, options, left, progress)
-        searched = _Searched(_after(searched.outcome, second), counting, beating)
-        if second.reason != _STATE_LIMIT:
-            break
-    return searched
+def _goal(query: Query) -> Expression:
+    assert query.avoided is not None
+    return query.avoided
+
+
+def _any_run(model: PreparedNetwork, query: Query, problem: Problem) -> SearchedRun:
+    avoided, begins, options = _goal(query), query.begins, problem.options
+    program, goal, trigger = lower_obligation(model.network, avoided, begins)
+    asked = [one for one in (avoided, begins) if one is not None]
+    if options.symmetry and not any(asks_deadlock(one) or clock_in(one) is not None for one in asked):
+        program = with_symmetry(program, model.network, asked)
+    outcome = find_avoiding_run(program, goal, trigger, options, problem.limits)
+    return SearchedRun(outcome, Obligation(avoided, begins, query.again, query.ends))
+
+
+def _is_answer(model: PreparedNetwork, query: Query, searched: SearchedRun) -> bool:
+    """Whether the run that was found counts, or none was found."""
+    run = searched.outcome.run
+    if run is None:
+        return True
+    ends = run.end is not RunEnd.LOOP
+    if query.non_zeno and not ends:
+        return False
+    return not query.again or _counts(model, run, searched.obligation)
 
 
 def _counts(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> bool:
@@ -180,31 +208,10 @@ def _after(first: LivenessOutcome, second: LivenessOutcome) -> LivenessOutcome:
     return replace(second, statistics=first.statistics.then(second.statistics))
 
 
-def _recurring(
-    network: Network, obligation: Obligation, options: Options, limits: Limits, progress: Progress | None
-) -> LivenessOutcome:
-    started = time.monotonic()
+def _recurring(network: Network, obligation: Obligation, options: Options, limits: Limits) -> LivenessOutcome:
     ends = Constant(1, BOOL) if obligation.ends is None else obligation.ends
-    with time_limit(limits.seconds):
-        program, goals = lower_recurrence(network, obligation.goal, ends, obligation.trigger, obligation.again)
-    left = limits.after(time.monotonic() - started)
-    return find_recurring_run(program, goals, obligation.trigger is not None, options, left, progress)
-
-
-_STATE_LIMIT = "state limit"
-
-_SHORT_BEATS = 2000
-"""How many states the search with the shortest beats may store: it finds short loops soon. That there is none takes
-many times fewer states where a beat is as long as anything that the network waits for."""
-
-
-def _beats(network: Network, obligation: Obligation, limits: Limits) -> Iterator[tuple[int, int | None]]:
-    """How long a beat is to be, and how many states may be stored then."""
-    predicates = [one for one in (obligation.goal, obligation.trigger) if one is not None]
-    longest = max(clock_constants(network, predicates).maximum, default=0)
-    if longest > 1 and (limits.states is None or limits.states > _SHORT_BEATS):
-        yield 1, _SHORT_BEATS
-    yield max(longest, 1), limits.states
+    program, goals = lower_recurrence(network, obligation.goal, ends, obligation.trigger, obligation.again)
+    return find_recurring_run(program, goals, obligation.trigger is not None, options, limits)
 
 
 def _counted(network: Network, query: Query, beating: DoubledNetwork) -> Expression:
@@ -225,8 +232,8 @@ _INEXACT = "the stopwatches make the search inexact, and the run it found may no
 
 NO_DELAYS = "a run that shows it was found, but there was no time to find its delays"
 
-SECONDS_FOR_DELAYS = 30.0
-"""How long the delays of a run that was found are looked for, whatever the limits."""
+SECONDS_FOR_DELAYS, LEAST_SECONDS_FOR_DELAYS = 30.0, 1.0
+"""How long the delays of a run that was found are looked for at most, and at least, whatever the limits."""
 
 
 def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
@@ -247,18 +254,17 @@ def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
             assert_never(never)
 
 
-def _shown(model: PreparedNetwork, verdict: Verdict, searched: _Searched, limits: Limits) -> Verdict:
+def _shown(model: PreparedNetwork, verdict: Verdict, searched: SearchedRun) -> Verdict:
     """The verdict with the run that shows it. Where clocks stop, the run decides whether there is one.
 
     Raises InternalError if there is none although the search is exact.
     """
     outcome = searched.outcome
-    seconds = SECONDS_FOR_DELAYS if limits.seconds is None else min(limits.seconds, SECONDS_FOR_DELAYS)
     problem = "it has no delays"
     try:
-        with time_limit(seconds):
+        with unhurried(LEAST_SECONDS_FOR_DELAYS), limited(SECONDS_FOR_DELAYS):
             run = _judged(model, verdict.query, searched)
-    except OutOfTimeError:
+    except StoppedError:
         return replace(verdict, notes=(*verdict.notes, NO_DELAYS)) if outcome.exact else verdict
     except ReplayError as error:
         run, problem = None, str(error)
@@ -269,7 +275,7 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: _Searched, limits
     return verdict
 
 
-def _judged(model: PreparedNetwork, query: Query, searched: _Searched) -> TimedTrace | None:
+def _judged(model: PreparedNetwork, query: Query, searched: SearchedRun) -> TimedTrace | None:
     """The run with its delays, as one of the model; None if there are none. Raises ReplayError."""
     assert searched.outcome.run is not None
     obligation, beating = searched.obligation, searched.beating
@@ -283,10 +289,3 @@ def _judged(model: PreparedNetwork, query: Query, searched: _Searched) -> TimedT
         asked = obligation.goal, obligation.trigger, query.again, obligation.ends
         due = replay_lasso(model, run, *asked, diverges=not _has_shown(query, run))
     return replace(run, due=due)
-
-
-def answers_of(query: Query) -> tuple[Answer, Answer]:
-    """The answers where a run is found that avoids what it should meet, and where there is none."""
-    if query.kind is QueryKind.POTENTIALLY_ALWAYS:
-        return Answer.HOLDS, Answer.FAILS
-    return Answer.FAILS, Answer.HOLDS

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from time import monotonic
 
 from tachk.analysis.fold import cannot_fail
 from tachk.base.operators import BinaryOperator
@@ -87,7 +86,6 @@ def with_momentary_triggers(
 ) -> tuple[Verdict, ...]:
     """The verdicts, those that hold with a note for each trigger that is true for no time only, and for each condition
     that must always be true and is false for no time only."""
-    started = monotonic()
     stopped = _somebody_stops_time(network)
     if stopped is None:
         return tuple(verdicts)
@@ -107,10 +105,9 @@ def with_momentary_triggers(
     found = _reached(network, goals, bounded, decide)
     in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
     watched, momentary = _watched(network, stopped, ends, in_chains)
-    left = bounded.after(monotonic() - started)
     where = _kinds_of_locations(network)
     notes = {of: _not_known(of, where, found[of]) for of in goals if found[of].answer is Answer.UNKNOWN}
-    notes |= {of: _note(of, where, answer) for of, answer in _reached(watched, momentary, left, decide).items()}
+    notes |= {of: _note(of, where, answer) for of, answer in _reached(watched, momentary, bounded, decide).items()}
     return tuple(_noted(verdict, notes) for verdict in verdicts)
 
 

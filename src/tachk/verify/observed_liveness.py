@@ -8,47 +8,41 @@ leaves an ending, whatever its condition; where only such a run exists, the verd
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from functools import reduce
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import INTERRUPTED, Progress
+from tachk.engine.outcome import INTERRUPTED
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.transform.observed import fault_without_observer, observed, without_observer
-from tachk.verify import liveness, reachability
 from tachk.verify.plan import Analysis, Search, Task
+from tachk.verify.strategies import avoidable, reachable
 from tachk.verify.vacuity import never_true, triggers_of
 from tachk.verify.verdict import Answer, Verdict
 
 FLEETING = "holds as `A<>` does: what is awaited may be there for no time, between two steps at one instant"
 
 
-def answer(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> dict[int, Verdict]:
+def answer(model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number."""
     assert search.observer is not None
     network = observed(model.network, search.observer)
     watched = prepare(network)
     verdicts: dict[int, Verdict] = {}
     for task in search.tasks:
-        started = time.monotonic()
         wide = replace(task, query=_anywhere(task.query, search.observer, len(network.processes) - 1))
-        (first,) = liveness.answer(watched, _alone(search, wide), options, limits, progress, False).values()
+        (first,) = avoidable(watched, _alone(search, wide), options, limits, False).values()
         verdict = first
         if first.answer is Answer.FAILS:
-            left = limits.after(time.monotonic() - started)
-            (second,) = liveness.answer(watched, _alone(search, task), options, left, progress, trace).values()
+            (second,) = avoidable(watched, _alone(search, task), options, limits, trace).values()
             verdict = replace(second, notes=(FLEETING,)) if second.answer is Answer.HOLDS else second
         if verdict.answer is Answer.HOLDS:
-            left = limits.after(time.monotonic() - started)
-            verdict = _with_notes(model, network, task, verdict, options, left, progress)
+            verdict = _with_notes(model, network, task, verdict, options, limits)
         verdicts[task.number] = _told(network, replace(verdict, query=task.query))
     return verdicts
 
@@ -60,7 +54,6 @@ def _with_notes(
     verdict: Verdict,
     options: Options,
     limits: Limits,
-    progress: Progress | None,
 ) -> Verdict:
     """The verdict with a note for each trigger that never happens, which a search without the observer finds out.
 
@@ -76,9 +69,7 @@ def _with_notes(
     ]
     if not asked:
         return verdict
-    found = reachability.answer(
-        model, Search(Analysis.REACHABILITY, tuple(asked)), options, limits, progress, False
-    ).values()
+    found = reachable(model, Search(Analysis.REACHABILITY, tuple(asked)), options, limits, False).values()
     if any(one.reason == INTERRUPTED for one in found):
         raise KeyboardInterrupt
     never = [one.query.name for one in found if one.answer is Answer.FAILS]

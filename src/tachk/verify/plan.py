@@ -67,6 +67,11 @@ class Search:
         """Whether nothing of the network may be left out, because it asks for deadlock."""
         return self.analysis is Analysis.REACHABILITY and any(_asks_deadlock(task.target) for task in self.tasks)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its queries."""
+        return tuple(task.query.name for task in self.tasks)
+
     def without(self, numbers: Collection[int]) -> Search:
         """The search for the tasks with other numbers."""
         return replace(self, tasks=tuple(task for task in self.tasks if task.number not in numbers))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import limited
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
@@ -89,13 +90,14 @@ def times_between(
     began = monotonic()
     found: dict[str, Extreme | None] = {}
     reason, fault, states = "", False, 0
-    for name, query in questions:
-        (verdict,) = verify(timed.network, [query], options, limits.after(monotonic() - began), trace=trace)
-        states = max(states, verdict.statistics.states_stored)
-        if verdict.answer is Answer.UNKNOWN:
-            reason, fault = verdict.reason, verdict.fault is not None
-            break
-        found[name] = _extreme(network, timed, verdict)
+    with limited(limits.seconds):
+        for name, query in questions:
+            (verdict,) = verify(timed.network, [query], options, limits, trace=trace)
+            states = max(states, verdict.statistics.states_stored)
+            if verdict.answer is Answer.UNKNOWN:
+                reason, fault = verdict.reason, verdict.fault is not None
+                break
+            found[name] = _extreme(network, timed, verdict)
     return Times(found.get(BEST), found.get(WORST), found.get(WAITING), reason, fault, states, monotonic() - began)
 
 

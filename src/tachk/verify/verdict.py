@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.records import dataclass
+from tachk.base.words import QueryKind
 from tachk.engine.outcome import Statistics
 from tachk.model.query import Expectation, Query
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
@@ -22,8 +23,10 @@ class Answer(StrEnum):
 
 
 def answers_of(query: Query) -> tuple[Answer, Answer]:
-    """The answers where the target is reachable and where it is not."""
-    return (Answer.HOLDS, Answer.FAILS) if query.holds_when_reached else (Answer.FAILS, Answer.HOLDS)
+    """The answers where what a search looks for is there and where it is not: a state of the target, or a run that
+    avoids what it should meet."""
+    shown = query.holds_when_reached or query.kind is QueryKind.POTENTIALLY_ALWAYS
+    return (Answer.HOLDS, Answer.FAILS) if shown else (Answer.FAILS, Answer.HOLDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +69,7 @@ class Verdict:
     notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
     moves: what the observer of a temporal property did along the trace, which is that of the model alone.
     path: the transitions of the run with those of the observer, where there is a trace.
+    strategy: the name of the one that decided it (`tachk.verify.strategies`); empty where none did.
     """
 
     query: Query
@@ -82,6 +86,7 @@ class Verdict:
     extremes: tuple[Extremes, ...] = ()
     notes: tuple[str, ...] = ()
     path: tuple[Transition, ...] = ()
+    strategy: str = ""
 
     def __repr__(self) -> str:
         return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from math import inf
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import UnsupportedError
-from tachk.base.memory_limit import memory_limit
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import StoppedError, current_job, limited, unhurried
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, Progress
+from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.initial_state import check_initial_state
 from tachk.model.network import Network
@@ -23,8 +22,9 @@ from tachk.transform.cone_of_influence import every_action_counts
 from tachk.transform.observed import check_observable
 from tachk.verify.fault_explanation import with_blame
 from tachk.verify.plan import Analysis, Search, Task, plan
-from tachk.verify.scheduling.in_order import VerifyProgress, in_order, processes
+from tachk.verify.scheduling.in_order import in_order, processes
 from tachk.verify.scheduling.shares import Shares
+from tachk.verify.strategies import avoidable
 from tachk.verify.unanswered import none_begun, not_begun, unsupported
 from tachk.verify.variants import non_zeno, pace, second_engine
 from tachk.verify.variants.second_engine import Answering
@@ -36,7 +36,6 @@ def verify(
     queries: Sequence[Query],
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: VerifyProgress | None = None,
     trace: bool = True,
 ) -> tuple[Verdict, ...]:
     """Answer queries about a network, in their order.
@@ -52,10 +51,19 @@ def verify(
         InputError: the initial state violates an invariant.
         UnsupportedError: the network itself uses a feature that cannot be checked.
     """
-    started = time.monotonic()
+    try:
+        with limited(limits.seconds):
+            return _verified(network, queries, options, limits, trace)
+    except StoppedError as error:
+        return tuple(not_begun(query, error.reason) for query in queries)
+
+
+def _verified(
+    network: Network, queries: Sequence[Query], options: Options, limits: Limits, trace: bool
+) -> tuple[Verdict, ...]:
     verdicts: dict[int, Verdict] = {}
     try:
-        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
+        with limited(memory=limits.memory_bytes):
             check_selections(network)
             model = prepare(network)
             check_initial_state(model)
@@ -68,23 +76,23 @@ def verify(
                 else:
                     tasks.append(Task(number, query))
             searches = plan(tasks)
-    except OutOfTimeError as error:
+    except StoppedError as error:
         return tuple(verdicts.get(number) or not_begun(query, error.reason) for number, query in enumerate(queries))
     answer = partial(_answer, model, options, trace)
-    shares = Shares(limits, started, len(tasks))
-    verdicts |= in_order(searches, answer, shares, processes(options), progress)
+    verdicts |= in_order(searches, answer, Shares(limits, len(tasks)), processes(options))
     found = [with_blame(verdicts[number]) for number in range(len(queries))]
-    noted = _with_momentary_triggers(network, found, limits.after(time.monotonic() - started))
-    return non_zeno.noted(_examined(network, noted))
+    return non_zeno.noted(_examined(network, _with_momentary_triggers(network, found, limits)))
 
 
-def _with_momentary_triggers(network: Network, found: Sequence[Verdict], left: Limits) -> Sequence[Verdict]:
+def _with_momentary_triggers(network: Network, found: Sequence[Verdict], limits: Limits) -> Sequence[Verdict]:
     """The verdicts with notes about what is true for no time, of which only observers may speak."""
     if all(verdict.query.observer is None for verdict in found):
         return found
     from tachk.verify.momentary import with_momentary_triggers
 
-    return with_momentary_triggers(network, found, left, _decided_plainly)
+    left = replace(limits, seconds=current_job().seconds_left)
+    with unhurried(inf):  # what takes its time there has the limits that are left
+        return with_momentary_triggers(network, found, left, _decided_plainly)
 
 
 def _decided_plainly(network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:
@@ -109,13 +117,12 @@ def _answer(
     trace: bool,
     search: Search,
     limits: Limits,
-    progress: Progress | None,
 ) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number. What was decided before is kept, wherever Ctrl-C comes."""
     try:
-        with memory_limit(limits.memory_bytes):
-            return _analysed(model, search, options, limits, progress, trace)
-    except OutOfTimeError as error:
+        with limited(limits.seconds, limits.memory_bytes):
+            return _analysed(model, search, options, limits, trace)
+    except StoppedError as error:
         return none_begun(search.tasks, error.reason)
     except MemoryError:
         return none_begun(search.tasks, MACHINE_OUT_OF_MEMORY)
@@ -124,21 +131,20 @@ def _answer(
 
 
 def _analysed(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
     match search.analysis:
         case Analysis.REACHABILITY:
-            started = time.monotonic()
-            found = second_engine.answering(options.engine)(model, search, options, limits, progress, trace)
-            return pace.at_pace(model, search, found, options, limits.after(time.monotonic() - started), progress)
+            found = second_engine.answering(options.engine)(model, search, options, limits, trace)
+            return pace.at_pace(model, search, found, options, limits)
         case Analysis.LIVENESS:
             decide = _deciding(search)
-            found = decide(model, search, options, limits, progress, trace)
+            found = decide(model, search, options, limits, trace)
             return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case Analysis.EXTREMES:
             from tachk.verify import extremes
 
-            found = extremes.answer(model, search, options, limits, progress, trace)
+            found = extremes.answer(model, search, options, limits, trace)
             return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case never:
             assert_never(never)
@@ -151,9 +157,7 @@ def _deciding(search: Search) -> Answering:
 
         return observed_liveness.answer
     if search.tasks[0].query.deadline is None:
-        from tachk.verify import liveness
-
-        return liveness.answer
+        return avoidable
     from tachk.verify import deadlines
 
     return deadlines.answer

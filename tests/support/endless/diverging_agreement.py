@@ -15,8 +15,8 @@ from tachk.meaning.discrete import prepare
 from tachk.model.query import Query
 from tachk.model.random_networks import RandomCase
 from tachk.model.traversal import asks_deadlock
-from tachk.verify import liveness
 from tachk.verify.plan import Analysis, Search, Task
+from tachk.verify.strategies import avoidable
 from tachk.verify.verdict import Answer
 from tests.support.agreement import UNWIDENED_LIMITS, ZONE_LIMITS, Effort, option_name
 from tests.support.oracles.liveness_reference import check_by_zones
@@ -80,4 +80,4 @@ def verdict(case: RandomCase, obligation: Obligation, options: Options, limits: 
     else:
         query = Query("q", QueryKind.LEADS_TO, obligation.trigger, (obligation.goal,), non_zeno=True)
     search = Search(Analysis.LIVENESS, (Task(0, query),))
-    return liveness.answer(prepare(case.network), search, options, limits, None, True)[0].answer
+    return avoidable(prepare(case.network), search, options, limits, True)[0].answer

@@ -36,7 +36,7 @@ NO_REDUCTION = Options(
     merging=False,
     local_times=LocalTimes.NEVER,
     hold_spectators=False,
-    drop_bystanders=False,
+    without=frozenset({"unblocked", "sliced"}),
     symmetry=False,
     attempts=False,
 )
@@ -49,7 +49,7 @@ ALONE: Mapping[str, Options] = {
     "local times": replace(NO_REDUCTION, local_times=LocalTimes.ALWAYS),
     "partial order": replace(NO_REDUCTION, partial_order=True),
     "spectators": replace(NO_REDUCTION, hold_spectators=True),
-    "bystanders": replace(NO_REDUCTION, drop_bystanders=True),
+    "bystanders": replace(NO_REDUCTION, without=frozenset()),
     "symmetry": replace(NO_REDUCTION, symmetry=True),
 }
 TOGETHER: Mapping[str, Options] = {

@@ -11,9 +11,9 @@ import click
 import pytest
 
 from tachk import _core
-from tachk.base import time_limit as module
+from tachk.base import job as module
+from tachk.base.job import OutOfTimeError, limited
 from tachk.base.span import Source
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app, load_command
@@ -176,7 +176,7 @@ def template_of(model: LoadedModel) -> ast.Template:
 )
 def test_writing_ends(looks: Iterator[int], work: Callable[[LoadedModel], object], seconds: int) -> None:
     model = load_model(Source("m.ta", MODEL))
-    with pytest.raises(OutOfTimeError), time_limit(seconds):
+    with pytest.raises(OutOfTimeError), limited(seconds):
         work(model)
 
 
@@ -189,11 +189,11 @@ def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
     (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
     (tmp_path / "m.cert").write_bytes(b"")
     (tmp_path / "m.pcap").write_bytes(bytes.fromhex("d4c3b2a1 02000400 00000000 00000000 ffff0000 65000000"))
-    with pytest.raises(OutOfTimeError), time_limit(50):
+    with pytest.raises(OutOfTimeError), limited(50):
         open_trace(str(tmp_path / "m.vcd")).read()
     for text in ("p", "F[0,1] p"):
         (formula,) = read_formulas(text)
-        with pytest.raises(OutOfTimeError), time_limit(1.5):
+        with pytest.raises(OutOfTimeError), limited(1.5):
             judge((formula,), open_trace(str(tmp_path / "m.csv")))
 
 

@@ -12,10 +12,9 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from tachk.base import awaited_pipe
-from tachk.base import time_limit as time_limit_module
+from tachk.base import awaited_pipe, job
 from tachk.base.diagnostics.diagnostic import InputError
-from tachk.base.time_limit import time_limit
+from tachk.base.job import limited
 from tachk.cli.actions import monitor_online
 from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.monitor import run_monitor
@@ -196,13 +195,13 @@ def test_a_silent_pipe_is_waited_for_until_the_time_is_over(
     come: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     looks = itertools.count()
-    monkeypatch.setattr(time_limit_module, "monotonic", lambda: float(next(looks)))
+    monkeypatch.setattr(job, "monotonic", lambda: float(next(looks)))
     monkeypatch.setattr(awaited_pipe, "PATIENCE", 0.001)
     reading, writing = os.pipe()
     os.write(writing, come.encode())
     with os.fdopen(reading) as stream:
         monkeypatch.setattr("sys.stdin", stream)
-        status = guarded(limited(lambda: run_monitor(Judged("G p", "-"), Judging(robustness=False)), 200))
+        status = guarded(in_time(lambda: run_monitor(Judged("G p", "-"), Judging(robustness=False)), 200))
     os.close(writing)
     assert status is ExitStatus.UNKNOWN
     said = capsys.readouterr()
@@ -210,9 +209,9 @@ def test_a_silent_pipe_is_waited_for_until_the_time_is_over(
     assert ("1 undetermined" in said.out) is come.startswith(("time,p\n0", "{"))
 
 
-def limited(action: Callable[[], ExitStatus], seconds: float) -> Callable[[], ExitStatus]:
+def in_time(action: Callable[[], ExitStatus], seconds: float) -> Callable[[], ExitStatus]:
     def act() -> ExitStatus:
-        with time_limit(seconds):
+        with limited(seconds):
             return action()
 
     return act

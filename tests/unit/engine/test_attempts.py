@@ -35,7 +35,7 @@ system P;
 """
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
-ALL_STATES = Options(symmetry=False, local_times=LocalTimes.NEVER, drop_bystanders=False)
+ALL_STATES = Options(symmetry=False, local_times=LocalTimes.NEVER, without=frozenset({"unblocked", "sliced"}))
 
 
 def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = None) -> Verdict:

@@ -17,7 +17,7 @@ from tachk.model.run import Transition
 from tachk.transform.blocking_processes import without_bystanders
 from tachk.transform.guided import guided
 from tachk.transform.monotone_counters import budgets
-from tachk.verify import reachability, weaker
+from tachk.verify import over_approximations, reachability
 
 MODEL = """
 int[0, 2] used = 0; int[0, 9] n = 0;
@@ -83,8 +83,8 @@ def test_a_path_that_the_others_do_not_allow_decides_nothing() -> None:
 @pytest.mark.parametrize("leaves", ["to Q { guard y >= 1; }", ""])
 def test_answers_are_those_of_the_whole(leaves: str, monkeypatch: pytest.MonkeyPatch) -> None:
     model = tachk.loads(MODEL.replace("LEAVES", leaves))
-    (whole,) = model.verify(options=Options(drop_bystanders=False))
-    monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", 0)
+    (whole,) = model.verify(options=Options(without=frozenset({"unblocked", "sliced"})))
+    monkeypatch.setattr(over_approximations, "WORTH_CARRYING_OVER", 0)
     (carried,) = model.verify()
     assert (carried.answer, carried.trace is None) == (whole.answer, whole.trace is None)
 
@@ -93,7 +93,7 @@ def test_after_an_interruption_no_query_is_begun(monkeypatch: pytest.MonkeyPatch
     def interrupted(*_: object) -> Outcome:
         return Outcome((GoalOutcome(Status.UNDECIDED),), Statistics(), INTERRUPTED)
 
-    monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", 0)
+    monkeypatch.setattr(over_approximations, "WORTH_CARRYING_OVER", 0)
     monkeypatch.setattr(reachability, "explore_along", interrupted)
     queries = ("E<> Main.B && Hearer.last == 2", "E<> Main.B && Hearer.last == 1")
     verdicts = tachk.loads(MODEL.replace("LEAVES", "")).verify(*queries)

@@ -12,7 +12,10 @@ from tachk.engine.options import LocalTimes, Options
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer
 
-ALWAYS, NEVER = (Options(local_times=each, drop_bystanders=False) for each in (LocalTimes.ALWAYS, LocalTimes.NEVER))
+ALWAYS, NEVER = (
+    Options(local_times=each, without=frozenset({"unblocked", "sliced"}))
+    for each in (LocalTimes.ALWAYS, LocalTimes.NEVER)
+)
 
 LATE = "process Q() {{ clock y; init location A {{ invariant y <= 5; to B {{ guard y >= 4; {} }} }} location B {{}} }}"
 """A process that does something at time 4 or 5."""

@@ -8,6 +8,7 @@ import threading
 import pytest
 
 from tachk import _core
+from tachk.base.job import limited
 from tachk.base.span import Source
 from tachk.engine.compiler.lower import lower, lower_obligation
 from tachk.engine.core_search import core_limits, core_options, run_in_slices
@@ -64,7 +65,7 @@ def test_a_limit_on_time_ends_a_search_in_the_midst_of_a_state(text: str) -> Non
     for search in searches(text):
         assert search.run(1000, 0.01) is _core.Status.TIME_LIMIT
         assert search.run(1) is _core.Status.TIME_LIMIT, "it cannot go on"
-        assert run_in_slices(search, 0.0, Limits(), None) == (_core.Status.TIME_LIMIT, "time limit")
+        assert run_in_slices(search, 0.0) == (_core.Status.TIME_LIMIT, "time limit")
 
 
 def test_a_limit_on_time_ends_a_search_over_local_times_in_the_midst_of_a_state() -> None:
@@ -144,6 +145,7 @@ def test_a_search_may_be_divided_between_states_that_are_passed_through() -> Non
 def test_the_time_of_first_looks_counts() -> None:
     network, target = model(MANY_SUCCESSORS)
     program, goals = lower(network, [negation(negation(target))])
-    outcome = explore(program, goals, limits=Limits(seconds=0.05))
+    with limited(0.05):
+        outcome = explore(program, goals)
     assert outcome.reason == "time limit"
     assert outcome.statistics.seconds >= 0.05

@@ -9,6 +9,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.job import Job, under_way
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, OperandGroup
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.options import Limits
@@ -311,7 +312,9 @@ def test_a_bound_on_depth_never_proves_anything() -> None:
 
 
 def test_no_time_is_no_answer() -> None:
-    outcome = outcome_of(RACE.format(upper="<=", lower=">="), Limits(seconds=0))
+    model = tachk.loads(RACE.format(upper="<=", lower=">="))
+    with under_way(Job(ends=0.0)):
+        outcome = explore(model.network, [model.properties[0].target])  # type: ignore[list-item]
     assert (outcome.goals[0].status, outcome.reason) == (Status.UNDECIDED, "time limit")
 
 

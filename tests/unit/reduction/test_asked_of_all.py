@@ -7,13 +7,13 @@ import pytest
 import tachk
 from tachk import Limits, Options
 from tachk.engine.symmetry.asked_of_all import MOST_IMAGES, asked_of_all
-from tachk.verify import reachability
+from tests.support.strategies import with_states
 
 
 @pytest.fixture(autouse=True)
 def _asked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not only where there are many states."""
-    monkeypatch.setattr(reachability, "FEW", 0)
+    with_states(monkeypatch, "few-states", 0)
 
 
 TEXT = """
@@ -124,15 +124,15 @@ def test_many_images_are_not_asked_for() -> None:
 
 
 def test_where_few_states_are_enough_it_is_asked_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reachability, "FEW", 100)
+    with_states(monkeypatch, "few-states", 100)
     assert asked("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [False, False]
-    monkeypatch.setattr(reachability, "FEW", 3)
+    with_states(monkeypatch, "few-states", 3)
     assert asked("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [True, False]
 
 
 def test_limits_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reachability, "FEW", 3)
-    (verdict,) = tachk.loads(TEXT % 0).verify("E<> P(1).M && P(2).M", limits=Limits(states=2))
+    with_states(monkeypatch, "few-states", 3)
+    (verdict,) = tachk.loads(TEXT % 0).verify("E<> P(1).M && P(2).M", limits=Limits(states=1))
     assert (verdict.answer.value, verdict.reason) == ("unknown", "state limit")
 
 

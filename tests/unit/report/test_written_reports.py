@@ -18,6 +18,7 @@ from tachk.formats.written_reports import check_report, read_json
 from tachk.report.json_report import runs_to_json
 from tests.fuzz.reports import damaged
 
+ROOT = Path(__file__).parents[3]
 MODEL = """
     time_unit = 10 ms;
     int[0,1] d; chan c; clock x;
@@ -126,3 +127,11 @@ def test_a_message_is_not_as_long_as_the_report(tmp_path: Path) -> None:
     with pytest.raises(UsageError) as raised:
         check_report({"runs": {"a" * 10_000: 1}}, "verify", tmp_path / "x.json", "")
     assert len(str(raised.value)) < 400
+
+
+def test_statistical_answers_are_described_alike() -> None:
+    of_verify, of_estimate = (
+        json.loads((ROOT / f"docs/schema/{name}.schema.json").read_text(encoding="utf-8"))["$defs"]
+        for name in ("verify", "estimate")
+    )
+    assert of_estimate.items() <= of_verify.items()

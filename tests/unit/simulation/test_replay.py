@@ -9,7 +9,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import OutOfTimeError, limited
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
@@ -104,5 +104,5 @@ def test_threads_and_batches_make_no_difference() -> None:
 def test_a_long_run_ends_when_the_time_is_over() -> None:
     network = tachk.loads("process P() { init location A { exponential_rate 1000000; to A; } } system P;").network
     drawing = SimulationOptions(1, 10**8 * TICKS_PER_UNIT)
-    with pytest.raises(OutOfTimeError), time_limit(0.05):
+    with pytest.raises(OutOfTimeError), limited(0.05):
         list(Runs(network, ()).draw(drawing, range(1)))

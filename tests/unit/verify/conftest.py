@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from tachk.base.job import followed
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.verify.verdict import Verdict
@@ -19,7 +20,8 @@ def verdicts() -> Callable[..., dict[str, Verdict]]:
 
     def answer(text: str, **options: Any) -> dict[str, Verdict]:
         loaded = load_model(Source("model.ta", text))
-        return {v.query.name: v for v in verify(loaded.network, loaded.queries, **options)}
+        with followed(options.pop("progress", None)):
+            return {v.query.name: v for v in verify(loaded.network, loaded.queries, **options)}
 
     return answer
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from tachk.base.job import Job, under_way
 from tachk.base.span import Source
 from tachk.engine import zone
 from tachk.engine.compiler.lower import lower
@@ -52,7 +53,9 @@ def test_a_time_limit_gives_unknown(answers: Answers) -> None:
     model = load_model(Source("model.ta", text.replace("A[] n < 1000", "E<> n > 1000")))
     (goal,) = [query.predicate for query in model.queries]
     assert goal is not None
-    outcome = zone.explore(*lower(model.network, [goal]), limits=Limits(seconds=0.0))
+    program, goals = lower(model.network, [goal])
+    with under_way(Job(ends=0.0)):
+        outcome = zone.explore(program, goals)
     assert outcome.goals[0].status is Status.UNDECIDED
     assert outcome.reason == "time limit"
 

@@ -10,9 +10,8 @@ import pytest
 
 import tachk
 from tachk import _core
-from tachk.base import memory_limit
-from tachk.base.memory_limit import OutOfMemoryError
-from tachk.base.time_limit import OutOfTimeError, check_time, time_limit
+from tachk.base import job
+from tachk.base.job import OutOfMemoryError, OutOfTimeError, check_job, limited
 from tachk.engine.compiler.lower import lower
 from tachk.engine.core_search import core_limits, core_options
 from tachk.engine.options import Limits, Options
@@ -40,52 +39,52 @@ RANKED = """
 def sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """What the process takes, look after look; the last number stays. Every call looks."""
     told = [100 * MEGABYTE]
-    monkeypatch.setattr(memory_limit, "resident_bytes", lambda: told.pop(0) if len(told) > 1 else told[0])
-    monkeypatch.setattr(memory_limit, "_SECONDS_BETWEEN_LOOKS", 0.0)
+    monkeypatch.setattr(job, "resident_bytes", lambda: told.pop(0) if len(told) > 1 else told[0])
+    monkeypatch.setattr(job, "_SECONDS_BETWEEN_CHECKS", 0.0)
     return told
 
 
 def test_the_limit_is_looked_at_where_the_time_is(sizes: list[int]) -> None:
-    with memory_limit.memory_limit(1000 * MEGABYTE):
-        check_time()
+    with limited(memory=1000 * MEGABYTE):
+        check_job()
         sizes[:] = [1200 * MEGABYTE]
-        check_time()  # a tenth more is allowed
+        check_job()  # a tenth more is allowed
         sizes[:] = [1201 * MEGABYTE]
         with pytest.raises(OutOfMemoryError) as caught:
-            check_time()
+            check_job()
     assert caught.value.reason == "memory limit"
-    check_time()
+    check_job()
 
 
 def test_what_the_allocator_keeps_does_not_count(sizes: list[int]) -> None:
-    with memory_limit.memory_limit(10 * MEGABYTE):
+    with limited(memory=10 * MEGABYTE):
         sizes[:] = [300 * MEGABYTE, 101 * MEGABYTE]
-        check_time()
+        check_job()
 
 
 def test_the_outer_limit_counts(sizes: list[int]) -> None:
-    with memory_limit.memory_limit(100 * MEGABYTE):
+    with limited(memory=100 * MEGABYTE):
         sizes[:] = [200 * MEGABYTE]
-        with memory_limit.memory_limit(1000 * MEGABYTE):
+        with limited(memory=1000 * MEGABYTE):
             sizes[:] = [500 * MEGABYTE]
             with pytest.raises(OutOfMemoryError):
-                check_time()
+                check_job()
         sizes[:] = [200 * MEGABYTE]
-        with memory_limit.memory_limit(None):
-            check_time()
+        with limited(memory=None):
+            check_job()
 
 
 def test_both_limits_count(sizes: list[int]) -> None:
-    with memory_limit.memory_limit(10 * MEGABYTE):
-        with pytest.raises(OutOfTimeError) as caught, time_limit(0.0):
+    with limited(memory=10 * MEGABYTE):
+        with pytest.raises(OutOfTimeError) as caught, limited(0.0):
             pass
         assert caught.value.reason == "time limit"
 
 
 def test_without_the_size_of_the_process_there_is_no_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory_limit, "resident_bytes", lambda: None)
-    with memory_limit.memory_limit(1):
-        check_time()
+    monkeypatch.setattr(job, "resident_bytes", lambda: None)
+    with limited(memory=1):
+        check_job()
 
 
 TWO = """
@@ -147,7 +146,7 @@ def test_too_many_actions_of_a_state_end_as_unknown(tmp_path: Path, limit: str |
     """With the limit, and where the machine gives no more."""
     (tmp_path / "m.ta").write_text(RANKED, encoding="utf-8")
     given = [] if limit is None else ["--max-memory", limit]
-    done = limited([sys.executable, "-m", "tachk", "verify", str(tmp_path / "m.ta"), *given])
+    done = with_few_addresses([sys.executable, "-m", "tachk", "verify", str(tmp_path / "m.ta"), *given])
     assert done.returncode == 20, done.stderr
     assert ("memory limit" if limit else "the machine is out of memory") in done.stdout
 
@@ -159,12 +158,12 @@ def test_a_model_that_is_too_large_ends_without_a_defect(tmp_path: Path) -> None
     processes = "".join(f"process P{n}() {edge}\n" for n in numbers)
     system = "system " + ", ".join(f"P{n}" for n in numbers)
     (tmp_path / "m.ta").write_text(f"int n;\n{processes}{system};\nproperty q : E<> n == 5;\n", encoding="utf-8")
-    done = limited([sys.executable, "-m", "tachk", "verify", str(tmp_path / "m.ta"), "--max-memory", "1M"])
+    done = with_few_addresses([sys.executable, "-m", "tachk", "verify", str(tmp_path / "m.ta"), "--max-memory", "1M"])
     assert done.returncode == 20, done.stderr
     assert "memory limit" in done.stderr + done.stdout
 
 
-def limited(command: list[str]) -> subprocess.CompletedProcess[str]:
+def with_few_addresses(command: list[str]) -> subprocess.CompletedProcess[str]:
     """The command with at most 500 MB of addresses."""
     shell = ["sh", "-c", 'ulimit -v 500000; exec "$@"', "sh", *command]
     return subprocess.run(shell, capture_output=True, text=True, check=False, timeout=120)

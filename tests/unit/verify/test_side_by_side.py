@@ -7,15 +7,15 @@ import signal
 import threading
 from contextlib import suppress
 from pathlib import Path
-from time import monotonic
 
 import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.job import limited
 from tachk.base.span import NOWHERE
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
+from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT, Statistics
 from tachk.model.query import Query
 from tachk.verify.plan import Analysis, Search, Task
 from tachk.verify.scheduling import in_order
@@ -73,11 +73,11 @@ def found(query: Query) -> Verdict:
 
 
 def answered(answer: in_order.Answer, processes: int = 2) -> dict[int, Verdict]:
-    return SideBySide(searches(), answer, lambda search: Limits(), None).answered(processes)
+    return SideBySide(searches(), answer, lambda search: Limits()).answered(processes)
 
 
 def test_a_process_that_is_killed_leaves_its_query_unknown() -> None:
-    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+    def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         if search.tasks[0].number == 1:
             os.kill(os.getpid(), signal.SIGKILL)
         return {task.number: found(task.query) for task in search.tasks}
@@ -88,7 +88,7 @@ def test_a_process_that_is_killed_leaves_its_query_unknown() -> None:
 
 
 def test_what_a_search_raises_is_raised_with_its_place() -> None:
-    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+    def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         raise UnsupportedError(Diagnostic("E0601", f"search {search.tasks[0].number} cannot be done", NOWHERE))
 
     with pytest.raises(UnsupportedError, match="search 0 cannot be done") as raised:
@@ -101,7 +101,7 @@ def test_an_error_that_no_pipe_takes_is_told_all_the_same() -> None:
     class OwnError(Exception):
         pass
 
-    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+    def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         raise OwnError("lost on the way")
 
     with pytest.raises(Exception, match="lost on the way"):
@@ -109,7 +109,7 @@ def test_an_error_that_no_pipe_takes_is_told_all_the_same() -> None:
 
 
 def test_ctrl_c_ends_what_runs_and_begins_nothing() -> None:
-    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+    def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         if search.tasks[0].number == 0:
             return {0: found(search.tasks[0].query)}
         os.kill(os.getppid(), signal.SIGINT)
@@ -127,7 +127,7 @@ def test_ctrl_c_ends_what_runs_and_begins_nothing() -> None:
 
 
 def test_a_program_in_the_background_does_not_hear_of_ctrl_c() -> None:
-    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+    def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getppid(), signal.SIGINT)
         return {task.number: found(task.query) for task in search.tasks}
@@ -145,7 +145,7 @@ def test_ctrl_c_is_heard_where_another_thread_gets_it() -> None:
     elsewhere = threading.Thread(target=over.wait)
     elsewhere.start()
 
-    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+    def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         os.kill(os.getppid(), signal.SIGINT)
         with suppress(KeyboardInterrupt):
             signal.pause()
@@ -164,19 +164,19 @@ def test_ctrl_c_is_heard_where_another_thread_gets_it() -> None:
 def test_a_search_whose_time_is_over_leaves_time_to_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     model = tachk.load(ROOT / "models/micro_xrce_dds/client_3_0.ta", LOSSES=3)
     monkeypatch.setattr(in_order, "ALONE", -1.0)
-    options, limits = Options(processes=2, drop_bystanders=False), Limits(seconds=2)
+    options, limits = Options(processes=2, without=frozenset({"unblocked", "sliced"})), Limits(seconds=2)
     report = model.verify("E<> false", property=["RMIO"], options=options, limits=limits)
     assert {verdict.reason for verdict in report.record.verdicts} == {TIME_LIMIT}
 
 
 def test_shares_of_the_seconds() -> None:
-    now = monotonic()
     first, second, *_ = searches()
-    in_order = Shares(Limits(seconds=80), now, 4)
-    assert in_order.begin(first).seconds == pytest.approx(20, abs=2)
-    assert in_order.begin(second).seconds == pytest.approx(80 / 3, abs=2)
-    side_by_side = Shares(Limits(seconds=80), now, 4)
-    assert side_by_side.begin(first, 2).seconds == pytest.approx(40, abs=2)
-    assert side_by_side.begin(second, 8).seconds == pytest.approx(80, abs=2)
-    assert Shares(Limits(seconds=80, seconds_each=3), now, 4).begin(first).seconds == 3
-    assert Shares(Limits(), now, 4).begin(first).seconds is None
+    with limited(80):
+        in_order = Shares(Limits(), 4)
+        assert in_order.begin(first).seconds == pytest.approx(20, abs=2)
+        assert in_order.begin(second).seconds == pytest.approx(80 / 3, abs=2)
+        side_by_side = Shares(Limits(), 4)
+        assert side_by_side.begin(first, 2).seconds == pytest.approx(40, abs=2)
+        assert side_by_side.begin(second, 8).seconds == pytest.approx(80, abs=2)
+        assert Shares(Limits(seconds_each=3), 4).begin(first).seconds == 3
+    assert Shares(Limits(), 4).begin(first).seconds is None

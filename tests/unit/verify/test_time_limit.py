@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from tachk.base import time_limit as module
+from tachk.base import job as module
+from tachk.base.job import OutOfTimeError, check_job, current_job, limited
 from tachk.base.resources import data_root
 from tachk.base.span import Source
-from tachk.base.time_limit import OutOfTimeError, check_time, time_limit
 from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
@@ -22,9 +21,7 @@ from tachk.engine.options import Limits
 from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.formats.loading.load import load_model
 from tachk.meaning.discrete import prepare
-from tachk.verify import reachability, weaker
-from tachk.verify import verify as verifying
-from tachk.verify.scheduling import shares
+from tachk.verify import over_approximations, reachability
 from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
 
@@ -64,17 +61,17 @@ def answers(text: str, limits: Limits) -> list[Verdict]:
 
 
 def test_without_a_limit_there_is_none(looks: Iterator[int]) -> None:
-    with time_limit(None):
-        check_time()
-    check_time()
+    with limited(None):
+        check_job()
+    check_job()
     assert next(looks) == 0
 
 
 def test_the_narrower_of_two_limits_counts(looks: Iterator[int]) -> None:
     def look(outer: float, inner: float) -> None:
-        with time_limit(outer), time_limit(inner):
+        with limited(outer), limited(inner):
             for _ in range(10):
-                check_time()
+                check_job()
 
     for outer, inner in ((5, 100), (100, 5)):
         with pytest.raises(OutOfTimeError):
@@ -83,7 +80,7 @@ def test_the_narrower_of_two_limits_counts(looks: Iterator[int]) -> None:
 
 
 def test_no_time_is_over_at_once() -> None:
-    with pytest.raises(OutOfTimeError), time_limit(0):
+    with pytest.raises(OutOfTimeError), limited(0):
         pytest.fail("nothing is begun")
 
 
@@ -102,13 +99,13 @@ TCHECKER = "system:s\n" + "".join(f"int:1:0:1:0:n{i}\n" for i in range(3000))
     ],
 )
 def test_reading_ends(looks: Iterator[int], text: str, seconds: float) -> None:
-    with pytest.raises(OutOfTimeError), time_limit(seconds):
+    with pytest.raises(OutOfTimeError), limited(seconds):
         load_model(Source("m.ta", text))
     assert next(looks) < seconds + 10
 
 
 def test_instantiating_ends(looks: Iterator[int]) -> None:
-    with pytest.raises(OutOfTimeError), time_limit(15_000):
+    with pytest.raises(OutOfTimeError), limited(15_000):
         load_model(data_root() / "models/classics/fischer.ta", {"N": 30_000})
 
 
@@ -141,14 +138,12 @@ def test_properties_share_the_time_and_leave_what_they_do_not_need(
     now = [0.0]
     seen: list[float | None] = []
 
-    def explore(program: Any, goals: Any, options: Any, limits: Limits, progress: Any) -> Outcome:
-        seen.append(limits.seconds)
+    def explore(program: Any, goals: Any, options: Any, limits: Limits) -> Outcome:
+        seen.append(current_job().seconds_left)
         now[0] += used[len(seen) - 1]
         return Outcome(tuple(GoalOutcome(Status.UNREACHABLE) for _ in goals), Statistics())
 
     monkeypatch.setattr(module, "monotonic", lambda: now[0])
-    for timed in (reachability, shares, verifying):
-        monkeypatch.setattr(timed, "time", SimpleNamespace(monotonic=lambda: now[0]))
     monkeypatch.setattr(reachability, "explore", explore)
     assert len(answers(THREE, limits)) == 4
     assert seen == given
@@ -169,7 +164,7 @@ def test_no_time_to_leave_out_bystanders_decides_nothing(monkeypatch: pytest.Mon
     def late(*_: object) -> None:
         raise OutOfTimeError
 
-    monkeypatch.setattr(weaker, "without_bystanders", late)
+    monkeypatch.setattr(over_approximations, "without_bystanders", late)
     text = "process P() { init location A { to B; } location B; } system P; property p : E<> P.B;"
     (verdict,) = answers(text, Limits(seconds=60.0))
     assert verdict.answer is Answer.HOLDS
@@ -177,5 +172,5 @@ def test_no_time_to_leave_out_bystanders_decides_nothing(monkeypatch: pytest.Mon
 
 def test_making_the_instances_of_edges_ends(looks: Iterator[int]) -> None:
     model = prepare(load_model(Source("m.ta", SELECT)).network)
-    with pytest.raises(OutOfTimeError), time_limit(50):
+    with pytest.raises(OutOfTimeError), limited(50):
         _ = model.instances

@@ -108,8 +108,8 @@ def test_a_limit_leaves_a_note_out_but_not_the_answer(monkeypatch: pytest.Monkey
     found = zone.explore
 
     def stopped(*arguments: object) -> object:
-        program, goals, options, _, progress = arguments
-        return found(program, goals, options, Limits(states=1), progress)  # type: ignore[arg-type]
+        program, goals, options, _ = arguments
+        return found(program, goals, options, Limits(states=1))  # type: ignore[arg-type]
 
     monkeypatch.setattr("tachk.verify.reachability.explore", stopped)
     (verdict,) = queries.verify()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -76,14 +75,13 @@ def write_proofs(folder: Path, network: Network, verdicts: Sequence[Verdict], op
     Raises:
         UnsupportedError: E0803, with the place of what Munta cannot say.
     """
-    started = time.monotonic()
     folder.mkdir(parents=True, exist_ok=True)
     missing = False
     asked = [verdict.query for verdict in verdicts if is_provable(verdict)]
     for query in asked:
         proof: MuntaProof | str = "for Munta, runs never end and never wait for ever"
         if query.target is not None:
-            proof = munta_proof(network, query, options, limits.after(time.monotonic() - started))
+            proof = munta_proof(network, query, options, limits)
         if isinstance(proof, str):
             print(f"error: no proof for Munta of {query.name}: {proof}", file=sys.stderr)
             missing = True

@@ -6,19 +6,17 @@ import json
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from time import monotonic
 from typing import TextIO
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import StoppedError, limited
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics, without_result
 from tachk.cli.reporting import ReportForm
 from tachk.engine.compiler.features import uncomputed_chances, undrawn_ends
-from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
@@ -81,19 +79,17 @@ def _within(
     strict_xta: bool,
     deep: bool,
 ) -> Checked:
-    started = monotonic()
     try:
-        with time_limit(seconds):
+        with limited(seconds):
             check, model = _check(path, constants, version, strict_xta)
-    except OutOfTimeError as error:
+            if not deep or model is None:
+                return check
+            try:
+                return replace(check, deep=model.check(), network=model.network)
+            except InputError as error:
+                return replace(check, findings=(*error.diagnostics, *check.findings), size=None)
+    except StoppedError as error:
         return Checked(path, complaint=without_result(error), out_of_time=True)
-    if not deep or model is None:
-        return check
-    limits = Limits(seconds=seconds).after(monotonic() - started)
-    try:
-        return replace(check, deep=model.check(limits), network=model.network)
-    except InputError as error:
-        return replace(check, findings=(*error.diagnostics, *check.findings), size=None)
 
 
 def _check(

@@ -10,7 +10,7 @@ from typing import TextIO
 
 from tachk.base.awaited_pipe import PATIENCE
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import OutOfTimeError, check_time
+from tachk.base.job import StoppedError, check_job
 from tachk.cli.actions.judged import Judged, exit_status, print_warnings
 from tachk.cli.actions.monitoring.listeners import JsonListener, LineListener, Listener, TextListener
 from tachk.cli.actions.packets.live import open_live, without_hindsight
@@ -45,7 +45,7 @@ class _AwaitedFile:
             if self._line.endswith(b"\n"):
                 line, self._line = self._line, b""
                 return line
-            check_time()
+            check_job()
             time.sleep(PATIENCE)
 
     def read1(self, size: int = -1, /) -> bytes:
@@ -53,7 +53,7 @@ class _AwaitedFile:
             piece = self._stream.read1(size)
             if piece:
                 return piece
-            check_time()
+            check_job()
             time.sleep(PATIENCE)
 
     def close(self) -> None:
@@ -177,7 +177,7 @@ def _fed(
                 break
     except KeyboardInterrupt:
         pass
-    except OutOfTimeError as error:
+    except StoppedError as error:
         print(f"the {error.reason} was over before the trace ended", file=sys.stderr)
         return False
     return True

@@ -7,15 +7,13 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import tachk
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import limited
 from tachk.base.records import dataclass
-from tachk.base.time_limit import time_limit
 from tachk.base.whole_files import write_whole
 from tachk.cli.arguments import parse_definitions, parse_size
 from tachk.cli.exit_status import ExitStatus
@@ -106,14 +104,14 @@ def _read(path: Path, number: int) -> Iterator[Part]:
 
 def _verified(asked: Reported, seconds: float | None, number: int) -> Answers:
     """The answers about the model."""
-    started = monotonic()
     path, *queries = asked.asked
     memory = None if asked.max_memory is None else parse_size(asked.max_memory)
-    with memory_limit(memory), time_limit(seconds):
-        model = api.load(path, **parse_definitions(asked.definitions))
-    print_diagnostics((*model.refusals, *model.warnings))
-    limits = Limits(states=asked.states, seconds=seconds, memory_bytes=memory).after(monotonic() - started)
-    record = model.verify(*queries, property=asked.properties, limits=limits).record
+    with limited(seconds):
+        with limited(memory=memory):
+            model = api.load(path, **parse_definitions(asked.definitions))
+        print_diagnostics((*model.refusals, *model.warnings))
+        limits = Limits(states=asked.states, seconds=seconds, memory_bytes=memory)
+        record = model.verify(*queries, property=asked.properties, limits=limits).record
     return answers_of(record, number)
 
 

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import TextIO
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
+from tachk.base.job import StoppedError
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError
 from tachk.cli.guard import without_result
 from tachk.cli.reporting import EvidenceChoice, ReportForm, Reporting
 from tachk.cli.terminal import console
@@ -62,7 +62,7 @@ class RunReport:
         except UsageError as error:
             self._records.append(NotRead(model, error.message, error.help))
             raise
-        except OutOfTimeError as error:
+        except StoppedError as error:
             self._records.append(NotRead(model, without_result(error)))
             raise
         except Exception as error:

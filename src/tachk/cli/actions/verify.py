@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import time
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -12,10 +11,9 @@ from pathlib import Path
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import current_job, limited, under_way
 from tachk.base.plugins import separate_plugin
 from tachk.base.records import dataclass
-from tachk.base.time_limit import time_limit
 from tachk.cli.actions.run_report import RunReport, RunReporting
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
 from tachk.cli.destination import destination
@@ -113,13 +111,11 @@ def _check_all(
 
     def check(path: str) -> ExitStatus:
         with report.listing(path):
-            started = time.monotonic()
-            with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
+            with limited(memory=limits.memory_bytes):
                 model = api.load(path, **constants)
             print_diagnostics(model.warnings)
-            left = limits.after(time.monotonic() - started)
             try:
-                record = _verified(model, queries, asked, options, left, reporting)
+                record = _verified(model, queries, asked, options, limits, reporting)
             except DisagreementError as error:
                 from tachk.cli.actions.disagreement import write_disagreement
 
@@ -127,13 +123,13 @@ def _check_all(
                 return ExitStatus.INTERNAL_ERROR
         print_diagnostics(record.blocking)
         report.add(record)
-        left = limits.after(time.monotonic() - started)
-        statuses = [*_statuses(record), *_written(asked, model, record, options, left)]
+        statuses = [*_statuses(record), *_written(asked, model, record, options, limits)]
         return worst(statuses)
 
     statuses: list[ExitStatus] = []
     for path in models:
-        statuses.append(guarded(partial(check, path), path if len(models) > 1 else ""))
+        with under_way(current_job().narrowed(limits.seconds)):
+            statuses.append(guarded(partial(check, path), path if len(models) > 1 else ""))
         if statuses[-1] is ExitStatus.INTERRUPTED:
             break
     return worst(statuses)
@@ -143,7 +139,6 @@ def _written(
     asked: VerifyArguments, model: api.Model, record: RunRecord, options: Options, limits: Limits
 ) -> Iterable[ExitStatus]:
     """Writes the chart and the proofs that were asked for."""
-    started = time.monotonic()
     if asked.chart is not None:
         from tachk.cli.actions.packets.run_chart import write_run_chart
 
@@ -153,8 +148,7 @@ def _written(
 
         yield write_certificates(asked.certificate, model.network, record.verdicts, options, limits)
     if asked.munta is not None:
-        left = limits.after(time.monotonic() - started)
-        confirmed = separate_plugin("munta proofs")(asked.munta, model.network, record.verdicts, options, left)
+        confirmed = separate_plugin("munta proofs")(asked.munta, model.network, record.verdicts, options, limits)
         yield ExitStatus.AS_EXPECTED if confirmed else ExitStatus.UNKNOWN
 
 

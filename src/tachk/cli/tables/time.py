@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Iterator
+from math import inf
 from pathlib import Path
-from time import monotonic
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import limited, unhurried
 from tachk.base.records import dataclass
 from tachk.cli.arguments import split_definitions
 from tachk.cli.destination import destination
@@ -54,30 +55,31 @@ def run_time(
     twice = [name for name in grid.names if name in constants]
     if twice:
         raise UsageError(f"{twice[0]} is set by -D and by --over")
-    began = monotonic()
     rows = []
     warned = False
     with destination(output) as out:
         assert out is not None
-        for values in grid.cells():
-            model = api.load(asked.model, **constants, **dict(zip(grid.names, values, strict=True)))
-            chosen = {name: model.constants[name] for name in grid.names}
-            if not warned:
-                print_diagnostics((*model.refusals, *model.warnings))
-                warned = True
-            times = model.time(
-                asked.start,
-                asked.end,
-                last=asked.last,
-                best=asked.best or not asked.worst,
-                worst=asked.worst or not asked.best,
-                settled=asked.settled,
-                limits=limits.after(monotonic() - began),
-                trace=traces,
-            )
-            rows.append(TimedRow(chosen, model.network, times))
-            if times.reason == INTERRUPTED:
-                break
+        with limited(limits.seconds):
+            for values in grid.cells():
+                with unhurried(inf):  # a table as far as it goes
+                    model = api.load(asked.model, **constants, **dict(zip(grid.names, values, strict=True)))
+                chosen = {name: model.constants[name] for name in grid.names}
+                if not warned:
+                    print_diagnostics((*model.refusals, *model.warnings))
+                    warned = True
+                times = model.time(
+                    asked.start,
+                    asked.end,
+                    last=asked.last,
+                    best=asked.best or not asked.worst,
+                    worst=asked.worst or not asked.best,
+                    settled=asked.settled,
+                    limits=limits,
+                    trace=traces,
+                )
+                rows.append(TimedRow(chosen, model.network, times))
+                if times.reason == INTERRUPTED:
+                    break
         between = TimedInterval(asked.model, asked.start, asked.end, asked.last)
         match form:
             case TableForm.TEXT:

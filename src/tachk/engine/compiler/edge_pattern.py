@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from tachk.analysis.conditions import conjuncts
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, is_integer
+from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, CONNECTIVES
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.engine.compiler.assembler import Assembler
 from tachk.engine.compiler.program import NO_CODE, Condition, ProgramEdge, Test, Update
 from tachk.engine.compiler.slot_layout import SlotLayout
@@ -63,7 +63,7 @@ class EdgePattern:
 
     def copy(self, selects: tuple[int, ...], assembler: Assembler) -> ProgramEdge:
         """The edge for other values, whose code is appended."""
-        check_time()
+        check_job()
         edge, value, piece = self.sample.edge, selects[-1], self.sample.piece
         start = len(assembler.code)
         if piece.code:

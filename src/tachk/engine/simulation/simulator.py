@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk import _core
+from tachk.base.job import OutOfTimeError, current_job
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.base.time_limit import OutOfTimeError, time_left
 from tachk.engine.compiler.program import Chances, Computed, HybridClocks, Program
 from tachk.engine.core_search import site_of, transition_of
 from tachk.engine.program_image import encode
@@ -139,8 +139,8 @@ class Simulator:
         self._core = _core.Simulation(encode(program, ()), list(chances_image(chances)))
 
     def runs(self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges) -> Iterator[Simulated]:
-        """The runs of these numbers, which follow one another. Raises OutOfTimeError."""
-        left = time_left()
+        """The runs of these numbers, which follow one another. Raises StoppedError."""
+        left = current_job().seconds_left
         found = self._core.run(
             policy=_core.Policy[drawing.policy.name],
             seed=drawing.seed,

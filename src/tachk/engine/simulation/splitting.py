@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tachk import _core
+from tachk.base.job import OutOfTimeError, current_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_left
 from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.simulator import chances_image
@@ -33,7 +33,7 @@ class Splitter:
     """Estimates of how probable it is that the first goal of a program is reached."""
 
     def __init__(self, program: Program, chances: Chances, zones: int) -> None:
-        """Explores at most so many zones. Raises OutOfTimeError."""
+        """Explores at most so many zones. Raises StoppedError."""
         image = encode(program, chances.goals)
         self._core = _core.Simulation(image, list(chances_image(chances)))
         self._levels = _core.Levels(image, zones)
@@ -43,8 +43,8 @@ class Splitter:
         self, asked: TrialQuestion, seed: int, numbers: range, effort: int, threads: int, most_steps: int | None
     ) -> Sequence[tuple[float, int, int]]:
         """Of these numbers, in order: the estimate, the transitions, and the runs that are unknown. Raises
-        OutOfTimeError."""
-        left = time_left()
+        StoppedError."""
+        left = current_job().seconds_left
         found = _core.split(
             self._core,
             self._levels,

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk import _core
+from tachk.base.job import OutOfTimeError, current_job
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.base.time_limit import OutOfTimeError, time_left
 from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.core_search import site_of
 from tachk.engine.program_image import encode
@@ -94,8 +94,8 @@ class Trier:
         self._core = _core.Simulation(encode(program, chances.goals), list(chances_image(chances)))
 
     def trials(self, asked: TrialQuestion, seed: int, numbers: range, threads: int, most_steps: int | None) -> Trials:
-        """The runs of these numbers. Raises OutOfTimeError."""
-        left = time_left()
+        """The runs of these numbers. Raises StoppedError."""
+        left = current_job().seconds_left
         found = _core.trials(
             self._core,
             core_asked(asked),

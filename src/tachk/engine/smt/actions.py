@@ -9,7 +9,7 @@ from typing import Protocol
 
 import z3
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.base.words import Direction
 from tachk.engine.smt.machine import PossibleFault, refused
 from tachk.engine.smt.terms import Formula, all_of, any_of, conj, neg
@@ -102,7 +102,7 @@ def actions(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) 
     """
     found: list[SymbolicAction] = []
     for choice in _choices(network, moment, priorities):
-        check_time()
+        check_job()
         if choice.condition is False:
             continue
         if len(found) == _ACTIONS:
@@ -188,7 +188,7 @@ def sometimes(formula: Formula, moment: z3.ArithRef, first: z3.ArithRef) -> Form
             roots.setdefault(each.root.sexpr(), each.root)
     found: list[Formula] = []
     for root in roots.values():
-        check_time()
+        check_job()
         found.append(z3.substitute(whole, (moment, root)))
         found.append(z3.substitute(whole, *((each.whole, each.behind(moment, root)) for each in comparisons)))
     return any_of(found)
@@ -286,7 +286,7 @@ def _without_choices(whole: z3.BoolRef, moment: z3.ArithRef) -> z3.BoolRef:
                 replaced.append((comparison, z3.If(test, one, other)))
         if not replaced:
             return whole
-        check_time()
+        check_job()
         whole = z3.substitute(whole, *replaced)
 
 

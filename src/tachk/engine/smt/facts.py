@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import z3
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.engine.smt.frame import StateFrame
 from tachk.engine.smt.relation import TransitionRelation
 from tachk.engine.smt.terms import Formula, all_of, any_of, conj
@@ -52,7 +52,7 @@ def known_zones(network: Network, goals: Sequence[Expression], limit: int = ZONE
         situations[start.discrete] = start
         add(start.discrete, zones)
         while waiting and explored < limit:
-            check_time()
+            check_job()
             discrete, zone = waiting.popleft()
             if not any(zone is other for other in passed[discrete]):
                 continue  # a larger one has come

@@ -7,9 +7,9 @@ from itertools import product
 
 import z3
 
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.engine.smt.machine import Clocks, Machine
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engine.smt.terms import (
@@ -142,7 +142,7 @@ def participants(network: Network) -> Iterator[Participant]:
         for edge_number, edge in enumerate(process.edges):
             ranges = [bounds(variable.type) for variable in edge.selects]  # type: ignore[arg-type]
             for values in product(*(range(low, high + 1) for low, high in ranges)):
-                check_time()
+                check_job()
                 yield Participant(number, edge_number, values)
 
 

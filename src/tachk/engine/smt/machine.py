@@ -14,9 +14,9 @@ from typing import TypeVar
 
 from tachk.analysis.interpreter import Domain, Side, ValueOperations, cells, number, place, run, truth
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.job import check_job
 from tachk.base.operators import CONSTANT_HIGH, BinaryOperator
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Cell, Storage, SymbolicPlace, either, place_at
 from tachk.engine.smt.terms import (
     Formula,
@@ -173,7 +173,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     def each(self, variable: Variable) -> Iterator[None]:
         low, high = cell_range(variable.type)
         for value in range(low, high + 1):
-            check_time()
+            check_job()
             self.bind(variable, value)
             yield
 
@@ -319,7 +319,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         outer = self.path
         alive: Formula = True
         for part in parts:
-            check_time()
+            check_job()
             self.path = conj(outer, alive)
             if self.path is False:
                 break
@@ -355,7 +355,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         exits: list[_Exit] = []
         alive: Formula = True
         for number_ in range(ROUNDS + 1):
-            check_time()
+            check_job()
             if test_first or number_ > 0:
                 self.path = conj(outer, alive)
                 again = condition()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import z3
 
-from tachk.base.time_limit import OutOfTimeError, check_time, time_limit
+from tachk.base.job import StoppedError, check_job, limited
 from tachk.engine.smt.facts import ZonesAt, known_zones
 from tachk.engine.smt.frame import StateFrame
 from tachk.engine.smt.solving import GaveUpError, SolverOptions
@@ -90,10 +90,10 @@ class Proofs:
         """Those of some goals that no run reaches if every run is in one of the zones that Python finds; that it is, is
         proved by induction over one step."""
         try:
-            with time_limit(_TRY_SECONDS):
+            with limited(_TRY_SECONDS):
                 zones = known_zones(self.network, self.predicates)
-        except OutOfTimeError:
-            check_time()  # the limit of the whole search counts
+        except StoppedError:
+            check_job()  # the limit of the whole search counts
             return []
         if not zones:
             return []

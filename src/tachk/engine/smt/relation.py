@@ -14,7 +14,7 @@ from itertools import combinations
 
 import z3
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.engine.smt.actions import Instance, SymbolicAction, TooManyComparisonsError, actions, sometimes, unblocked
 from tachk.engine.smt.conditions import certain, guard
 from tachk.engine.smt.frame import ClocksOf, StateFrame, fresh_frame, machine_of, participants
@@ -241,7 +241,7 @@ class _Encoder:
             machine.bind(variable, value)
 
     def _ask_edge(self, machine: Machine, instance: Instance, asked: Formula) -> None:
-        check_time()
+        check_job()
         self._bind(machine, instance)
         machine.faults = []
         machine.path = asked
@@ -450,7 +450,7 @@ class _Encoder:
         """The updates of those of some edges that fire; at most one does."""
         changes = []
         for instance in alternatives:
-            check_time()
+            check_job()
             if not instance.edge.updates or instance.open is False:
                 continue
             self._bind(machine, instance)

@@ -11,9 +11,9 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import StoppedError, current_job
 from tachk.engine.options import Limits
-from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.smt.proofs import Proofs
 from tachk.engine.smt.relation import relation
 from tachk.engine.smt.solving import GaveUpError, SolverOptions
@@ -27,9 +27,7 @@ DEPTH = 64
 """How many steps are unrolled where no limit is given."""
 
 
-def explore(
-    network: Network, goals: Sequence[Expression], limits: Limits = Limits(), progress: Progress | None = None
-) -> Outcome:
+def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:
     """Searches until every goal is reached or proved unreachable, or a limit is hit.
 
     ``limits.depth`` bounds the steps that are unrolled, `DEPTH` if it is None. ``limits.states`` is not looked at. In
@@ -44,21 +42,26 @@ def explore(
         depth = 0 if unrolled is None else unrolled.depth
         return Statistics(depth, depth, asking.asked, time.monotonic() - started)
 
+    job = current_job()
+
+    def tell() -> None:
+        if job.progress is not None:
+            job.progress(statistics(), job.about)
+
     asking = SolverOptions(
-        None if limits.seconds is None else started + limits.seconds,
+        job.ends,
         None if limits.memory_bytes is None else max(limits.memory_bytes >> 20, 1),
-        None if progress is None else lambda: progress(statistics()),
+        tell,
     )
     reason, status, fault = "", {}, None
     try:
-        with time_limit(limits.seconds):
-            targets = Targets.of(relation(network), goals)
-            unrolled = Unrolled(targets, asking)
-            status = unrolled.status
-            fault, reason = _decide(unrolled, Proofs(targets, asking, network, goals), limits.depth)
+        targets = Targets.of(relation(network), goals)
+        unrolled = Unrolled(targets, asking)
+        status = unrolled.status
+        fault, reason = _decide(unrolled, Proofs(targets, asking, network, goals), limits.depth)
     except GaveUpError as given_up:
         reason = given_up.reason
-    except OutOfTimeError as error:
+    except StoppedError as error:
         reason = error.reason
     except KeyboardInterrupt:
         reason = INTERRUPTED

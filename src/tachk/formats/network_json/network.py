@@ -10,7 +10,7 @@ import json
 from itertools import islice
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.base.words import Direction
 from tachk.formats.network_json.expression_reader import ExpressionReader
 from tachk.formats.network_json.expression_writer import ExpressionWriter
@@ -44,7 +44,7 @@ def network_to_json_text(network: Network) -> str:
     """What `json.dumps` gives, in pieces: the JSON of a large network takes long."""
     written, pieces = json.JSONEncoder(indent=1).iterencode(network_to_json(network)), []
     while piece := "".join(islice(written, 10_000)):
-        check_time()
+        check_job()
         pieces.append(piece)
     return "".join((*pieces, "\n"))
 
@@ -65,7 +65,7 @@ def same_network(left: Network, right: Network) -> bool:
 
 
 def _process(process: Process, variables: list[Json], writer: ExpressionWriter) -> Json:
-    check_time()
+    check_job()
     return {
         "name": process.name,
         "template": process.template,

@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Source, Span
-from tachk.base.time_limit import check_time
 from tachk.base.words import Direction
 from tachk.formats.tchecker.expression_reader import TCheckerExpressionReader, failure
 from tachk.formats.tchecker.meetings import Meeting, Whereabouts, choices, guard_of
@@ -358,7 +358,7 @@ class _TCheckerReader:
             self.declarations.append(self.places[name].declaration(process.name.span, initial))
         for vector in joining:
             for chosen in choices([part[:2] for part in vector.parts], edges):
-                check_time()
+                check_job()
                 channel, declaration = self._channel(vector, broadcast=True)
                 self.declarations.append(declaration)
                 taken = [edges[name][number][1] for name, number in chosen.items()]
@@ -412,7 +412,7 @@ class _TCheckerReader:
 def _entries(source: Source) -> Iterator[Entry]:
     start = 0
     while start < len(source.text):
-        check_time()
+        check_job()
         idle = _IDLE.match(source.text, start)
         if idle is not None:
             start = idle.end()

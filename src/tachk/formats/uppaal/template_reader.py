@@ -9,8 +9,8 @@ from difflib import get_close_matches
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.job import check_job
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.formats.uppaal.xml_text import Extract, Extracted
 from tachk.formats.uppaal.xml_tree import Element
 from tachk.syntax import ast
@@ -343,7 +343,7 @@ class TemplateReader:
         return location, _label_layouts(node.labels, printed)
 
     def _edge(self, transition: _EdgeElement, texts: Extracted) -> tuple[ast.EdgeDeclaration, dict[str, LabelLayout]]:
-        check_time()
+        check_job()
         labels = transition.labels
         place = texts.tag(transition.element)
         end = max([place.end, *(texts.text(label).end for label in labels.values())])

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from tachk.base.job import check_job
 from tachk.base.span import Origin, Passage, Source, Span
-from tachk.base.time_limit import check_time
 from tachk.formats.uppaal.xml_tree import Element
 
 
@@ -52,7 +52,7 @@ class Extract:
         return Extracted(Source(self.file.name, "".join(self.parts), origin), self.tags, self.texts)
 
     def _append(self, text: str, first: int, last: int) -> None:
-        check_time()
+        check_job()
         self.starts.append(self.length)
         self.places.append((first, last))
         self.parts.append(text)

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.base.job import check_job
 from tachk.base.span import Source, Span
-from tachk.base.time_limit import check_time
 
 DEEPEST = 64
 """Levels of elements. UPPAAL's format needs six."""
@@ -143,7 +143,7 @@ class _ExpatReader:
             raise _refuse("E0121", f"the entity `{name}` is not defined in XML", self.place(len(name) + 2), _ONLY_FIVE)
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
-        check_time()
+        check_job()
         self.elements += 1
         if len(self.open) >= DEEPEST or self.elements > MOST_ELEMENTS:
             what = f"elements are nested more than {DEEPEST} levels deep"

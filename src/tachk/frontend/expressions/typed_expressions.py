@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import assert_never
 
+from tachk.base.job import check_job
 from tachk.base.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_call, refuse_use
 from tachk.frontend.expressions import folded_expressions as fold
@@ -122,7 +122,7 @@ def integral(node: ast.Expression, scope: Scope, context: Context) -> Expression
 
 def expression(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
     """The typed expression; comparisons of clocks are in normal form, constants are folded."""
-    check_time()
+    check_job()
     match node:
         case ast.NameExpression():
             return named(node, scope, context)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.base.diagnostics.diagnostic import Label
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.frontend.context import Context
 from tachk.model.expressions import Binary, Constant, Expression
 from tachk.model.network import Edge, Network, Process
@@ -25,7 +25,7 @@ def warn_of_impossible_edges(network: Network, context: Context) -> None:
     """Warns of edges whose guard contradicts the invariant of their source in every process of the template."""
     contradictions: dict[Span, tuple[str, Bound, Bound] | None] = {}
     for process in network.processes:
-        check_time()
+        check_job()
         for edge in process.edges:
             found = _contradiction(process, edge)
             if found is None:

@@ -11,8 +11,8 @@ import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final, TypeVar
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.model.evaluate import Environment
 from tachk.model.fault import EvaluationFault
@@ -163,7 +163,7 @@ class Leaves:
         """The answers in the cases into which one is divided. Raises IndivisibleError."""
         pending, count = [case], 1
         while pending:
-            check_time()
+            check_job()
             case = pending.pop()
             try:
                 yield Leaf(case, question(self.environment(case)))

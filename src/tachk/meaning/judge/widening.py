@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
 from tachk.meaning.judge.certificate import Columns, Numbers, Shapes, StateBlock, ragged, starts
 from tachk.meaning.judge.zone_arrays import canonical
@@ -34,7 +34,7 @@ _TOGETHER = (("places",), ("places", "bounds"), ("role", "form"), ("places", "zo
 
 
 class _BoundedChecker:
-    """A checker that may be asked until it has done `MOST_WORK`. Raises OutOfTimeError."""
+    """A checker that may be asked until it has done `MOST_WORK`. Raises StoppedError."""
 
     def __init__(self, accepts: Callable[[Columns], bool], zones: int, dimension: int) -> None:
         self._accepts = accepts
@@ -44,7 +44,7 @@ class _BoundedChecker:
         return self._left <= 0
 
     def accepts(self, columns: Columns) -> bool:
-        check_time()
+        check_job()
         self._left -= 1
         return self._left >= 0 and self._accepts(columns)
 
@@ -52,7 +52,7 @@ class _BoundedChecker:
 def widened(
     blocks: Iterable[StateBlock], width: int, dimension: int, enough: int, accepts: Callable[[Columns], bool]
 ) -> StateBlock:
-    """A proof with fewer different zones; the same one if they are few enough. Raises OutOfTimeError.
+    """A proof with fewer different zones; the same one if they are few enough. Raises StoppedError.
 
     Args:
         enough: so many different zones need not become fewer.

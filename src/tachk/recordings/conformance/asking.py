@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import OutOfTimeError
+from tachk.base.job import StoppedError, limited
 from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
@@ -31,7 +30,12 @@ an edit."""
 
 
 def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
-    """As `tachk.api.model.conform`. Raises UsageError, UnsupportedError."""
+    """As `tachk.api.model.conform`. Raises UsageError, UnsupportedError, StoppedError."""
+    with limited(limits.seconds):
+        return _conform_file(loaded, name, recording, asked, limits)
+
+
+def _conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
     network, mapping = loaded.network, loaded.recording
     if mapping is None:
         raise UsageError(
@@ -42,13 +46,11 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
     constants = constants_of(loaded)
     for reader in capture_readers():
         reader.check_room(events, constants)
-    started = monotonic()
     lateness = None if asked.late is None else duration(asked.late, network.time_unit)
 
     def ask(allowed: Fraction | None) -> Conformance:
-        left = limits.after(monotonic() - started)
         explain = asked.explanation is not ExplanationDetail.NONE
-        return conform(network, mapping, events, constants, allowed, lateness, limits=left, explain=explain)
+        return conform(network, mapping, events, constants, allowed, lateness, limits=limits, explain=explain)
 
     if asked.tolerance == AUTO:
         return least(ask)
@@ -56,20 +58,17 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
     if found.accepted is not False or found.refusal is None or found.refusal.event is None:
         return found
 
-    def left() -> Limits:
-        return limits.after(monotonic() - started)
-
     def accepts(other: EventLog) -> bool:
         exact = found.tolerance, found.late
-        few = left().of_states(_STATES_OF_EDIT + _STATES_OF_EVENT * len(other.events))
+        few = limits.of_states(_STATES_OF_EDIT + _STATES_OF_EVENT * len(other.events))
         tried = conform(network, mapping, other, constants, *exact, limits=few, run=False, explain=False)
         return tried.accepted is True
 
     try:
         work = None if asked.explanation is ExplanationDetail.FULL else SHORT_WORK
-        search = smallest_edit(network, mapping, events, constants, found, left, accepts, work)
+        search = smallest_edit(network, mapping, events, constants, found, limits, accepts, work)
         return replace(found, edit=search.edit, untried=search.untried)
-    except OutOfTimeError:
+    except StoppedError:
         return replace(found, left_out="whether an edit of the recording would make it a run")
 
 

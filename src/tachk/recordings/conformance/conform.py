@@ -12,8 +12,8 @@ from dataclasses import replace
 from fractions import Fraction
 from math import ceil
 
+from tachk.base.job import StoppedError
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError
 from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.exact.exact_run import Moments
@@ -170,7 +170,7 @@ def conform(
         return found
     try:
         refusal = _earliest(search, refused or refusing)
-    except OutOfTimeError:
+    except StoppedError:
         refusal = None
     left_out = "where the recording leaves the model" if refused and refusal is None else ""
     reached = tuple(one for answer in answers if (one := _reached(answer)) is not None)
@@ -217,7 +217,7 @@ class _ConformanceSearch:
         own = restricted(queues, part)
         following = follow(self.network, self.mapping, own, part.processes, to_the_end)
         check_selections(following.network)
-        limits = self.left() if states is None else self.left().of_states(states)
+        limits = self.limits if states is None else self.limits.of_states(states)
         furthest = None
         if self.explain and not to_the_end:
             measured = [MeasuredExpression(_TRUE, following.progress, largest=True)]
@@ -250,7 +250,7 @@ class _ConformanceSearch:
         for part in parts:
             try:
                 free.append(self.part(part, self.queues))
-            except OutOfTimeError:
+            except StoppedError:
                 if any(answer.accepted is False for answer in free):
                     return free
                 raise
@@ -279,10 +279,6 @@ class _ConformanceSearch:
             if not found[-1].accepted:
                 break
         return found
-
-    def left(self) -> Limits:
-        """The limits of the next search."""
-        return self.limits.after(sum(answer.statistics.seconds for answer in self.answers))
 
 
 def _total(statistics: Iterable[Statistics]) -> Statistics:

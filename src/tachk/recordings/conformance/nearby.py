@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import INTERRUPTED, Status
@@ -73,7 +73,7 @@ def smallest_edit(
     recording: EventLog,
     constants: Constants,
     found: Conformance,
-    left: Callable[[], Limits],
+    limits: Limits,
     accepts: Callable[[EventLog], bool],
     work: int | None = None,
 ) -> EditSearch:
@@ -81,16 +81,16 @@ def smallest_edit(
 
     Args:
         found: says where it leaves the model.
-        left: the limits of what is still to do.
+        limits: of each search.
         accepts: whether a whole recording is a run.
         work: no further edit is tried after so many edges have been compiled; None: all are tried.
 
-    Raises OutOfTimeError.
+    Raises StoppedError.
     """
     refusal = found.refusal
     if refusal is None or refusal.event is None:
         return EditSearch(None)
-    near = Near(network, mapping, recording, constants, found, left)
+    near = Near(network, mapping, recording, constants, found, limits)
     origin, scale = found.queues.origin, found.queues.scale
     place = near.numbers.index(refusal.event)
     likely = list(edits(near.recording, place, refusal.offers, origin, scale))
@@ -118,12 +118,12 @@ class Near:
         recording: EventLog,
         constants: Constants,
         found: Conformance,
-        left: Callable[[], Limits],
+        limits: Limits,
     ) -> None:
         assert found.refusal is not None and found.refusal.event is not None
         self.network, self.mapping, self.constants = network, mapping, constants
         self.exact = found.tolerance, found.late
-        self.left = left
+        self.limits = limits
         self.work = 0
         self.known: list[dict[object, bool]] = [{} for _ in found.reached]
         base = max(found.refusal.event - _BEFORE, 0)
@@ -150,9 +150,8 @@ class Near:
         return known[key]
 
     def _reaches(self, following: Following) -> bool:
-        limits = self.left().of_states(_STATES)
-        if limits.seconds is not None and limits.seconds <= 0:
-            raise OutOfTimeError
+        check_job()
+        limits = self.limits.of_states(_STATES)
         program, goals = lower(following.network, [following.done], following.tables)
         outcome = explore(program, goals, Options(order=SearchOrder.DFS), limits)
         if outcome.reason == INTERRUPTED:

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isqrt
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.engine.compiler.program import Program
 from tachk.engine.exact.concretise import discrete_run
 from tachk.engine.exact.exact_run import end_of_path
@@ -134,7 +134,7 @@ def offers(
     seen: dict[DiscreteState, list[Zone]] = {}
     looked_at, whole = 0, True
     while pending and looked_at < _STATES:
-        check_time()
+        check_job()
         looked_at += 1
         discrete, arrived = pending.pop(0)
         try:

@@ -16,8 +16,8 @@ from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
-from tachk.base.time_limit import check_time
 from tachk.base.time_units import length_of
 from tachk.logic.constant_values import value_of
 from tachk.recordings.monitors.candidates import (
@@ -175,7 +175,7 @@ class _ParameterSearch:
         for trace in self.traces:
             first, last = -1, total
             while last - first > 1:
-                check_time()
+                check_job()
                 middle = 0 if first < 0 and last == total else (first + last) // 2
                 if self._satisfies(trace, value(middle)):
                     last = middle
@@ -229,7 +229,7 @@ class _ParameterSearch:
         good: list[tuple[Fraction, Fraction]] = []
         before = False
         for value in (lattice[n] for n in range(len(lattice))):
-            check_time()
+            check_job()
             satisfied = all(self._satisfies(trace, value) for trace in self.traces)
             if satisfied:
                 good.append((good.pop()[0], value) if before else (value, value))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.recordings.traces.monitor_program import MonitorProgram, part_of
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.trace import FloatTimes, Ticks, Trace, Values, changed_trace
@@ -169,7 +169,7 @@ def _push(core: _core.OfflineTruth | _core.OfflineRobustness, times: Ticks, colu
     soon."""
     begin, size = 0, _FIRST_SLICE
     while begin < len(times) and not core.settled():
-        check_time()
+        check_job()
         end = begin + size
         core.push(times[begin:end], [column[begin:end] for column in columns])
         begin, size = end, min(4 * size, SLICE)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.recordings.traces.core_monitor import SLICE, RobustnessResult, bounds, columns_read, truth_of
 from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
@@ -138,7 +138,7 @@ def robustness(program: MonitorProgram, trace: Trace, measure: Measure) -> Robus
     root = len(program.nodes) - 1
     for node in range(root):
         for side in (False, True):
-            check_time()
+            check_job()
             core.compute(node, side)
     low, high = (float(core.robustness(root, side)[1][0]) for side in (False, True))
     return bounds(low, high) if measure is Measure.SPACE else bounds(_in_half_ticks(low), _in_half_ticks(high))
@@ -161,7 +161,7 @@ def _ready(program: MonitorProgram, trace: Trace, measure: Measure, parts: int =
     core = _core.LinearMonitor(program, measure=measure)
     columns = columns_read(program, trace)
     for begin in range(0, trace.rows, SLICE):
-        check_time()
+        check_job()
         end = begin + SLICE
         core.push(trace.times[begin:end], [column[begin:end] for column in columns])
     core.finish(trace.end, parts)

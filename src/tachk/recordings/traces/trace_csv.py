@@ -14,8 +14,8 @@ import numpy as np
 from tachk import _core
 from tachk._core import CsvFaultKind
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.job import check_job
 from tachk.base.span import Source, Span
-from tachk.base.time_limit import check_time
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.compressed import is_compressed, open_bytes, torn
 from tachk.recordings.traces.csv_beginning import ByteStream, CsvBeginning, read_beginning
@@ -168,7 +168,7 @@ class CsvRecording:
             done = 0
             open_ended = False
             while piece := stream.read1(PIECE):
-                check_time()
+                check_job()
                 if not reader.feed(piece):
                     break
                 if done == 0 and self.size is not None and self.size > len(piece):
@@ -190,7 +190,7 @@ class CsvRecording:
         open_ended = False
         with closing(self.opened()) as stream:
             while piece := stream.read1(PIECE):
-                check_time()
+                check_job()
                 going_on = reader.feed(piece)
                 open_ended = not piece.endswith(_LINE_BREAKS)
                 if reader.rows():

@@ -14,8 +14,8 @@ from vcd.common import VarType
 from vcd.reader import Location, RealChange, ScalarChange, StringChange, Token, TokenKind, VectorChange
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.job import check_job
 from tachk.base.span import Source, Span
-from tachk.base.time_limit import check_time
 from tachk.recordings.traces.compressed import open_bytes
 from tachk.recordings.traces.vcd_stream import VcdStream
 
@@ -86,7 +86,7 @@ class VcdRows:
         at = Location(1, 1)
         checkpoint = False
         for token in tokens:
-            check_time()
+            check_job()
             if token.kind is TokenKind.CHANGE_TIME:
                 time, place = token.time_change, token.span.start
                 if now is not None and time < now and stream.open_line == place.line:

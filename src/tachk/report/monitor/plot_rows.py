@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.recordings.monitors.record import MonitorVerdict
 from tachk.recordings.traces.monitor_program import AtomRelation, MonitorProgram, NodeKind, ValueOperator
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
@@ -81,7 +81,7 @@ def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: 
     """Where a subformula has a value; what is narrower than a pixel is made that wide, so that no instant is lost."""
     bands: list[SignalBand] = []
     for first, last, value in signal.stretches():
-        check_time()
+        check_job()
         if value is not truth:
             continue
         left = first / 2 if first % 2 == 0 else (first - 1) / 2

@@ -7,9 +7,8 @@ from dataclasses import field, replace
 from time import process_time
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import StoppedError, limited
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.simulator import SimulationEnding
@@ -105,13 +104,13 @@ def answer_statistical(
     found: dict[int, StatisticalAnswer | UncheckedQuery] = {}
     reason = ""
     try:
-        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
+        with limited(limits.seconds, limits.memory_bytes):
             loaded = load()
             for number, query in asked.items():
                 found[number] = _answer(loaded, query, number, settings)
     except InputError as error:
         return {number: replace(query, diagnostics=error.diagnostics) for number, query in asked.items()}
-    except OutOfTimeError as error:
+    except StoppedError as error:
         reason = error.reason
     except KeyboardInterrupt:
         reason = INTERRUPTED

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.engine.compiler.hybrid import refuse_hybrid
 from tachk.engine.simulation.splitting import Splitter
 from tachk.model.network import Network
@@ -79,7 +79,7 @@ def split(network: Network, path: AskedPath, source: RunSource, confidence: floa
 
     Raises:
         UsageError: the goal is no rare one: it is there at the start, or cannot be reached.
-        OutOfTimeError: the limit on time is over.
+        StoppedError: the limit on time is over.
     """
     if not isinstance(path, Path):
         raise UsageError(
@@ -100,7 +100,7 @@ def split(network: Network, path: AskedPath, source: RunSource, confidence: floa
     probabilities: list[float] = []
     transitions = unknown = 0
     while True:
-        check_time()
+        check_job()
         numbers = range(len(probabilities), len(probabilities) + _BATCH)
         for probability, steps, lost in splitter.replications(
             asked, source.seed, numbers, splitting.effort, source.threads, source.most_steps

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from tachk.analysis.fold import fold, known_values
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.engine.compiler.features import check_simulated
 from tachk.engine.compiler.lower import lower_simulation
 from tachk.engine.compiler.program import Chances, Program
@@ -113,8 +113,8 @@ class Sampler:
         self.sample = SampledRuns(ticks_per_unit)
 
     def draw(self, runs: int) -> Trials:
-        """So many more runs, at most 4096. Raises OutOfTimeError."""
-        check_time()
+        """So many more runs, at most 4096. Raises StoppedError."""
+        check_job()
         first = self._first + self.sample.runs
         trials = self._trials(range(first, first + runs))
         self.sample.add(trials)

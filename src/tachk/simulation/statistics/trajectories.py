@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.engine.compiler.program import Program
 from tachk.engine.simulation.simulator import (
     LATEST_TICK,
@@ -131,7 +131,7 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
     column = 0
     ends = np.append(run.times[1:], run.end)
     for value in values:
-        check_time()
+        check_job()
         if isinstance(value.type, ClockType):
             begins = run.clocks[:, clock_number(value, network, program) - 1]
             runs_on = ends - run.times

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Label
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 from tachk.meaning.discrete import PreparedNetwork, initiators
 from tachk.meaning.initial_state import check_initial_state
 from tachk.meaning.run_view import RunNames
@@ -66,7 +66,7 @@ def replay_claims(names: RunNames, run: ClaimedRun) -> Replayed:
 
     Where a step may mean several transitions, one is looked for with which all that follows can be taken.
 
-    Raises InputError where there is no initial state, and OutOfTimeError.
+    Raises InputError where there is no initial state, and StoppedError.
     """
     start = beginning(names.model)
     nodes = [_ReachedState(start, None, None)]
@@ -74,7 +74,7 @@ def replay_claims(names: RunNames, run: ClaimedRun) -> Replayed:
     if difference:
         return Replayed(TimedTrace(start, ()), StepRefusal(0, None, StepReason(difference)))
     for number, claim in enumerate(run.claims, start=1):
-        check_time()
+        check_job()
         following = _after(names, nodes, claim)
         if not following:
             return Replayed(_trace(nodes[0]), StepRefusal(number, claim, _why(names, nodes[0].state, claim)))

@@ -11,8 +11,8 @@ from bisect import bisect_left
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.job import check_job
 from tachk.base.span import Span
-from tachk.base.time_limit import check_time
 from tachk.syntax.parsing.lalr import Stack, UnexpectedToken
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.situation import ParseSituation
@@ -57,7 +57,7 @@ class _ParserPass:
         feed = self.stack.feed
         index = 0
         while True:
-            check_time()
+            check_job()
             token = inserted[-1] if inserted else tokens[index]
             try:
                 result = feed(token)

@@ -11,9 +11,9 @@ from dataclasses import field
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.exact_numbers import is_huge
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
 from tachk.base.span import Source, Span
-from tachk.base.time_limit import check_time
 from tachk.syntax.ast import Comment
 from tachk.syntax.parsing.grammar import Terminal
 
@@ -122,7 +122,7 @@ class Lexer:
         keywords, symbols = self.keywords, self.symbols
         position = start
         while position < stop:
-            check_time()
+            check_job()
             found = match(text, position, stop)
             if found is None:
                 position = _unknown_characters(source, position, stop, match, lexed)

@@ -9,9 +9,8 @@ from time import monotonic
 from typing import Protocol, assert_never
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import StoppedError, limited
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.options import Limits, Options
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks
@@ -143,7 +142,7 @@ class Verification:
         """One row for each property. What is wrong, refused or out of time is unknown, with the reason."""
         try:
             return self._answers(values)
-        except OutOfTimeError as error:
+        except StoppedError as error:
             return unknown_rows(self.asked, error.reason)
         except InputError as error:
             first = next(found for found in error.diagnostics if found.severity is Severity.ERROR)
@@ -152,18 +151,17 @@ class Verification:
             return unknown_rows(self.asked, str(error))
 
     def _answers(self, values: Values) -> tuple[Row, ...]:
-        began = monotonic()
-        with memory_limit(self.limits.memory_bytes), time_limit(self.limits.seconds):
-            model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
-            formulas = self.questions.about(model) if self.asks_queries else ()
-            rows = [*self._drawn(model, [query for query in formulas if is_statistical(query)])]
-        queries = checked(formulas)
-        if queries:
-            limits = self.limits.after(monotonic() - began)
-            alone = replace(self.options, threads=1, processes=1)  # it is cells that are computed at the same time
-            found = answers(model, self.questions, queries, alone, limits, None, trace=True)
-            rows += map(_row, found)
-        return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))
+        with limited(self.limits.seconds):
+            with limited(memory=self.limits.memory_bytes):
+                model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
+                formulas = self.questions.about(model) if self.asks_queries else ()
+                rows = [*self._drawn(model, [query for query in formulas if is_statistical(query)])]
+            queries = checked(formulas)
+            if queries:
+                alone = replace(self.options, threads=1, processes=1)  # it is cells that are computed at the same time
+                found = answers(model, self.questions, queries, alone, self.limits, trace=True)
+                rows += map(_row, found)
+            return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))
 
     def _drawn(self, model: LoadedModel, statistical: Sequence[UncheckedQuery]) -> Iterator[Row]:
         """What random runs answer, in the model as simulations see it."""

@@ -6,8 +6,9 @@ import os
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from tachk.base.job import answering
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import INTERRUPTED, Progress, Statistics
+from tachk.engine.outcome import INTERRUPTED
 from tachk.verify.plan import Search
 from tachk.verify.scheduling.shares import Shares
 from tachk.verify.unanswered import none_begun
@@ -16,11 +17,8 @@ from tachk.verify.verdict import Verdict
 ALONE = 1.0
 """After so many seconds other processes are worth while."""
 
-Answer = Callable[[Search, Limits, Progress | None], dict[int, Verdict]]
+Answer = Callable[[Search, Limits], dict[int, Verdict]]
 """What looks for the verdicts of a search, by the numbers of its tasks."""
-
-VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]
-"""What is told during a long search: the statistics so far, and the names of the queries that it is about to answer."""
 
 
 def processes(options: Options) -> int:
@@ -35,7 +33,6 @@ def in_order(
     answer: Answer,
     shares: Shares,
     processes: int,
-    progress: VerifyProgress | None,
 ) -> dict[int, Verdict]:
     """The verdicts of all searches: one after the other, and those that are left side by side once that is worth while;
     first those that are likely to take longest.
@@ -43,10 +40,6 @@ def in_order(
     Args:
         processes: how many may run at the same time.
     """
-
-    def tell(search: Search, statistics: Statistics) -> None:
-        if progress is not None:
-            progress(statistics, tuple(task.query.name for task in search.tasks))
 
     verdicts: dict[int, Verdict] = {}
     for number, search in enumerate(searches):
@@ -57,7 +50,8 @@ def in_order(
 
             begin = partial(shares.begin, processes=processes)
             rest = sorted(searches[number:], key=lambda search: not search.explores_everything)
-            return verdicts | SideBySide(rest, answer, begin, progress and tell).answered(processes)
+            return verdicts | SideBySide(rest, answer, begin).answered(processes)
         else:
-            verdicts |= answer(search, shares.begin(search), progress and partial(tell, search))
+            with answering(search.names):
+                verdicts |= answer(search, shares.begin(search))
     return verdicts

@@ -15,19 +15,17 @@ from traceback import format_exc
 from types import FrameType
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import current_job, followed
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
-from tachk.engine.outcome import INTERRUPTED, Progress, Statistics
+from tachk.engine.outcome import INTERRUPTED, Statistics
 from tachk.verify.plan import Search
 from tachk.verify.scheduling.interrupts import ignored, noted_interrupts
 from tachk.verify.unanswered import none_begun
 from tachk.verify.verdict import Verdict
 
-Answer = Callable[[Search, Limits, Progress | None], dict[int, Verdict]]
+Answer = Callable[[Search, Limits], dict[int, Verdict]]
 """What looks for the verdicts of a search, by the numbers of its tasks."""
-
-Tell = Callable[[Search, Statistics], None]
-"""What is told during a long search."""
 
 _LONGEST_SLEEP = 0.2
 """Seconds until Ctrl-C is looked at, where the system gave it to a thread other than the one that waits."""
@@ -43,16 +41,14 @@ class _Running:
 class SideBySide:
     """Searches that are left, and those that run."""
 
-    def __init__(
-        self, searches: Iterable[Search], answer: Answer, limits: Callable[[Search], Limits], tell: Tell | None
-    ) -> None:
+    def __init__(self, searches: Iterable[Search], answer: Answer, limits: Callable[[Search], Limits]) -> None:
         """Args:
         limits: of a search that is about to begin.
         """
         self._left = deque(searches)
         self._running: list[_Running] = []
         self._verdicts: dict[int, Verdict] = {}
-        self._answer, self._limits, self._tell = answer, limits, tell
+        self._answer, self._limits = answer, limits
 
     def answered(self, processes: int) -> dict[int, Verdict]:
         """The verdicts of all searches, so many of which run at the same time. They begin in their order.
@@ -78,13 +74,14 @@ class SideBySide:
     def _begin(self, processes: int) -> None:
         while self._left and len(self._running) < processes:
             search = self._left.popleft()
-            self._running.append(_begun(search, self._answer, self._limits(search), self._tell is not None))
+            self._running.append(_begun(search, self._answer, self._limits(search)))
 
     def _hear(self, one: _Running) -> None:
         told = _received(one)
         if isinstance(told, Statistics):
-            if self._tell is not None:
-                self._tell(one.search, told)
+            progress = current_job().progress
+            if progress is not None:
+                progress(told, one.search.names)
             return
         self._running.remove(one)
         _end(one)
@@ -119,10 +116,10 @@ def _ended_by(status: int) -> str:
     return f"the process of this search {how}"
 
 
-def _begun(search: Search, answer: Answer, limits: Limits, telling: bool) -> _Running:
+def _begun(search: Search, answer: Answer, limits: Limits) -> _Running:
     context = get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(theirs, os.getpid(), search, answer, limits, telling), daemon=True)
+    process = context.Process(target=_work, args=(theirs, os.getpid(), search, answer, limits), daemon=True)
     # The process is interrupted only once it knows what to do about it.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -144,20 +141,23 @@ def _end(one: _Running) -> None:
     one.pipe.close()
 
 
-def _work(pipe: Connection, parent: int, search: Search, answer: Answer, limits: Limits, telling: bool) -> None:
+def _work(pipe: Connection, parent: int, search: Search, answer: Answer, limits: Limits) -> None:
     """What a process does."""
     if not ignored():
         signal.signal(signal.SIGINT, _interrupted_once)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
-    def tell(statistics: Statistics) -> None:
+    watched = current_job().progress is not None
+
+    def tell(statistics: Statistics, names: tuple[str, ...]) -> None:
         if os.getppid() != parent:
             os._exit(1)
-        if telling:
+        if watched:
             pipe.send(statistics)
 
     try:
-        found: dict[int, Verdict] | Exception = answer(search, limits, tell)
+        with followed(tell):
+            found: dict[int, Verdict] | Exception = answer(search, limits)
     except KeyboardInterrupt:
         found = none_begun(search.tasks, INTERRUPTED)
     except Exception as error:

@@ -5,17 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 from tachk.analysis.fold import Known, known_values
 from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
+from tachk.base.job import StoppedError, limited, unhurried
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.compiler.lower import lower
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.zone import explore_everything
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.initial_state import check_initial_state
@@ -95,7 +96,6 @@ def deep_check(
     unused: Sequence[Diagnostic] | None = None,
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
 ) -> DeepCheck:
     """Looks for what is odd about a network although no property asks for it.
 
@@ -107,17 +107,15 @@ def deep_check(
     why. Raises InputError where the initial state violates an invariant.
     """
     try:
-        with time_limit(limits.seconds):
-            explored = _explore(network, options, limits, progress)
-    except OutOfTimeError:
+        with limited(limits.seconds):
+            explored = _explore(network, options, limits)
+            with unhurried(inf):
+                found = [*_reached_parts(explored, warnings), *_stuck_parts(explored)]
+            found.append(_zeno_part(explored, options, limits))
+    except StoppedError:
         return _nothing(TIME_LIMIT)
     except UnsupportedError as error:
         return _nothing(error.diagnostic.message)
-    found = [
-        *_reached_parts(explored, warnings),
-        *_stuck_parts(explored),
-        _zeno_part(explored, options, limits, progress),
-    ]
     found += _fault_parts(explored.outcome)
     found += interchange_parts(network)
     if unused is not None:
@@ -125,7 +123,7 @@ def deep_check(
     return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)
 
 
-def _explore(network: Network, options: Options, limits: Limits, progress: Progress | None) -> Explored:
+def _explore(network: Network, options: Options, limits: Limits) -> Explored:
     started = time.monotonic()
     check_selections(network)
     check_supported(network, Query("", QueryKind.POSSIBLY, Constant(1, BOOL)))
@@ -138,10 +136,9 @@ def _explore(network: Network, options: Options, limits: Limits, progress: Progr
     guards = list(guard_goals(network, known))
     program, goals = lower(network, [*ends, unlimited(bounds or []), *(goal.target for goal in guards)])
     goals = (*goals[: len(ends)], *(replace(goal, decides=False) for goal in goals[len(ends) :]))
-    left = limits.after(time.monotonic() - started)
-    outcome, taken = explore_everything(program, goals, options, left, progress)
+    outcome, taken = explore_everything(program, goals, options, limits)
     if outcome.fault is not None:
-        outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
+        outcome = replace(outcome, fault=explain(model, outcome.fault))
     found = outcome.goals[: len(ends)], ends, outcome.goals[len(ends)]
     return Explored(model, known, outcome, taken, bounds, guards, *found, started)
 
@@ -241,23 +238,23 @@ def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> Timed
     return run
 
 
-def _zeno_part(explored: Explored, options: Options, limits: Limits, progress: Progress | None) -> LintAnswer:
+def _zeno_part(explored: Explored, options: Options, limits: Limits) -> LintAnswer:
     """What the model alone tells, and where that is not enough, a search of limited size."""
     network, known, never = explored.model.network, explored.known, explored.never
-    left = limits.after(time.monotonic() - explored.started).seconds
-    seconds = None if left is None else max(left, _LEAST_SECONDS)
     try:
-        with time_limit(seconds):
+        with unhurried(_LEAST_SECONDS):
             findings = zeno_findings(network, known, never)
             lasting = lasting_edges(network, known, never)
-    except OutOfTimeError:
+    except StoppedError:
         return LintAnswer(_ZENO, "not decided", undecided=TIME_LIMIT)
     if not findings:
         return LintAnswer(_ZENO, "none possible")
     most = max(_LEAST_STATES, _TIMES_AS_MANY * explored.outcome.statistics.states_stored)
     bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
-    left_now = bounded.after(time.monotonic() - explored.started)
-    found = find_zeno_run(explored.model, lasting, options, left_now, progress)
+    try:
+        found = find_zeno_run(explored.model, lasting, options, bounded)
+    except StoppedError:
+        found = True
     if isinstance(found, ZenoRun):
         finding = zeno_finding(network, found.loop)
         return LintAnswer(_ZENO, "found", (finding,), () if found.run is None else (LintEvidence(finding, found.run),))

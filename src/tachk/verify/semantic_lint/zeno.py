@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from tachk.analysis.fold import Known
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network, Process
 from tachk.model.run import Transition
@@ -94,7 +94,7 @@ def suspicious(steps: Steps) -> Steps:
     tried: set[Steps] = set()
     waiting = [_recurrent(steps)]
     while waiting:
-        check_time()
+        check_job()
         rest = waiting.pop()
         if not rest or rest in tried:
             continue
@@ -119,7 +119,7 @@ def _contested(steps: Steps) -> Expression | None:
 def _recurrent(steps: Steps) -> Steps:
     """The edges that are left when those go that can be taken only finitely often for what is left."""
     while True:
-        check_time()
+        check_job()
         kept = _on_cycles(_answered(_undone(steps)))
         if kept == steps:
             return steps

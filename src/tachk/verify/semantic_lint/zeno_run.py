@@ -6,18 +6,17 @@ time of one unit after one of its actions: which one is guessed.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import StoppedError, limited
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.engine.compiler.lower import lower_recurrence
 from tachk.engine.lasso import lasso
 from tachk.engine.liveness import find_recurring_run
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import LivenessStatus, Obligation, Progress
+from tachk.engine.outcome import LivenessStatus, Obligation
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.meaning.judge.replay_lasso import replay_lasso
@@ -44,7 +43,6 @@ def find_zeno_run(
     lasting: Collection[tuple[int, int]],
     options: Options,
     limits: Limits,
-    progress: Progress | None = None,
 ) -> ZenoRun | bool:
     """A run in which time does not diverge although it takes infinitely many transitions. True where there may be one:
     a limit was hit, or an error of the model, or clocks stop; False where there is none.
@@ -52,12 +50,10 @@ def find_zeno_run(
     Args:
         lasting: the edges (process and number) that such a run may take for ever.
     """
-    started = time.monotonic()
     doubled = with_a_start(model.network, lasting)
     never, late = Constant(0, BOOL), Binary(BinaryOperator.GREATER_EQUAL, doubled.clock, Constant(1), BOOL)
     program, goals = lower_recurrence(doubled.network, late, never, doubled.mark, ())
-    left = limits.after(time.monotonic() - started)
-    outcome = find_recurring_run(program, goals, True, options, left, progress)
+    outcome = find_recurring_run(program, goals, True, options, limits)
     if outcome.status is LivenessStatus.NONE:
         return False
     if outcome.run is None or not outcome.exact:
@@ -66,9 +62,9 @@ def find_zeno_run(
     obligation = Obligation(late, doubled.mark)
     loop = tuple(map(doubled.without_copies, outcome.run.loop))
     try:
-        with time_limit(_SECONDS_FOR_DELAYS):
+        with limited(_SECONDS_FOR_DELAYS):
             run = lasso(whole, outcome.run, obligation)
-    except OutOfTimeError:
+    except StoppedError:
         return ZenoRun(loop, None)
     if run is None:
         return ZenoRun(loop, None)

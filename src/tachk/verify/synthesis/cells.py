@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError
-from tachk.base.memory_limit import memory_limit
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import StoppedError, current_job, limited
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.frontend.loaded import LoadedModel, with_constants
@@ -20,7 +19,6 @@ from tachk.model.run import Transition
 from tachk.verify.answering import answers
 from tachk.verify.certificates import Proof
 from tachk.verify.questions import Questions
-from tachk.verify.scheduling.in_order import VerifyProgress
 from tachk.verify.synthesis.parameters import VariedConstant
 from tachk.verify.synthesis.proofs import proof_again, proof_of
 from tachk.verify.synthesis.region import CellEvidence, RegionCell, shown_by_a_run
@@ -48,7 +46,6 @@ class DecidedCells:
     parameters: Sequence[VariedConstant]
     options: Options
     limits: Limits
-    progress: VerifyProgress | None = None
     reuse: bool = True
     certify: bool = False
     found: dict[Cell, RegionCell] = field(default_factory=dict)
@@ -63,7 +60,7 @@ class DecidedCells:
         values = self._values(asked.cell)
         try:
             verdict, evidence, proof = self._verdict(asked)
-        except OutOfTimeError as error:
+        except StoppedError as error:
             known = RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, error.reason)
         except InputError as error:
             self.wrong = self.wrong or error
@@ -85,10 +82,10 @@ class DecidedCells:
         """Whether the model is right with the values of each of these cells; then it is with all between them."""
         for corner in corners:
             try:
-                with time_limit(self._left()):
+                with limited(self._left()):
                     model, _ = self._model(corner)
                     check_initial_state(prepare(model.network))
-            except (InputError, UnsupportedError, OutOfTimeError):
+            except (InputError, UnsupportedError, StoppedError):
                 return False
             except KeyboardInterrupt:
                 self.interrupted = True
@@ -99,7 +96,7 @@ class DecidedCells:
         return tuple(p.values[number] for p, number in zip(self.parameters, cell, strict=True))
 
     def _left(self) -> float | None:
-        return self.limits.after(monotonic() - self._started).seconds
+        return current_job().seconds_left
 
     def _status(self, known: RegionCell) -> CellStatus:
         if known.answer is Answer.UNKNOWN or known.verdict is None:
@@ -117,26 +114,25 @@ class DecidedCells:
         return model, query
 
     def _verdict(self, asked: PendingCell) -> tuple[Verdict, CellEvidence, Proof | None]:
-        """Raises what decides nothing: OutOfTimeError, InputError, KeyboardInterrupt; and UnsupportedError."""
+        """Raises what decides nothing: StoppedError, InputError, KeyboardInterrupt; and UnsupportedError."""
         if self.interrupted:
             raise KeyboardInterrupt
-        began = monotonic()
         left = self._left()
         limits = replace(self.limits, seconds=None if left is None else left / asked.left)
-        with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
-            model, query = self._model(asked.cell)
-            if self.reuse and query.target is not None and not model.network.has_priorities:
-                again = self._again(asked.cell, model.network, query)
-                if again is not None:
-                    return again
-        limits = limits.after(monotonic() - began)
-        verdict = answers(model, self.questions, [query], self.options, limits, self.progress, trace=True)[0]
-        if verdict.unsupported is not None:
-            raise UnsupportedError(verdict.unsupported)
-        proof = None
-        if self.certify:
-            proof = proof_of(model.network, verdict, self.options, limits.after(monotonic() - began))
-        return verdict, CellEvidence.SEARCH, proof
+        with limited(limits.seconds):
+            with limited(memory=limits.memory_bytes):
+                model, query = self._model(asked.cell)
+                if self.reuse and query.target is not None and not model.network.has_priorities:
+                    again = self._again(asked.cell, model.network, query)
+                    if again is not None:
+                        return again
+            verdict = answers(model, self.questions, [query], self.options, limits, trace=True)[0]
+            if verdict.unsupported is not None:
+                raise UnsupportedError(verdict.unsupported)
+            proof = None
+            if self.certify:
+                proof = proof_of(model.network, verdict, self.options, limits)
+            return verdict, CellEvidence.SEARCH, proof
 
     def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, CellEvidence, Proof | None] | None:
         """What the evidence of the nearest cells shows here too; None if it shows nothing."""

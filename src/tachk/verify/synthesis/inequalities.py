@@ -12,8 +12,8 @@ from math import gcd
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.base.time_limit import check_time
 
 _LARGEST = {1: 12, 2: 12, 3: 6, 4: 3}
 """The largest coefficient that is tried, by the number of parameters; beyond that 1."""
@@ -126,7 +126,7 @@ class _Sides:
 
     def add(self, vectors: Sequence[tuple[int, ...]]) -> None:
         for first in range(0, len(vectors), _AT_ONCE):
-            check_time()
+            check_job()
             some = vectors[first : first + _AT_ONCE]
             matrix = np.array(some, dtype=np.int64).T
             most = (self._inside @ matrix).max(axis=0)
@@ -142,7 +142,7 @@ class _Sides:
         best: list[int] | None = None
         choices = min(len(self._known), _FIRST_CHOICES) if limit > 1 else 0
         for first in [None, *range(choices)]:
-            check_time()
+            check_job()
             chosen = self._greedy(first, limit if best is None else len(best) - 1)
             best = best if chosen is None else chosen
         if best is None:

@@ -8,15 +8,13 @@ from time import monotonic
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.base.memory_limit import memory_limit
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import StoppedError, current_job, limited, under_way
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT
 from tachk.frontend.loaded import LoadedModel, with_constants
 from tachk.model.query import Query
 from tachk.verify.plan import Analysis, analysis_of
 from tachk.verify.questions import Questions
-from tachk.verify.scheduling.in_order import VerifyProgress
 from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound, bounds_of_parameters
 from tachk.verify.synthesis.cells import DecidedCells
 from tachk.verify.synthesis.inequalities import Description, describe
@@ -33,7 +31,6 @@ def synthesize(
     wanted: Answer = Answer.HOLDS,
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: VerifyProgress | None = None,
     infer: bool = True,
     reuse: bool = True,
     certify: bool = False,
@@ -55,34 +52,35 @@ def synthesize(
         UnsupportedError: the query cannot be checked.
     """
     began = monotonic()
-    parameters = checked_parameters(parameters)
-    query = _only_query(model, questions)
-    cells = DecidedCells(model, questions, parameters, options, limits, progress, reuse, certify)
-    bounds: Mapping[str, ParameterBound | NoBound] = {}
-    if infer:
-        try:
-            with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
-                bounds = _bounds(model, questions, parameters)
-        except OutOfTimeError:
-            pass
-    known = tuple(bounds.get(p.name, NoBound("this was not asked")) for p in parameters)
-    statuses = np.zeros([len(parameter.values) for parameter in parameters], dtype=np.int8)
-    walk(statuses, [_axis(bound) for bound in known], cells.decide, cells.may_infer)
-    if cells.wrong is not None and all(cell.reason.startswith("wrong model") for cell in cells.found.values()):
-        raise cells.wrong
-    box = tuple(_cell(cells, query, place, CellStatus(int(status))) for place, status in np.ndenumerate(statuses))
-    return Region(
-        questions.path,
-        query,
-        wanted,
-        parameters,
-        known,
-        box,
-        _description(box, wanted),
-        cells.interrupted,
-        tuple(pair for pair in model.heading.constants if pair[0] not in {p.name for p in parameters}),
-        monotonic() - began,
-    )
+    with under_way(current_job().narrowed(limits.seconds)):  # without time all cells are unknown
+        parameters = checked_parameters(parameters)
+        query = _only_query(model, questions)
+        cells = DecidedCells(model, questions, parameters, options, limits, reuse, certify)
+        bounds: Mapping[str, ParameterBound | NoBound] = {}
+        if infer:
+            try:
+                with limited(limits.seconds, limits.memory_bytes):
+                    bounds = _bounds(model, questions, parameters)
+            except StoppedError:
+                pass
+        known = tuple(bounds.get(p.name, NoBound("this was not asked")) for p in parameters)
+        statuses = np.zeros([len(parameter.values) for parameter in parameters], dtype=np.int8)
+        walk(statuses, [_axis(bound) for bound in known], cells.decide, cells.may_infer)
+        if cells.wrong is not None and all(cell.reason.startswith("wrong model") for cell in cells.found.values()):
+            raise cells.wrong
+        box = tuple(_cell(cells, query, place, CellStatus(int(status))) for place, status in np.ndenumerate(statuses))
+        return Region(
+            questions.path,
+            query,
+            wanted,
+            parameters,
+            known,
+            box,
+            _description(box, wanted),
+            cells.interrupted,
+            tuple(pair for pair in model.heading.constants if pair[0] not in {p.name for p in parameters}),
+            monotonic() - began,
+        )
 
 
 def _only_query(model: LoadedModel, questions: Questions) -> Query:

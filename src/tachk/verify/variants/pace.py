@@ -8,16 +8,15 @@ exact least time of its path.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
+from tachk.base.job import StoppedError, current_job
 from tachk.base.operators import BinaryOperator
-from tachk.base.time_limit import OutOfTimeError, time_limit
 from tachk.base.words import QueryKind
 from tachk.engine.exact.concretise import Paced, paced
 from tachk.engine.options import Limits, Options, Pace
-from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT, Progress
+from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.replay import replay
 from tachk.model.expressions import (
@@ -46,10 +45,8 @@ def at_pace(
     found: dict[int, Verdict],
     options: Options,
     limits: Limits,
-    progress: Progress | None,
 ) -> dict[int, Verdict]:
     """Verdicts with the runs that the options ask for, and what is known about their times as a note."""
-    started = time.monotonic()
     if options.pace is Pace.EARLY:
         return found
     whole = prepare(observed(model.network, search.observer))
@@ -58,15 +55,13 @@ def at_pace(
         verdict = found[task.number]
         if verdict.trace is None:
             continue
-        hunt = _Hunt(whole, task.target, replace(options, pace=Pace.EARLY), progress)
-        left = limits.after(time.monotonic() - started)
+        hunt = _Hunt(whole, task.target, replace(options, pace=Pace.EARLY))
         try:
-            with time_limit(left.seconds):
-                if options.pace is Pace.SLOWEST:
-                    best, note = hunt.slowest(verdict.path, left)
-                else:
-                    best, note = hunt.fastest(verdict.path, left)
-        except (TimeoutError, OutOfTimeError):
+            if options.pace is Pace.SLOWEST:
+                best, note = hunt.slowest(verdict.path)
+            else:
+                best, note = hunt.fastest(verdict.path, limits)
+        except (TimeoutError, StoppedError):
             best, note = None, f"the run is not the {options.pace.value} one: {TIME_LIMIT}"
         result[task.number] = _with_run(whole, task, verdict, best, note)
     return result
@@ -95,15 +90,14 @@ def _with_run(model: PreparedNetwork, task: Task, verdict: Verdict, best: Paced 
 class _Hunt:
     """The search for a fast run to a target."""
 
-    def __init__(self, model: PreparedNetwork, target: Expression, options: Options, progress: Progress | None) -> None:
+    def __init__(self, model: PreparedNetwork, target: Expression, options: Options) -> None:
         self._model = model
         self._target = target
         self._options = options
-        self._progress = progress
 
-    def slowest(self, path: Sequence[Transition], limits: Limits) -> tuple[Paced | None, str]:
+    def slowest(self, path: Sequence[Transition]) -> tuple[Paced | None, str]:
         """The slowest run along a path, and what is to be said about it."""
-        best = paced(self._model, path, self._target, True, limits.seconds)
+        best = paced(self._model, path, self._target, True, current_job().seconds_left)
         if best is None or best.total is None:
             return best, "along this path the last step can be as late as one likes"
         if best.attained:
@@ -115,8 +109,7 @@ class _Hunt:
 
         Times are counted in halves: 2 * t is "exactly t", 2 * t + 1 "more than t, as close to it as one likes".
         """
-        started = time.monotonic()
-        best = paced(self._model, path, self._target, False, limits.seconds)
+        best = paced(self._model, path, self._target, False, current_job().seconds_left)
         if best is not None and any(place.rates for p in self._model.network.processes for place in p.locations):
             return (
                 best,
@@ -125,14 +118,13 @@ class _Hunt:
         low = 0
         while best is not None and low < _half(best):
             middle = (low + _half(best)) // 2
-            verdict = self._within(middle, limits.after(time.monotonic() - started))
+            verdict = self._within(middle, limits)
             if verdict.reason:
                 return best, f"a faster run may exist: {verdict.reason}"
             if verdict.trace is None:
                 low = middle + 1
                 continue
-            left = limits.after(time.monotonic() - started)
-            best = paced(self._model, verdict.path, self._target, False, left.seconds)
+            best = paced(self._model, verdict.path, self._target, False, current_job().seconds_left)
         if best is None:  # what the engine has found cannot be without a run
             raise AssertionError("a path that was found has no run")
         if best.attained:
@@ -146,7 +138,7 @@ class _Hunt:
         query = Query("fastest", QueryKind.POSSIBLY, in_time, text="the target in time")
         search = Search(Analysis.REACHABILITY, (Task(0, query),))
         answer = answering(self._options.engine)
-        verdict = answer(prepare(timed), search, self._options, limits, self._progress, True)[0]
+        verdict = answer(prepare(timed), search, self._options, limits, True)[0]
         if verdict.reason == INTERRUPTED:
             raise KeyboardInterrupt
         return verdict

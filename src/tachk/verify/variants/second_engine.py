@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
-from tachk.base.time_limit import OutOfTimeError, time_limit
+from tachk.base.job import StoppedError, current_job, limited
 from tachk.engine.options import Engine, Limits, Options
-from tachk.engine.outcome import INTERRUPTED, Outcome, Progress
+from tachk.engine.outcome import INTERRUPTED, Outcome
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.query import Query
 from tachk.model.run import RunTimeFault
@@ -18,11 +17,12 @@ from tachk.transform.observed import fault_without_observer, observed
 from tachk.verify import reachability
 from tachk.verify.fault_explanation import explain
 from tachk.verify.plan import Analysis, Search, analysis_of
+from tachk.verify.strategies import reachable
 from tachk.verify.unanswered import none_begun, unsupported
 from tachk.verify.verdict import Answer, Verdict
 
 Answering = Callable[
-    [PreparedNetwork, Search, Options, Limits, Progress | None, bool],
+    [PreparedNetwork, Search, Options, Limits, bool],
     dict[int, Verdict],
 ]
 """From a search to the verdicts about its tasks, by number."""
@@ -52,7 +52,7 @@ def answering(engine: Engine) -> Answering:
     """What answers with an engine."""
     match engine:
         case Engine.ZONE:
-            return reachability.answer
+            return reachable
         case Engine.SMT:
             return answer
         case Engine.BOTH:
@@ -82,25 +82,17 @@ def uncompared(verdicts: dict[int, Verdict], engine: Engine) -> dict[int, Verdic
     return {number: replace(verdict, notes=(*verdict.notes, note)) for number, verdict in verdicts.items()}
 
 
-def answer(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> dict[int, Verdict]:
+def answer(model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool) -> dict[int, Verdict]:
     """The verdicts of z3 about the tasks of a search. Nothing is left out of the network."""
     from tachk.engine.smt.search import explore
 
-    started = time.monotonic()
+    if search.observer is not None:
+        model = prepare(observed(model.network, search.observer))
     try:
-        with time_limit(limits.seconds):
-            if search.observer is not None:
-                model = prepare(observed(model.network, search.observer))
-    except OutOfTimeError as error:
-        return none_begun(search.tasks, error.reason)
-    left = limits.after(time.monotonic() - started)
-    try:
-        outcome = explore(model.network, [task.target for task in search.tasks], left, progress)
+        outcome = explore(model.network, [task.target for task in search.tasks], limits)
     except UnsupportedError as error:
         return {task.number: unsupported(task.query, error.diagnostic) for task in search.tasks}
-    outcome = _explained(model, search, outcome, limits)
+    outcome = _explained(model, search, outcome)
     verdicts = {}
     for task, goal in zip(search.tasks, outcome.goals, strict=True):
         verdict = reachability.verdict_of(model, model, task, goal, outcome, trace)
@@ -109,9 +101,9 @@ def answer(
     return verdicts
 
 
-def _explained(model: PreparedNetwork, search: Search, outcome: Outcome, limits: Limits) -> Outcome:
+def _explained(model: PreparedNetwork, search: Search, outcome: Outcome) -> Outcome:
     def told(fault: RunTimeFault) -> RunTimeFault:
-        fault = explain(model, fault, limits.seconds)
+        fault = explain(model, fault)
         return fault if search.observer is None else fault_without_observer(model.network, fault)
 
     goals = tuple(goal if goal.fault is None else replace(goal, fault=told(goal.fault)) for goal in outcome.goals)
@@ -119,18 +111,21 @@ def _explained(model: PreparedNetwork, search: Search, outcome: Outcome, limits:
 
 
 def answer_by_both(
-    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
     """The verdicts of the zone engine, each compared with that of z3, which has the time that is left.
 
     Raises DisagreementError.
     """
-    started = time.monotonic()
-    first_half = limits if limits.seconds is None else replace(limits, seconds=limits.seconds / 2)
-    by_zones = reachability.answer(model, search, options, first_half, progress, trace)
+    left = current_job().seconds_left
+    try:
+        with limited(None if left is None else left / 2):
+            by_zones = reachable(model, search, options, limits, trace)
+    except StoppedError as error:
+        by_zones = none_begun(search.tasks, error.reason)
     if any(verdict.reason == INTERRUPTED for verdict in by_zones.values()):
         return by_zones
-    by_smt = answer(model, search, options, limits.after(time.monotonic() - started), progress, trace)
+    by_smt = answer(model, search, options, limits, trace)
     return {task.number: _compared(options, by_zones[task.number], by_smt[task.number]) for task in search.tasks}
 
 

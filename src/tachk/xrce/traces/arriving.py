@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tachk.base.awaited_pipe import PATIENCE, awaited_pipe
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 
 
 class Pipe:
@@ -18,7 +18,7 @@ class Pipe:
 
     def read1(self, size: int, /) -> bytes | None:
         """What has come; empty at the end, None if nothing has come for a while."""
-        check_time()
+        check_job()
         return self._pipe.read1(size)
 
     def close(self) -> None:
@@ -34,7 +34,7 @@ class GrowingFile:
 
     def read1(self, size: int, /) -> bytes | None:
         """What has come; None if nothing has come for a while."""
-        check_time()
+        check_job()
         octets = self._stream.read(size)
         if not octets:
             self._sleep(PATIENCE)

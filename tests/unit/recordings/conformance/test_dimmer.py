@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
-from tachk.base.time_limit import OutOfTimeError
+from tachk.base.job import OutOfTimeError
 from tachk.cli.main import app
 from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text

@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[4]
 def _near(model: tachk.Model, recording: EventLog, found: Conformance) -> nearby.Near:
     assert model.loaded.recording is not None
     names = constants_of(model.loaded)
-    return nearby.Near(model.network, model.loaded.recording, recording, names, found, tachk.Limits)
+    return nearby.Near(model.network, model.loaded.recording, recording, names, found, tachk.Limits())
 
 
 def _events(recording: EventLog) -> list[Event]:
@@ -110,7 +110,7 @@ def test_the_whole_recording_decides() -> None:
     recording = read_events(ROOT / "examples/dimmer/too_soon.csv", None)
     found = conform(model.network, mapping, recording, names)
     first, none = (
-        nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits, lambda _, said=said: said)
+        nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits(), lambda _, said=said: said)
         for said in (True, False)
     )
     assert first.edit is not None and first.edit.what == "lost" and not first.untried
@@ -132,7 +132,7 @@ def test_a_short_search_for_an_edit_says_how_many_were_not_tried() -> None:
             asked[-1] += 1
             return False
 
-        return nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits, refuse, work)
+        return nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits(), refuse, work)
 
     none_tried, few_tried, all_tried = search(0), search(30), search(None)
     assert none_tried.untried > few_tried.untried > all_tried.untried == 0

@@ -190,7 +190,7 @@ def test_the_smallest_edit_undoes_a_change(
     found = ask(changed, True)
     assert found.refusal is not None and found.refusal.event is not None
     search = smallest_edit(
-        model.network, mapping, changed, names, found, limits, lambda other: ask(other, False).accepted is True
+        model.network, mapping, changed, names, found, limits(), lambda other: ask(other, False).accepted is True
     )
     edit = search.edit
     assert edit is not None and edit.what == what

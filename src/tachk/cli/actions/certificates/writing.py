@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -26,7 +25,6 @@ def write_certificates(
 
     UNKNOWN if a limit keeps one from being made.
     """
-    started = time.monotonic()
     statuses = [ExitStatus.AS_EXPECTED]
     provable = [verdict for verdict in verdicts if is_provable(verdict)]
     model = digest(network)
@@ -34,8 +32,7 @@ def write_certificates(
     with whole_bytes(path) as file:
         writer = CertificateWriter(file)
         for verdict in provable:
-            left = limits.after(time.monotonic() - started)
-            proof = find_proof(network, model, verdict.query, options, left)
+            proof = find_proof(network, model, verdict.query, options, limits)
             if isinstance(proof, str):
                 complain(f"no certificate for {verdict.query.name}: {proof}")
                 statuses.append(ExitStatus.UNKNOWN)

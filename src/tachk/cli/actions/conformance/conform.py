@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from time import monotonic
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import limited
 from tachk.base.records import dataclass
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
@@ -43,21 +43,22 @@ def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) 
     model = api.load(asked.model, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     model = api.Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
-    limits, started = Limits(states=asked.states, seconds=seconds), monotonic()
-    found = [
-        api.conform(
-            model,
-            each,
-            asked.tolerance,
-            asked.late,
-            asked.unit,
-            asked.ports,
-            limits.after(monotonic() - started),
-            asked.applications,
-            asked.explanation,
-        )
-        for each in asked.recordings
-    ]
+    limits = Limits(states=asked.states, seconds=seconds)
+    with limited(seconds):
+        found = [
+            api.conform(
+                model,
+                each,
+                asked.tolerance,
+                asked.late,
+                asked.unit,
+                asked.ports,
+                limits,
+                asked.applications,
+                asked.explanation,
+            )
+            for each in asked.recordings
+        ]
     covered = coverage(model.network, (each for each in found if each.accepted)) if asked.coverage else ()
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:

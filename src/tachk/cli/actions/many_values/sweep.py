@@ -8,14 +8,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from time import monotonic
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import DIGITS
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import current_job, limited
 from tachk.base.records import dataclass
-from tachk.base.time_limit import time_limit
 from tachk.base.whole_files import write_whole
 from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.arguments import parse_size
@@ -88,31 +86,33 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
     grid = grid_of(asked.over)
     memory = None if asked.max_memory is None else parse_size(asked.max_memory)
     first = {axis.name: axis.values[0] for axis in grid.axes}
-    started = monotonic()
-    with memory_limit(memory), time_limit(seconds):
-        model = api.load(asked.model, **first)
-    print_diagnostics((*model.refusals, *model.warnings))
-    named = tuple(name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties})
-    judge = None
-    if asked.formulas is not None:
-        judge = JudgedRuns(asked.formulas, asked.until, asked.runs or _RUNS, asked.seed)
-    with _progress(reporting.quiet) as progress:
-        found = model.sweep(
-            *asked.queries,
-            over=grid,
-            property=named,
-            non_zeno=asked.non_zeno,
-            store=asked.store,
-            processes=asked.processes,
-            dask=asked.dask,
-            limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
-            seconds=None if seconds is None else max(0.0, seconds - (monotonic() - started)),
-            progress=progress,
-            settings=_settings(asked),
-            judge=judge,
-            part=_part(asked.part),
-            merge=asked.merged,
+    with limited(seconds):
+        with limited(memory=memory):
+            model = api.load(asked.model, **first)
+        print_diagnostics((*model.refusals, *model.warnings))
+        named = tuple(
+            name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties}
         )
+        judge = None
+        if asked.formulas is not None:
+            judge = JudgedRuns(asked.formulas, asked.until, asked.runs or _RUNS, asked.seed)
+        with _progress(reporting.quiet) as progress:
+            found = model.sweep(
+                *asked.queries,
+                over=grid,
+                property=named,
+                non_zeno=asked.non_zeno,
+                store=asked.store,
+                processes=asked.processes,
+                dask=asked.dask,
+                limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
+                seconds=current_job().seconds_left,
+                progress=progress,
+                settings=_settings(asked),
+                judge=judge,
+                part=_part(asked.part),
+                merge=asked.merged,
+            )
     if asked.picture is not None:
         estimated = asked.show == "answer" and all(row["answer"] == ESTIMATED for row in found.rows)
         found.plot(asked.picture, "estimate" if estimated else asked.show)

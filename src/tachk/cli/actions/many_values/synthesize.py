@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.memory_limit import memory_limit
+from tachk.base.job import limited
 from tachk.base.records import dataclass
-from tachk.base.time_limit import time_limit
 from tachk.cli.arguments import parse_size, split_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -62,11 +60,11 @@ def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporti
     if varied.max_memory is not None:
         limits = replace(limits, memory_bytes=parse_size(varied.max_memory))
     picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
-    started = time.monotonic()
-    with memory_limit(limits.memory_bytes), time_limit(limits.seconds):
-        model = api.load(varied.model, **constants)
-    print_diagnostics((*model.refusals, *model.warnings))
-    found = _found(model, varied, grid, limits.after(time.monotonic() - started), reporting)
+    with limited(limits.seconds):
+        with limited(memory=limits.memory_bytes):
+            model = api.load(varied.model, **constants)
+        print_diagnostics((*model.refusals, *model.warnings))
+        found = _found(model, varied, grid, limits, reporting)
     if picture is not None:
         found.plot(picture)
     if varied.certificates is not None:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tachk.base.awaited_pipe import awaited_pipe
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 
 _PIECE = 1 << 16
 
@@ -56,7 +56,7 @@ class StandardInput:
     def _take(self) -> bool:
         """Adds what comes next; False at the end."""
         while not self._ended:
-            check_time()
+            check_job()
             piece = self._read1(_PIECE)
             if piece is not None:
                 self._waiting += piece

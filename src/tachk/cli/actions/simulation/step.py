@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
@@ -35,7 +35,7 @@ class Stepping:
 
 def run_step(asked: Stepping) -> ExitStatus:
     """Answers each line until there are no more."""
-    check_time()
+    check_job()
     claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
     about = model_of_run(asked.model, asked.definitions, claimed)
     session = Session.begin(RunNames(about.model.network))
@@ -62,7 +62,7 @@ def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
                 complain(str(error))
                 return ExitStatus.BAD_INPUT
             print(error)
-        check_time()
+        check_job()
     return ExitStatus.AS_EXPECTED
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate, pairwise
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.formats.layout.placement.layers import Layering
 
 Extent = tuple[float, float]
@@ -93,7 +93,7 @@ class _Blocks:
     def settle(self) -> None:
         """Moves blocks as long as the sum of the distances gets smaller, a few times at most."""
         for _ in range(12):
-            check_time()
+            check_job()
             if not sum(self._move(block) for block in self._blocks()):
                 break
         for block in self._blocks():

@@ -12,7 +12,7 @@ from enum import Enum, auto
 
 import networkx as nx
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 
 Arc = tuple[int, int]
 
@@ -147,7 +147,7 @@ class Layering:
     def _swap(self) -> None:
         place = self._places()
         for layer in self.layers:
-            check_time()
+            check_job()
             for at in range(len(layer) - 1):
                 a, b = layer[at], layer[at + 1]
                 now = after = 0

@@ -11,7 +11,7 @@ from dataclasses import replace
 from itertools import pairwise
 from math import hypot
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.formats.layout.placement.geometry import Box, node_box, segment_meets_box
 from tachk.formats.layout.placement.routing import crossings, shortened, spread
 from tachk.formats.layout.placement.sketch import Size, Sketch, TemplateDrawing
@@ -39,7 +39,7 @@ def redraw_loops(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     """The drawing with short self-loops, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
-        check_time()
+        check_job()
         if edge.source == edge.target:
             scene.redraw_loop(at)
     return replace(drawing, routes=tuple(scene.routes), edge_labels=tuple(scene.labels))
@@ -49,7 +49,7 @@ def redraw_edges(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     """The drawing with straighter edges, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
-        check_time()
+        check_job()
         if edge.source != edge.target:
             scene.redraw_edge(at)
     return replace(drawing, routes=tuple(scene.routes), edge_labels=tuple(scene.labels))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from math import hypot
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.formats.layout.placement.geometry import (
     RADIUS,
     Box,
@@ -46,7 +46,7 @@ def straighten(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
             obstacles.add((-1, wide), wide)
     routes = list(drawing.routes)
     for at, edge in enumerate(sketch.edges):
-        check_time()
+        check_job()
         if edge.source != edge.target:
             ends = {edge.source, edge.target}
 
@@ -148,7 +148,7 @@ def clear_texts(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
         taken.add(text, text)
     names, labels = list(drawing.names), list(drawing.node_labels)
     for at, centre in enumerate(drawing.centres):
-        check_time()
+        check_job()
         own: tuple[Box, Box | None] = names[at], labels[at]
         best = float("inf")
         node = sketch.nodes[at]

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import TachkError, UsageError
-from tachk.base.time_limit import OutOfTimeError
+from tachk.base.job import StoppedError
 
 
 def not_installed(what: str, library: str, extra: str) -> UsageError:
@@ -22,7 +22,7 @@ def reading(path: Path, what: str) -> Iterator[None]:
         raise UsageError(f"there is no file {path}")
     try:
         yield
-    except (TachkError, OutOfTimeError, MemoryError):
+    except (TachkError, StoppedError, MemoryError):
         raise
     except Exception as error:
         reason = next(iter(str(error).strip().splitlines()), "") or type(error).__name__

@@ -8,7 +8,7 @@ from contextlib import suppress
 from io import SEEK_END, BytesIO
 from typing import IO, Any
 
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 
 _MAGIC = b"\x89MCAP0\r\n"
 _CHUNK = 6
@@ -35,7 +35,7 @@ def salvaged(stream: IO[bytes], topics: Collection[str] | None) -> Iterator[tupl
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
     for record in _records(stream):
-        check_time()
+        check_job()
         if isinstance(record, Schema):
             schemas[record.id] = record
         elif isinstance(record, Channel):

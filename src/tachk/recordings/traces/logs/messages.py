@@ -18,7 +18,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.logs.dates import seconds_of
 from tachk.recordings.traces.logs.sparse import sparse
@@ -120,7 +120,7 @@ class MessageRecording:
         """The columns of each topic, as its first messages have them."""
         fields: dict[str, dict[str, Any]] = {}
         for topic, content in self.messages.samples():
-            check_time()
+            check_job()
             fields.setdefault(topic, {}).update(flattened(topic_name(topic), content))
         return fields
 
@@ -138,7 +138,7 @@ class MessageRecording:
         met: set[str] = set()
         getters = {topic: _getters(topic_name(topic), names) for topic, names in paths.items()}
         for number, (topic, logged, content) in enumerate(self.messages.decoded(topics)):
-            check_time()
+            check_job()
             time = logged if self.time is None else self._stamp(topic, content)
             if abs(time) > LAST_TIME:
                 raise self._out_of_range(f"message {number + 1} of {topic}", time)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.time_limit import check_time
+from tachk.base.job import check_job
 from tachk.recordings.traces.logs.dates import seconds_of
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
@@ -115,7 +115,7 @@ def _csv_runs(recording: CsvRecording) -> Iterator[tuple[str, CsvRecording]]:
     with closing(recording.opened()) as stream:
         number = recording.line
         while line := stream.readline():
-            check_time()
+            check_job()
             cells = [] if line.lstrip().startswith(b"#") else _cells(line, recording.separator)
             if len(cells) > max(place, clock):
                 rows.append((cells[place], _time(cells[clock], recording.point)))

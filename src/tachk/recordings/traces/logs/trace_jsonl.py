@@ -21,8 +21,8 @@ from typing import Any, Final
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.job import check_job
 from tachk.base.span import Source, Span
-from tachk.base.time_limit import check_time
 from tachk.model.quantity import shortened
 from tachk.recordings.traces.arrivals import belongs, topic_of
 from tachk.recordings.traces.compressed import open_bytes, torn
@@ -246,7 +246,7 @@ class JsonLines:
         before: Fraction | None = None
         last_run: Any = None
         for number, line in enumerate(lines, 1):
-            check_time()
+            check_job()
             if number == 1:
                 line = line.removeprefix(codecs.BOM_UTF8)
             if not line.strip():

@@ -1,0 +1,201 @@
+"""The job that is under way: until when it may run, how much memory it may take, and who follows its progress.
+
+Whoever has a limit opens a job, and the loops that may take long check it, wherever they are:
+
+    with limited(seconds, memory):
+        ...                     # a StoppedError is raised soon after a limit is hit
+
+It is the only clock. A job inside of another one can only have less time and less memory. Searches count what they
+store and stop by themselves; what they do not count, such as the actions of a single state, and what Python does before
+and behind them shows in the resident size of the process, which is checked together with the time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from tachk.base.records import dataclass
+
+_STATM = Path("/proc/self/statm")
+_SECONDS_BETWEEN_CHECKS = 0.025
+_SLACK = 10
+"""What the process takes beside what is counted may be a tenth of the limit more, ..."""
+_LEAST_SLACK = 16 << 20
+"""... or so many bytes: modules are loaded and allocators keep something."""
+
+Progress = Callable[[Any, tuple[str, ...]], None]
+"""Called a few times a second, with the statistics of a search and the names of the queries that it answers."""
+
+
+class StoppedError(Exception):
+    """The job was stopped.
+
+    Attributes:
+        reason: why, as reports say it.
+    """
+
+    reason = "stopped"
+
+
+class OutOfTimeError(StoppedError):
+    """The time of the job is over."""
+
+    reason = "time limit"
+
+
+class OutOfMemoryError(StoppedError):
+    """The process has grown by more than it may."""
+
+    reason = "memory limit"
+
+
+class _Ceiling:
+    """The largest resident size that is allowed, in bytes."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self._next = 0.0
+
+    def check(self) -> None:
+        now = monotonic()
+        if now < self._next:
+            return
+        self._next = now + _SECONDS_BETWEEN_CHECKS
+        if _is_above(self.size):
+            _give_back()
+            if _is_above(self.size):
+                raise OutOfMemoryError
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Attributes:
+    ends: the moment of `time.monotonic` at which its time is over; None: never.
+    ceiling: the limit on the size of the process, if there is one.
+    progress: follows its searches.
+    about: the names of the queries that it answers.
+    """
+
+    ends: float | None = None
+    ceiling: _Ceiling | None = None
+    progress: Progress | None = None
+    about: tuple[str, ...] = ()
+
+    @property
+    def seconds_left(self) -> float | None:
+        """At least 0; None where there is no limit."""
+        return None if self.ends is None else max(self.ends - monotonic(), 0.0)
+
+    def narrowed(self, seconds: float | None = None, memory: int | None = None) -> Job:
+        """The job with so many seconds from now on, and so many bytes more than the process takes now, at most."""
+        ends, ceiling = self.ends, self.ceiling
+        if seconds is not None:
+            end = monotonic() + seconds
+            ends = end if ends is None else min(ends, end)
+        if memory is not None:
+            _give_back()
+            resident = resident_bytes()
+            if resident is not None:
+                largest = resident + memory + max(memory // _SLACK, _LEAST_SLACK)
+                ceiling = _Ceiling(largest if ceiling is None else min(largest, ceiling.size))
+        return replace(self, ends=ends, ceiling=ceiling)
+
+    def check(self) -> None:
+        """Raises StoppedError if a limit is hit. Cheap: meant for inner loops."""
+        if self.ends is not None and monotonic() >= self.ends:
+            raise OutOfTimeError
+        self.check_memory()
+
+    def check_memory(self) -> None:
+        """Raises StoppedError if the process is too large: for a search of the core, which has the time itself."""
+        if self.ceiling is not None:
+            self.ceiling.check()
+
+
+_WITHOUT_LIMITS = Job()
+_current: ContextVar[Job] = ContextVar("job", default=_WITHOUT_LIMITS)
+
+
+def current_job() -> Job:
+    """The innermost job that is under way; one without limits where none was opened."""
+    return _current.get()
+
+
+def check_job() -> None:
+    """Raises StoppedError if a limit of the innermost job is hit."""
+    _current.get().check()
+
+
+@contextmanager
+def under_way(job: Job) -> Iterator[None]:
+    """Makes a job the innermost one."""
+    token = _current.set(job)
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+@contextmanager
+def limited(seconds: float | None = None, memory: int | None = None) -> Iterator[None]:
+    """A job that is stopped by a StoppedError after so many seconds of wall-clock time, and once the process has grown
+    by so many bytes and some slack.
+
+    Args:
+        seconds, memory: None for no limit but those of the jobs around this one, which always count. The system tells
+            the resident size on Linux only; elsewhere the limit on memory has no effect here.
+    """
+    with under_way(_current.get().narrowed(seconds, memory)):
+        check_job()
+        yield
+
+
+@contextmanager
+def unhurried(seconds: float) -> Iterator[None]:
+    """A part of a job that has at least so many seconds, whatever the job has left: what was found is explained."""
+    outer = _current.get()
+    ends = None if outer.ends is None else max(outer.ends, monotonic() + seconds)
+    with under_way(replace(outer, ends=ends)):
+        yield
+
+
+@contextmanager
+def followed(progress: Progress | None) -> Iterator[None]:
+    """A part of a job whose searches report their progress; None: as the job around it does."""
+    outer = _current.get()
+    with under_way(outer if progress is None else replace(outer, progress=progress)):
+        yield
+
+
+@contextmanager
+def answering(queries: tuple[str, ...]) -> Iterator[None]:
+    """A part of a job that answers the queries of these names."""
+    with under_way(replace(_current.get(), about=queries)):
+        yield
+
+
+def resident_bytes() -> int | None:
+    """The memory of the machine that the process takes now; None where the system does not tell."""
+    try:
+        return int(_STATM.read_bytes().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError, IndexError, AttributeError):
+        return None
+
+
+def _give_back() -> None:
+    """Lets go of what the allocator keeps."""
+    from tachk import _core  # not needed where there is no limit
+
+    _core.give_back_memory()
+
+
+def _is_above(size: int) -> bool:
+    resident = resident_bytes()
+    return resident is not None and resident > size

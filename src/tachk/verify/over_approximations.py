@@ -1,0 +1,163 @@
+"""Strategies that search a network which can do more: a target that is not reached there is unreachable.
+
+Existential abstraction (Clarke, Grumberg, Long, Model checking and abstraction, TOPLAS 16(5), 1994), of processes that
+only block others, of variables that tell processes apart, and of which process a target names. What is reached there
+need not be reachable; a path to it is a hint (`tachk.verify.reachability.along_path`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from tachk.analysis.impossible_edges import without_impossible
+from tachk.engine.compiler.lower import lower
+from tachk.engine.compiler.program import Goal, Program
+from tachk.engine.options import Options
+from tachk.engine.outcome import INTERRUPTED, Status
+from tachk.engine.symmetry.asked_of_all import asked_of_all, names_some
+from tachk.engine.symmetry.forgotten import with_less_known
+from tachk.engine.symmetry.tables import with_symmetry
+from tachk.engine.zone import explore
+from tachk.model.expressions import Expression
+from tachk.model.network import Network
+from tachk.model.remembered import by_network
+from tachk.transform.blocking_processes import without_bystanders
+from tachk.transform.cone_of_influence import without_spectators
+from tachk.transform.monotone_counters import budgets
+from tachk.verify.plan import Task
+from tachk.verify.strategy import Findings, OverApproximation, Problem, ReachedInAbstraction
+from tachk.verify.unanswered import none_begun
+from tachk.verify.unexamined import unexamined
+from tachk.verify.vacuity import noted, triggers_of, with_notes
+from tachk.verify.verdict import Verdict, answers_of
+
+WORTH_CARRYING_OVER = 5_000
+"""So many states without blocking processes make it worth while to look for the run with them along the one without."""
+
+Relaxing = Callable[[Sequence[Expression], Sequence[Expression]], OverApproximation | None]
+"""From targets, and conditions that are looked for on the way, to an over-approximation; None if there is none."""
+
+
+def unblocked(problem: Problem) -> Findings:
+    """Without the processes that can only block those on which the targets depend."""
+    network = problem.network
+
+    def relaxed(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
+        possible = without_impossible(network)
+        mentioned = [*targets, *conditions]
+        rest = without_bystanders(possible, mentioned)
+        if rest == possible:
+            return None
+        spared = budgets(possible, mentioned)
+        return OverApproximation(rest, targets, conditions, unexamined=unexamined(possible, rest), spared=spared)
+
+    found = _searched(problem, relaxed)
+    worth = {n: each for n, each in found.reached.items() if each.statistics.states_stored >= WORTH_CARRYING_OVER}
+    return replace(found, reached={} if problem.options.shortest else worth)
+
+
+def symmetrised(problem: Problem) -> Findings:
+    """With targets that name some of several interchangeable processes asked of all of them: all remain
+    interchangeable."""
+
+    def of_all(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
+        return _of_all(problem.network, tuple(targets), tuple(conditions), problem.options.hold_spectators)
+
+    asked = problem.about([task.number for task in problem.tasks if can_be_symmetrised(problem, task)])
+    return _searched(asked, of_all) if asked.tasks else Findings({})
+
+
+def can_be_symmetrised(problem: Problem, task: Task) -> bool:
+    """Whether a target names some of several interchangeable processes and can be asked of all of them."""
+    conditions = tuple(trigger.condition for trigger in triggers_of([task], problem.network))
+    # What is moved in the network without the observer is found out once for many problems.
+    return (
+        any(names_some(problem.unobserved, question) for question in (task.target, *conditions))
+        and _of_all(problem.network, (task.target,), conditions, problem.options.hold_spectators) is not None
+    )
+
+
+@by_network
+def _of_all(
+    network: Network, targets: tuple[Expression, ...], conditions: tuple[Expression, ...], hold: bool
+) -> OverApproximation | None:
+    reduced = without_spectators(network, [*targets, *conditions]) if hold else network
+    asked = asked_of_all(reduced, targets, conditions)
+    if asked is None:
+        return None
+    return OverApproximation(reduced, *asked, unexamined=unexamined(network, reduced), symmetrised=True)
+
+
+def abstracted(problem: Problem) -> Findings:
+    """With less known of the variables by which processes are gone through by number, where that makes these
+    interchangeable."""
+
+    def coarser(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
+        return _less_known(problem.network, tuple(targets), tuple(conditions), problem.options.hold_spectators)
+
+    return _searched(problem, coarser)
+
+
+def can_be_abstracted(problem: Problem) -> bool:
+    """Whether less can be known so that processes become interchangeable."""
+    conditions = tuple(trigger.condition for trigger in triggers_of(problem.tasks, problem.network))
+    hold = problem.options.hold_spectators
+    return _less_known(problem.network, tuple(problem.targets), conditions, hold) is not None
+
+
+@by_network
+def _less_known(
+    network: Network, targets: tuple[Expression, ...], conditions: tuple[Expression, ...], hold: bool
+) -> OverApproximation | None:
+    mentioned = [*targets, *conditions]
+    reduced = without_spectators(network, mentioned) if hold else network
+    less = with_less_known(reduced, mentioned)
+    if less is None:
+        return None
+    names = tuple(variable.name for variable in less.variables)
+    left_out = unexamined(network, reduced)
+    return OverApproximation(less.network, targets, conditions, unexamined=left_out, less_known=names)
+
+
+def _searched(problem: Problem, relaxing: Relaxing) -> Findings:
+    """The verdicts about targets that are unreachable in an over-approximation, and what was found about those that are
+    reached there."""
+    targets = problem.targets
+    triggers = triggers_of(problem.tasks, problem.network)
+    relaxed = relaxing(targets, [trigger.condition for trigger in triggers])
+    if relaxed is None:
+        return Findings({})
+    program, goals = lowered(relaxed.network, relaxed.targets, relaxed.conditions, problem.options)
+    outcome = explore(program, goals, problem.options, problem.limits)
+    if outcome.reason == INTERRUPTED:
+        return Findings(none_begun(problem.tasks, INTERRUPTED))
+    statistics = replace(outcome.statistics, less_known=relaxed.less_known, asked_of_all=relaxed.symmetrised)
+    of_targets = list(zip(problem.tasks, outcome.goals[: len(targets)], strict=True))
+    settled = {
+        task.number: Verdict(task.query, answers_of(task.query)[1], True, "", statistics, unexamined=relaxed.unexamined)
+        for task, goal in of_targets
+        if goal.status is Status.UNREACHABLE
+    }
+    found = {
+        task.number: ReachedInAbstraction(relaxed, goal.path, statistics)
+        for task, goal in of_targets
+        if goal.status is Status.REACHED and goal.path is not None and outcome.exact
+    }
+    return Findings(with_notes(settled, triggers, outcome.goals[len(targets) :]), found)
+
+
+def held(network: Network, mentioned: Sequence[Expression], options: Options) -> Network:
+    """The network as it is searched for what is mentioned."""
+    return without_spectators(network, mentioned) if options.hold_spectators else network
+
+
+def lowered(
+    network: Network, targets: Sequence[Expression], conditions: Sequence[Expression], options: Options
+) -> tuple[Program, tuple[Goal, ...]]:
+    """The program, the goals of the targets, and behind them those of conditions, for which no search goes on."""
+    predicates = [*targets, *conditions]
+    program, goals = lower(network, predicates)
+    if options.symmetry:
+        program = with_symmetry(program, network, predicates)
+    return program, (*goals[: len(targets)], *noted(goals[len(targets) :]))
