@@ -10,6 +10,7 @@ from random import Random
 
 from tachk.base.diagnostics.diagnostic import TachkError
 from tachk.base.exact_numbers import DIGITS, exact_number, is_whole
+from tachk.base.job import check_job
 from tachk.base.whole_files import write_whole
 from tachk.meaning.run_view import RunNames, Snapshot
 from tachk.meaning.step import StepError
@@ -151,6 +152,7 @@ class Stepper:
 
     def _take_random(self, rest: str) -> Iterator[str]:
         for _ in range(min(_count(rest), _MOST_RANDOM)):
+            check_job()
             self.session = self.session.random(self._random)
             yield from self._step_taken()
         yield from self._possibilities()

@@ -90,9 +90,17 @@ class Session:
         return Session(self.names, self.initial, self.steps[: self.position] + ahead, self.position + 1)
 
 
+_GRID = 1000
+
+
 def _moment(window: DelayWindow, random: Random) -> Fraction:
-    """A delay of the window: its ends, and tenths between them; of endless ones within the first ten units."""
+    """A delay of the window: its ends, and tenths between them; of endless ones within the first ten units.
+
+    Tenths of tenths would have one digit more at each step: where the window has thousandths of a unit, it is one.
+    """
     last = window.first + 10 if window.last is None else window.last
     length = last - window.first
     share = Fraction(random.randint(0 if window.first_belongs else 1, 10 if window.last_belongs else 9), 10)
-    return window.first + share * length
+    moment = window.first + share * length
+    near = Fraction(round(moment * _GRID), _GRID)
+    return near if near in window else moment

@@ -248,3 +248,13 @@ def test_a_terminal(tmp_path: Path) -> None:
             until(answer)
         assert program.wait(60) == 0
     os.close(ours)
+
+
+def test_random_steps_keep_their_times_short() -> None:
+    text = "process P() { clock x; init location A { invariant x <= 7; to A { guard x > 1; } } } system P;"
+    names, random = RunNames(tachk.loads(text).network), Random(1)
+    session = Session(names, initial_state(names.model))
+    while session.position < 200 and session.offers().offers:
+        session = session.random(random)
+    assert session.position > 2
+    assert 1000 % session.state.time.denominator == 0
