@@ -13,7 +13,7 @@ import time
 from random import Random
 
 from tachk import Limits
-from tachk.verify import weaker
+from tachk.verify import over_approximations
 from tests.support.lossy.halves import compare, random_halves
 
 _LIMITS = Limits(states=10_000)
@@ -21,7 +21,7 @@ _LIMITS = Limits(states=10_000)
 
 def main(arguments: list[str]) -> int:
     count, seed = map(int, arguments)
-    weaker.WORTH_CARRYING_OVER = 0
+    over_approximations.WORTH_CARRYING_OVER = 0
     started = time.monotonic()
     done = compared = fewer = faults = wrong = 0
     try:

@@ -25,7 +25,6 @@ from dataclasses import replace
 from random import Random
 
 from tachk.model.expressions import BOOL, Constant
-from tachk.verify import reachability, weaker
 from tachk.verify.verdict import Answer
 from tests.support import Shape, random_case
 from tests.support.agreement import VARIANTS, Effort, compare
@@ -33,6 +32,7 @@ from tests.support.endless.diverging_agreement import compare_diverging
 from tests.support.liveness_agreement import compare_obligation
 from tests.support.obligations import random_obligations
 from tests.support.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
+from tests.support.strategies import without_first_tries
 
 SHAPES = (
     Shape(),
@@ -103,8 +103,11 @@ def main(arguments: list[str]) -> int:
 
 def compare_reductions(seeds: range) -> int:
     """Prints how often which verdicts were compared, and every disagreement."""
-    # What large networks are looked at for is looked at in small ones.
-    reachability.FIRST_LOOK = reachability.FEW = weaker.WORTH_CARRYING_OVER = 0
+    with without_first_tries():
+        return _compare_reductions(seeds)
+
+
+def _compare_reductions(seeds: range) -> int:
     compared: Counter[tuple[str, str]] = Counter()
     fewer: Counter[str] = Counter()
     wrong, networks, runs, started = 0, Counter[str](), 0, time.monotonic()

@@ -9,16 +9,16 @@ import pytest
 import tachk
 from tachk import Limits
 from tachk.engine.outcome import Status
-from tachk.verify import weaker
+from tachk.verify import over_approximations
 from tests.support.lossy.halves import compare, random_halves
 from tests.support.oracles import reference
 
 LIMITS = Limits(states=2000)
 
 
-@pytest.mark.parametrize("carried_over_from", [0, weaker.WORTH_CARRYING_OVER])
+@pytest.mark.parametrize("carried_over_from", [0, over_approximations.WORTH_CARRYING_OVER])
 def test_leaving_out_a_half_changes_no_answer(carried_over_from: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(weaker, "WORTH_CARRYING_OVER", carried_over_from)
+    monkeypatch.setattr(over_approximations, "WORTH_CARRYING_OVER", carried_over_from)
     first = 12 * (carried_over_from == 0)
     found = [compare(random_halves(Random(seed)), LIMITS) for seed in range(first, first + 12)]
     assert [problem for one in found for problem in one.problems] == []

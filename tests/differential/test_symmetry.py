@@ -10,8 +10,8 @@ import tachk
 from tachk import Limits, Options
 from tachk.engine.options import LocalTimes
 from tachk.engine.outcome import Status
-from tachk.verify import reachability
 from tests.support.oracles import reference
+from tests.support.strategies import with_states
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.registers import random_register_case
@@ -31,7 +31,7 @@ CASES = {
 @pytest.mark.parametrize("kind", CASES)
 @pytest.mark.parametrize("block", range(4))
 def test_symmetry_changes_no_answer(kind: str, block: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reachability, "FEW", 0)
+    with_states(monkeypatch, "few-states", 0)
     reduced = of_all = 0
     ways = (Options(), Options(local_times=LocalTimes.ALWAYS), Options(symmetry=False))
     for seed in range(25 * block, 25 * block + 25):

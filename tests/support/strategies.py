@@ -1,20 +1,55 @@
-"""Budgets of strategies, changed for a test."""
+"""Budgets of strategies, changed for a test, and options with one of them switched off."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
 
-from tachk.verify import strategies
+from tachk.engine.options import Options
+from tachk.verify import over_approximations, strategies
+from tachk.verify.strategy import Strategy
 
 TABLES = ("REACHABILITY", "LIVENESS")
+ALWAYS_ANSWER = ("zones", "any-run", "recurring", "long-beats")
+"""Without these there may be no answer."""
+
+
+def rows() -> Iterator[Strategy]:
+    for table in TABLES:
+        yield from getattr(strategies, table)
+
+
+def each_switched_off() -> dict[str, Options]:
+    """Options for which an answer may take more states, but is the same."""
+    names = [row.name for row in rows() if row.name not in ALWAYS_ANSWER]
+    return {f"without {name}": Options(without=frozenset({name})) for name in names}
+
+
+@contextmanager
+def changed(change: Callable[[Strategy], Strategy]) -> Iterator[None]:
+    """The tables with each strategy changed."""
+    with pytest.MonkeyPatch.context() as patch:
+        for table in TABLES:
+            patch.setattr(strategies, table, tuple(map(change, getattr(strategies, table))))
+        yield
 
 
 def with_states(monkeypatch: pytest.MonkeyPatch, name: str, states: int) -> None:
     """The strategy of this name stores so many states at most."""
-    tables = {table: getattr(strategies, table) for table in TABLES}
-    assert any(row.name == name for rows in tables.values() for row in rows)
-    for table, rows in tables.items():
-        changed = tuple(replace(row, states=states) if row.name == name else row for row in rows)
-        monkeypatch.setattr(strategies, table, changed)
+    assert name in {row.name for row in rows()}
+    for table in TABLES:
+        of_table = getattr(strategies, table)
+        monkeypatch.setattr(
+            strategies, table, tuple(replace(row, states=states) if row.name == name else row for row in of_table)
+        )
+
+
+@contextmanager
+def without_first_tries() -> Iterator[None]:
+    """What large networks are searched for is searched for in small ones, too."""
+    with changed(lambda row: replace(row, states=0) if row.preliminary else row), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(over_approximations, "WORTH_CARRYING_OVER", 0)
+        yield

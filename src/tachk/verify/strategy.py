@@ -26,6 +26,8 @@ from tachk.verify.plan import Task
 from tachk.verify.unanswered import none_begun
 from tachk.verify.verdict import Answer, Verdict, answers_of
 
+NO_STRATEGY = "none of the strategies that are left decides it"
+
 
 class Decides(Flag):
     """What the verdicts of a strategy are worth."""
@@ -173,7 +175,7 @@ def decided(problem: Problem, strategies: Iterable[Strategy]) -> dict[int, Verdi
             if any(verdict.reason == INTERRUPTED for verdict in found.verdicts.values()):
                 return none_begun(problem.tasks, INTERRUPTED) | settled
         problem = problem.without(settled)
-    return none_begun(problem.tasks, STATE_LIMIT) | open_ | settled
+    return none_begun(problem.tasks, NO_STRATEGY) | open_ | settled
 
 
 def _found(strategy: Strategy, problem: Problem) -> Findings:
