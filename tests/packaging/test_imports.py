@@ -89,6 +89,7 @@ UNUSED = {
     "html",
     "jinja2",
     "jsonschema",
+    "referencing",
     "lark",
     "matplotlib",
     "networkx",

@@ -50,6 +50,7 @@ LIBRARIES = {
         "xrce",
     },
     "pyarrow": {"recordings.traces", "report.campaign", "simulation", "xrce"},
+    "referencing": {"formats"},
     "rosbags": {"recordings.traces.logs"},
     "resvg_py": {"report.drawing"},
     "rich": {"cli", "report"},

@@ -78,9 +78,16 @@ def validator(report: str) -> Any:
     whereas by JSON Schema 1e300 is one, too."""
     from jsonschema import Draft202012Validator
     from jsonschema.validators import extend
+    from referencing import Registry, Resource
+    from referencing.jsonschema import DRAFT202012
+
+    def named(uri: str) -> Resource[Any]:
+        schema = json.loads(schema_text(uri.removesuffix(".schema.json")))
+        return Resource.from_contents(schema, default_specification=DRAFT202012)
 
     types = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
-    return extend(Draft202012Validator, type_checker=types)(json.loads(schema_text(report)))
+    registry = Registry(retrieve=named)  # type: ignore[call-arg]  # attrs field with an alias
+    return extend(Draft202012Validator, type_checker=types)(json.loads(schema_text(report)), registry=registry)
 
 
 def _integer(text: str) -> int:
