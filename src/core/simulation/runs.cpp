@@ -64,6 +64,7 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
         sight.until = std::min(limits.until, next_note(simulator, between_rows(limits.until, order.ticks_per_unit)));
       ending = simulator.step(sight);
       if (ending == Ending::horizon && notes) {
+        if (order.recording.actions) record.sizes.push_back(0);
         keep_values(simulator, order.recording, record);
         if (simulator.now() == limits.until) break;
         ending.reset();

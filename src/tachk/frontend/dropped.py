@@ -15,10 +15,11 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.frontend.context import Context
-from tachk.frontend.dropped_fields import names_left_out_field, type_of_place
+from tachk.frontend.dropped_fields import left_out_type, type_of_place
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.expressions.text_constants import text_value
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
+from tachk.model.types import Type
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
@@ -41,22 +42,29 @@ def dropped_kind(node: ast.TypeExpression) -> str | None:
     return None
 
 
-def declare_dropped(node: ast.VariableDeclaration, kind: str, scope: Scope, context: Context) -> None:
+def declare_dropped(
+    node: ast.VariableDeclaration, kind: str, shapes: Sequence[Type | None], scope: Scope, context: Context
+) -> None:
     """Declares what is left out. Of a constant text no more need be told."""
-    for declarator in node.declarators:
+    for declarator, shape in zip(node.declarators, shapes, strict=True):
         name = declarator.name
         given = None if declarator.dimensions or not kind.endswith("constant") else declarator.initialiser
         text = None if given is None else text_value(given, scope)
         if text is not None:
             scope.declare(name, DroppedSymbol(name.span, kind, text=text), context.findings)
             continue
-        context.error(
-            "W0406",
-            name.span,
-            f"tachk does not check the {kind} `{name.name}`",
-            "assignments to it are left out; anything that reads it is refused",
-        )
-        scope.declare(name, DroppedSymbol(name.span, kind), context.findings)
+        scope.declare(name, dropped_variable(name, kind, shape, context), context.findings)
+
+
+def dropped_variable(name: ast.Identifier, kind: str, shape: Type | None, context: Context) -> DroppedSymbol:
+    """What a variable that is left out is, after a warning."""
+    context.error(
+        "W0406",
+        name.span,
+        f"tachk does not check the {kind} `{name.name}`",
+        "assignments to it are left out; anything that reads it is refused",
+    )
+    return DroppedSymbol(name.span, kind, shape=shape)
 
 
 def declare_dropped_function(
@@ -113,18 +121,27 @@ def refuse_use(node: ast.NameExpression | ast.MemberExpression, symbol: DroppedS
     context.error("E0750", node.span, f"the {symbol.description} `{name}` is not supported here", advice)
 
 
-def without_effect(update: ast.Expression, scope: Scope) -> bool:
-    """Whether an update only changes what is left out, and cannot fail."""
-    return (
-        isinstance(update, ast.AssignmentExpression)
-        and is_dropped(update.target, scope)
-        and is_harmless(update.value, scope)
+def kept_of_update(update: ast.Expression, scope: Scope) -> ast.Expression | None:
+    """What stays of an update. Of an assignment to what is left out its value does if computing that may change
+    something or fail, and else nothing."""
+    if not isinstance(update, ast.AssignmentExpression) or not is_dropped(update.target, scope):
+        return update
+    return None if is_harmless(update.value, scope) else update.value
+
+
+def refuse_reference(node: ast.Expression, parameter: str, context: Context) -> None:
+    """Reports that what is left out is passed by reference."""
+    context.error(
+        "E0750",
+        node.span,
+        f"tachk leaves `{node.span.text}` out, and `{parameter}` could read it",
+        "return the number, and assign it: `g = f()`",
     )
 
 
 def is_dropped(node: ast.Expression, scope: Scope) -> bool:
     named = isinstance(node, ast.NameExpression) and isinstance(scope.lookup(node.name), DroppedSymbol)
-    return named or names_left_out_field(node, scope)
+    return named or left_out_type(node, scope) is not None
 
 
 def drop_rate(clock: ast.Expression, value: ast.Expression, scope: Scope, context: Context) -> bool:
@@ -156,7 +173,7 @@ def is_harmless(node: ast.Expression, scope: Scope) -> bool:
         case ast.NameExpression(name=name):
             return isinstance(scope.lookup(name), ValueSymbol | DroppedSymbol)
         case ast.MemberExpression() | ast.IndexExpression():
-            return names_left_out_field(node, scope) or type_of_place(node, scope) is not None
+            return left_out_type(node, scope) is not None or type_of_place(node, scope) is not None
         case ast.UnaryExpression(operand=operand):
             return is_harmless(operand, scope)
         case ast.BinaryExpression(

@@ -9,14 +9,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
 from tachk.frontend.expressions.typing import value_range
-from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
 from tachk.model.types import ArrayType, IntType, RecordType, Type
 from tachk.syntax import ast
 
 
 def lasting_structs(items: Iterable[ast.Item]) -> frozenset[int]:
-    """The struct types, by the identity of their nodes, of which some variable of the model or of a template is made,
-    and that have something beside floating point numbers."""
+    """The struct types, by the identity of their nodes, of which some variable of the model or a template is made."""
     named: dict[str, list[ast.TypeExpression]] = defaultdict(list)
     pending: list[ast.TypeExpression] = []
     for item in _declared(items):
@@ -34,10 +33,8 @@ def lasting_structs(items: Iterable[ast.Item]) -> frozenset[int]:
         if isinstance(base, ast.NamedType):
             pending += named.pop(base.name, [])
         elif isinstance(base, ast.StructType):
-            inner = [field.type for field in base.fields if field.type is not None]
-            pending += inner
-            if any(not _is_double(type_) for type_ in inner):
-                found.add(id(base))
+            pending += [field.type for field in base.fields if field.type is not None]
+            found.add(id(base))
     return frozenset(found)
 
 
@@ -49,16 +46,21 @@ def _declared(items: Iterable[ast.Item]) -> Iterator[object]:
             yield item
 
 
-def _is_double(type_: ast.TypeExpression) -> bool:
-    return isinstance(type_.base, ast.BuiltinType) and type_.base.name == "double"
-
-
-def names_left_out_field(node: ast.Expression, scope: Scope) -> bool:
-    """Whether an expression is a field that is left out, of a place that there is for certain."""
-    if not isinstance(node, ast.MemberExpression):
-        return False
-    record = type_of_place(node.base, scope)
-    return isinstance(record, RecordType) and record.leaves_out(node.name.name)
+def left_out_type(node: ast.Expression, scope: Scope) -> Type | None:
+    """The type of what is left out, or of a part of it, that an expression names; None for everything else, and where
+    an index may lie outside."""
+    match node:
+        case ast.NameExpression(name=name):
+            symbol = scope.lookup(name)
+            return symbol.shape if isinstance(symbol, DroppedSymbol) else None
+        case ast.IndexExpression(base=base, index=index):
+            return _element(left_out_type(base, scope), index, scope)
+        case ast.MemberExpression(base=base, name=name):
+            record = type_of_place(base, scope)
+            found = record.left_out_type(name.name) if isinstance(record, RecordType) else None
+            return found or _field(left_out_type(base, scope), name.name)
+        case _:
+            return None
 
 
 def type_of_place(node: ast.Expression, scope: Scope) -> Type | None:
@@ -68,16 +70,22 @@ def type_of_place(node: ast.Expression, scope: Scope) -> Type | None:
             symbol = scope.lookup(name)
             return symbol.expression.type if isinstance(symbol, ValueSymbol) else None
         case ast.IndexExpression(base=base, index=index):
-            array = type_of_place(base, scope)
-            if not isinstance(array, ArrayType) or not isinstance(array.index, IntType):
-                return None
-            low, high = _values(index, scope)
-            return array.element if array.index.low <= low and high <= array.index.high else None
+            return _element(type_of_place(base, scope), index, scope)
         case ast.MemberExpression(base=base, name=name):
-            record = type_of_place(base, scope)
-            return dict(record.fields).get(name.name) if isinstance(record, RecordType) else None
+            return _field(type_of_place(base, scope), name.name)
         case _:
             return None
+
+
+def _element(array: Type | None, index: ast.Expression, scope: Scope) -> Type | None:
+    if not isinstance(array, ArrayType) or not isinstance(array.index, IntType):
+        return None
+    low, high = _values(index, scope)
+    return array.element if array.index.low <= low and high <= array.index.high else None
+
+
+def _field(record: Type | None, name: str) -> Type | None:
+    return dict(record.fields).get(name) if isinstance(record, RecordType) else None
 
 
 def _values(index: ast.Expression, scope: Scope) -> tuple[int, int]:

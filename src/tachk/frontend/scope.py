@@ -107,12 +107,14 @@ class DroppedSymbol:
     Attributes:
         reason: of a function, what in it is refused.
         text: of a text constant.
+        shape: of a variable, its type, where every scalar in it counts as a floating point number.
     """
 
     span: Span
     description: str
     reason: Diagnostic | None = None
     text: str | None = None
+    shape: Type | None = None
 
 
 @dataclass(frozen=True, slots=True)

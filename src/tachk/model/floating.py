@@ -241,6 +241,17 @@ def contains_double(type_: Type) -> bool:
             return False
 
 
+def is_floating(type_: Type) -> bool:
+    """Whether a value of the type consists of floating point numbers only."""
+    match type_:
+        case ArrayType(element):
+            return is_floating(element)
+        case RecordType(_, fields):
+            return is_double(type_) or (bool(fields) and all(is_floating(inner) for _, inner in fields))
+        case _:
+            return False
+
+
 def is_double(type_: Type) -> bool:
     """Whether a place of the type holds one floating point number."""
     return type_ in (DOUBLE, HYBRID_DOUBLE)

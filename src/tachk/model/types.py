@@ -74,15 +74,19 @@ class RecordType:
     """A struct; ``name`` is for messages only, equality of fields decides assignability.
 
     Attributes:
-        left_out: fields of the text that the model is without, each with its place among all fields.
+        left_out: fields of the text that the model is without, each with its place among all fields and its type.
     """
 
     name: str
     fields: tuple[tuple[str, Type], ...]
-    left_out: tuple[tuple[int, str], ...] = field(default=(), compare=False)
+    left_out: tuple[tuple[int, str, Type], ...] = field(default=(), compare=False)
 
     def leaves_out(self, name: str) -> bool:
-        return any(left_out == name for _, left_out in self.left_out)
+        return self.left_out_type(name) is not None
+
+    def left_out_type(self, name: str) -> Type | None:
+        """The type of a field that the model is without; None for any other name."""
+        return next((type_ for _, left_out, type_ in self.left_out if left_out == name), None)
 
     def offset(self, field: str) -> int:
         """The number of cells in front of a field. Raises KeyError for an unknown field."""

@@ -61,9 +61,12 @@ class Runs:
 
 def steps_of(run: Simulated) -> Iterator[tuple[Fraction, Transition | None]]:
     """The transitions of a run whose actions are recorded, with their times; None where only time passes."""
+    last = int(run.times[0])
     for time, transition in zip(run.times[1:].tolist(), run.actions, strict=True):
-        yield Fraction(time, run.ticks_per_unit), transition
-    if run.end > int(run.times[-1]):
+        if transition is not None:
+            yield Fraction(time, run.ticks_per_unit), transition
+            last = time
+    if run.end > last:
         yield Fraction(run.end, run.ticks_per_unit), None
 
 

@@ -10,6 +10,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.span import Source as Text
+from tachk.cli.main import app
 from tachk.engine.compiler.hybrid import refuse_hybrid
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT
 from tachk.formats.loading.load import load_model
@@ -337,3 +338,13 @@ def test_a_clock_passed_by_value_may_begin_with_a_fraction() -> None:
     (found,) = tachk.loads(f"{PASSED}system w;").estimate("Pr[<=20](<> w.B)", runs=3)
     assert isinstance(found, Estimated)
     assert [time / TICKS_PER_UNIT for time in found.sample.times[0].tolist()] == pytest.approx([1.5] * 3)
+
+
+def test_the_steps_of_a_run_are_its_transitions(tmp_path: Path) -> None:
+    model, run = tmp_path / "m.ta", tmp_path / "a.run"
+    model.write_text(
+        "hybrid clock h; clock x; process P() { init location A { to B { guard x >= 1; } } location B; } system P;"
+    )
+    command = ["simulate", str(model), "--policy", "earliest", "--until", "5", "-o", str(run)]
+    assert app.main(command, standalone_mode=False) == 0
+    assert [line for line in run.read_text().splitlines() if not line.startswith("#")] == ["1 P: A -> B", "5"]

@@ -85,6 +85,8 @@ class Simulated:
         times: of the initial state and of the states after each transition, in ticks; empty if nothing was recorded.
         observed: a row for each of these states; floating point numbers as their bits.
         clocks: the same of the values of the clocks, in ticks.
+        actions: how each state after the first was reached; None where time passed, which is recorded of runs with
+            hybrid clocks.
         fault: what went wrong and where, in a run that ends with a run-time error.
         lasts: whether time can pass in the last state.
     """
@@ -97,7 +99,7 @@ class Simulated:
     times: Numbers
     observed: Numbers
     clocks: Numbers
-    actions: tuple[Transition, ...] = ()
+    actions: tuple[Transition | None, ...] = ()
     fault: tuple[RuntimeErrorKind, Span] | None = None
     lasts: bool = False
 
@@ -184,12 +186,11 @@ class Simulator:
             record.lasts,
         )
 
-    def _actions(self, record: _core.RunRecord) -> Iterator[Transition]:
+    def _actions(self, record: _core.RunRecord) -> Iterator[Transition | None]:
         edges = record.edges().tolist()
         first = 0
-        for size in record.sizes().tolist():
-            if size:
-                yield transition_of(self._program, edges[first : first + size])
+        for size in record.sizes().tolist()[1:]:
+            yield transition_of(self._program, edges[first : first + size]) if size else None
             first += size
 
 

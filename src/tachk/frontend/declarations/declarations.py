@@ -16,6 +16,7 @@ from tachk.frontend.dropped import (
     declare_dropped,
     declare_foreign_functions,
     dropped_kind,
+    dropped_variable,
 )
 from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
@@ -27,7 +28,7 @@ from tachk.frontend.priority_readings import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
-from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, contains_double, number_of, variable_type
+from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, contains_double, is_floating, number_of, variable_type
 from tachk.model.floating_calls import NAMED_OPERATIONS, RANDOM_TRI, floating_constant
 from tachk.model.traversal import called_functions
 from tachk.model.types import (
@@ -106,9 +107,15 @@ def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: De
     left_out = None if node.type is None else dropped_kind(node.type)
     if left_out is not None and not (left_out in (FLOATING_VARIABLE, HYBRID_CLOCK) and context.keeps_doubles):
         if left_out != FLOATING_CONSTANT or not _declare_kept(node, scope, declared, context):
-            declare_dropped(node, left_out, scope, context)
+            declare_dropped(node, left_out, _shapes(node, scope, context), scope, context)
         return
     _declare_each(node, scope, declared, context)
+
+
+def _shapes(node: ast.VariableDeclaration, scope: Scope, context: Context) -> list[Type | None]:
+    """Which parts what is left out has; None where that cannot be told."""
+    reader = type_reader(scope, replace(context, findings=DiagnosticCollector()))
+    return [reader.dimensions(DOUBLE, declarator.dimensions) for declarator in node.declarators]
 
 
 def _declare_kept(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> bool:
@@ -153,6 +160,8 @@ def _variable(
     if meta and not is_data(type_):
         context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
         meta = False
+    if is_floating(type_) and not context.keeps_doubles:
+        return dropped_variable(node.name, FLOATING_VARIABLE, type_, context)
     if contains_double(type_) and not context.keeps_doubles:
         context.error(
             "E0750",

@@ -59,7 +59,7 @@ def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context
         case RecordType(_, fields) if not is_double(type_):
             types = dict(fields)
             names = [name for name, _ in fields]
-            for place, name in type_.left_out:
+            for place, name, _ in type_.left_out:
                 names.insert(place, name)
             wanted = [types.get(name) for name in names]
             ordered = [None] * len(names)

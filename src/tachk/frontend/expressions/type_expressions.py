@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.records import dataclass
@@ -11,7 +11,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES, FOREIGN_TYPES
 from tachk.frontend.expressions.typing import describe, is_bounded
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
-from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, is_double, variable_type
+from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, is_floating, variable_type
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -23,7 +23,6 @@ from tachk.model.types import (
     Type,
     VoidType,
     cell_count,
-    element_type,
     nesting,
 )
 from tachk.syntax import ast
@@ -159,8 +158,7 @@ class TypeReader:
         return None
 
     def _record(self, node: ast.StructType, name: str) -> Type | None:
-        fields: list[tuple[str, Type]] = []
-        left_out: list[tuple[int, str]] = []
+        fields: list[tuple[ast.Identifier, Type]] = []
         seen: set[str] = set()
         broken = False
         for declaration in node.fields:
@@ -185,21 +183,33 @@ class TypeReader:
                     type_ = None
                 if type_ is None:
                     broken = True
-                elif is_double(element_type(type_)) and id(node) in self.context.lasting_structs:
-                    left_out.append((len(fields) + len(left_out), declarator.name.name))
-                    self._leave_out(declarator.name)
                 else:
-                    fields.append((declarator.name.name, type_))
-        whole = RecordType(name, tuple(fields), tuple(left_out))
-        return None if broken else self._small(whole, node.span, "a struct")
+                    fields.append((declarator.name, type_))
+        if broken:
+            return None
+        if id(node) in self.context.lasting_structs:
+            return self._small(self._without_floating_fields(name, fields), node.span, "a struct")
+        whole = RecordType(name, tuple((field.name, type_) for field, type_ in fields))
+        return self._small(whole, node.span, "a struct")
 
-    def _leave_out(self, field: ast.Identifier) -> None:
-        self.context.error(
-            "W0406",
-            field.span,
-            f"tachk does not check the floating point field `{field.name}`",
-            "assignments to it are left out; anything that reads it is refused",
-        )
+    def _without_floating_fields(self, name: str, fields: Sequence[tuple[ast.Identifier, Type]]) -> RecordType:
+        """A struct without its floating point fields. One that has nothing else keeps them: its variables are left out
+        as a whole."""
+        if all(is_floating(type_) for _, type_ in fields):
+            return RecordType(name, tuple((field.name, type_) for field, type_ in fields))
+        kept, left_out = [], []
+        for place, (field, type_) in enumerate(fields):
+            if not is_floating(type_):
+                kept.append((field.name, type_))
+                continue
+            left_out.append((place, field.name, type_))
+            self.context.error(
+                "W0406",
+                field.span,
+                f"tachk does not check the floating point field `{field.name}`",
+                "assignments to it are left out; anything that reads it is refused",
+            )
+        return RecordType(name, tuple(kept), tuple(left_out))
 
     def is_used_as_hybrid(self, base: Type | None, name: str) -> bool:
         """Whether what a type declares with a name is a plain clock that a simulation takes for a hybrid one."""

@@ -13,7 +13,7 @@ from tachk.base.job import check_job
 from tachk.base.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.frontend.context import Context
-from tachk.frontend.dropped import refuse_call, refuse_use
+from tachk.frontend.dropped import is_dropped, refuse_call, refuse_reference, refuse_use
 from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.assignments import assignment
 from tachk.frontend.expressions.builtin_names import (
@@ -67,7 +67,7 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.floating import DOUBLE, FloatingOperation
+from tachk.model.floating import DOUBLE, FloatingOperation, is_floating
 from tachk.model.floating_calls import NAMED_OPERATIONS, RANDOM_TRI, floating_constant, operated
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
 from tachk.syntax import ast
@@ -492,6 +492,9 @@ def _meant(node: ast.NameExpression, scope: Scope, context: Context) -> str | No
 def _argument(
     function: Function, parameter: Variable, node: ast.Expression, scope: Scope, context: Context
 ) -> Expression | None:
+    if parameter.reference and is_floating(parameter.type) and is_dropped(node, scope):
+        refuse_reference(node, function.name, context)
+        return None
     value = expression(node, scope, context)
     if value is None:
         return None

@@ -11,7 +11,7 @@ from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare
-from tachk.frontend.dropped import without_effect
+from tachk.frontend.dropped import kept_of_update
 from tachk.frontend.expressions.clock_constraints import convex, forbid
 from tachk.frontend.expressions.places import assignable, converted
 from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
@@ -227,9 +227,10 @@ class Body:
     def _updates(self, node: ast.EdgeDeclaration, scope: Scope) -> tuple[Expression, ...]:
         values = []
         for update in node.updates:
-            if without_effect(update, scope):
+            kept = kept_of_update(update, scope)
+            if kept is None:
                 continue
-            value = expression(update, scope, self.context)
+            value = expression(kept, scope, self.context)
             if value is not None and forbid(value, "an update", self.context):
                 values.append(value)
         return tuple(values)
