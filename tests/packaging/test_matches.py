@@ -33,6 +33,8 @@ FEW = 3
 REASONS = {
     "Anything else is walked as it is built, whatever it is.": {
         "model/traversal.reads_clock",
+        "analysis/fold._fold",
+        "frontend/expressions/folded_expressions._folded",
         "frontend/context.Context.effects_of",
         "model/metas._LastingMetas.value",
         "recordings/monitors/line_compiler._LineChecker.without_first_instant",

@@ -11,26 +11,19 @@ from collections.abc import Iterable, Iterator
 
 from tachk.analysis.fold import Known, fold
 from tachk.model.expressions import (
-    Aggregate,
     Assign,
-    Binary,
     Call,
-    Comma,
-    Conditional,
     Constant,
-    Deadlock,
     Expression,
     Field,
     Increment,
     Index,
     LocationTest,
-    Quantifier,
     Reference,
-    Unary,
     Variable,
 )
 from tachk.model.remembered import by_part
-from tachk.model.traversal import children, walk, with_bodies
+from tachk.model.traversal import children, denoted, walk, with_bodies
 
 Cell = tuple[Variable, int | None]
 """A variable and the first index; None: any element of it, or the variable as a whole."""
@@ -61,23 +54,15 @@ class ComponentSet:
 
 def places(place: Expression, known: Known) -> Iterator[Cell]:
     """The cells of which an assignable expression, or a channel, may denote a part."""
-    match place:
-        case Index(Reference(variable), index):
-            number = fold(index, known)
-            yield variable, number.value if isinstance(number, Constant) and not variable.reference else None
-        case Reference(variable):
-            yield variable, None
-        case Index(base) | Field(base):
-            yield from places(base, known)
-        case Conditional(_, then, otherwise):
-            yield from places(then, known)
-            yield from places(otherwise, known)
-        case Assign(target) | Increment(target):
-            yield from places(target, known)
-        case Comma(items):
-            yield from places(items[-1], known)
-        case Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call() | LocationTest() | Deadlock():
-            return
+    for one in denoted(place):
+        match one:
+            case Index(Reference(variable), index):
+                number = fold(index, known)
+                yield variable, number.value if isinstance(number, Constant) and not variable.reference else None
+            case Reference(variable):
+                yield variable, None
+            case Index(base) | Field(base):
+                yield from places(base, known)
 
 
 def mentioned_cells(expressions: Iterable[Expression], known: Known) -> tuple[set[int], set[Cell]]:

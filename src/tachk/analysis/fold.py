@@ -5,13 +5,11 @@ An operation that would fail is left in place, so that it fails when the model r
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from operator import is_
-from typing import Any, TypeVar, assert_never
 
 from tachk.base.job import check_job
-from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
+from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.model.cell_layout import default_cells
 from tachk.model.connectives import negation
@@ -39,10 +37,9 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Network
 from tachk.model.remembered import MOST_RESULTS, by_network, by_part
+from tachk.model.substitution import changed, with_parts
 from tachk.model.traversal import process_expressions, walk, written_variables
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
-
-Node = TypeVar("Node", bound=Expression)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,74 +196,62 @@ def fold_place(place: Expression, known: Known) -> Expression:
 def _fold(expression: Expression, known: Known) -> Expression:
     check_job()
     match expression:
-        case Constant() | LocationTest() | Deadlock():
+        case Constant():
             return expression
         case Reference() | Index() | Field():
             return _fold_read(_fold_place(expression, known), known)
-        case Aggregate(items):
-            return _with(expression, items=tuple(_fold(i, known) for i in items))
-        case Comma(items):
-            return _with(expression, items=tuple(_fold(i, known) for i in items))
         case Unary(operator, operand):
             inner = _fold(operand, known)
             if not isinstance(inner, Constant):
-                return _with(expression, operand=inner)
-            match operator:
-                case UnaryOperator.NOT:
-                    return negate(inner)
-                case UnaryOperator.MINUS:
-                    return Constant(wrapped(-inner.value), expression.type, expression.span)
-                case _ as never:
-                    assert_never(never)
+                return changed(expression, operand=inner)
+            if operator is UnaryOperator.NOT:
+                return negate(inner)
+            return Constant(operator.compute(inner.value), expression.type, expression.span)
         case Binary():
             return _fold_binary(expression, known)
-        case Conditional(condition, then, otherwise):
-            test = _fold(condition, known)
-            if isinstance(test, Constant):
-                return _fold(then if test.value else otherwise, known)
-            return _with(expression, condition=test, then=_fold(then, known), otherwise=_fold(otherwise, known))
+        case Conditional():
+            return _fold_conditional(expression, _fold, known)
         case Quantifier(kind, _, body):
             inner = _fold(body, known)
             if isinstance(inner, Constant) and kind is not QuantifierKind.SUM:
                 return truth(inner)
-            return _with(expression, body=inner)
+            return changed(expression, body=inner)
         case Assign(target, value):
-            return _with(expression, target=_fold_place(target, known), value=_fold(value, known))
+            return changed(expression, target=_fold_place(target, known), value=_fold(value, known))
         case Increment(target):
-            return _with(expression, target=_fold_place(target, known))
+            return changed(expression, target=_fold_place(target, known))
         case Call(function, arguments):
             pairs = zip(function.parameters, arguments, strict=True)
-            return _with(
+            return changed(
                 expression,
                 arguments=tuple(_fold_place(a, known) if p.reference else _fold(a, known) for p, a in pairs),
             )
+        case _:
+            return with_parts(expression, lambda part: _fold(part, known))
 
 
 def _fold_place(place: Expression, known: Known) -> Expression:
     match place:
         case Index(base, index):
-            return _with(place, base=_fold_place(base, known), index=_fold(index, known))
+            return changed(place, base=_fold_place(base, known), index=_fold(index, known))
         case Field(base):
-            return _with(place, base=_fold_place(base, known))
-        case Conditional(condition, then, otherwise):
-            test = _fold(condition, known)
-            if isinstance(test, Constant):
-                return _fold_place(then if test.value else otherwise, known)
-            return _with(place, condition=test, then=_fold_place(then, known), otherwise=_fold_place(otherwise, known))
+            return changed(place, base=_fold_place(base, known))
+        case Conditional():
+            return _fold_conditional(place, _fold_place, known)
         case Reference():
             return place
         case _:
             return _fold(place, known)
 
 
-def _with(expression: Node, **parts: Any) -> Node:
-    """The expression with these parts; the same object where it has them already, as what is known of parts of
-    networks is remembered by object."""
-    for name, part in parts.items():
-        old = getattr(expression, name)
-        if part is not old and not (isinstance(part, tuple) and all(map(is_, part, old))):
-            return replace(expression, **parts)
-    return expression
+def _fold_conditional(
+    expression: Conditional, side: Callable[[Expression, Known], Expression], known: Known
+) -> Expression:
+    test = _fold(expression.condition, known)
+    if isinstance(test, Constant):
+        return side(expression.then if test.value else expression.otherwise, known)
+    then, otherwise = side(expression.then, known), side(expression.otherwise, known)
+    return changed(expression, condition=test, then=then, otherwise=otherwise)
 
 
 def _fold_read(place: Expression, known: Known) -> Expression:
@@ -307,4 +292,4 @@ def _fold_binary(expression: Binary, known: Known) -> Expression:
                 return negate(left)
             if cannot_fail(left):
                 return Constant(1, BOOL, expression.span)
-    return _with(expression, operator=operator, left=left, right=right)
+    return changed(expression, operator=operator, left=left, right=right)

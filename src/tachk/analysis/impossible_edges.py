@@ -15,6 +15,7 @@ from tachk.base.operators import CONNECTIVES, UnaryOperator
 from tachk.model.expressions import BOOL, Binary, Block, Call, Constant, Expression, Function, Return, Unary
 from tachk.model.network import Edge, Network, Process
 from tachk.model.remembered import by_network
+from tachk.model.substitution import changed
 from tachk.model.types import BoolType
 
 _FALSE = Constant(0, BOOL)
@@ -48,8 +49,7 @@ def opened(condition: Expression, known: Known) -> Expression:
 def _opened(condition: Expression) -> Expression:
     match condition:
         case Binary(operator, left, right) if operator in CONNECTIVES:
-            first, second = _opened(left), _opened(right)
-            return condition if first is left and second is right else replace(condition, left=first, right=second)
+            return changed(condition, left=_opened(left), right=_opened(right))
         case Unary(UnaryOperator.NOT, operand):
             return negate(_opened(operand))
         case Call(Function(parameters=(), result=BoolType(), body=Block((Return(value),)))) if value is not None:

@@ -4,27 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import assert_never
+from operator import is_
+from typing import Any, TypeVar
 
-from tachk.model.expressions import (
-    Aggregate,
-    Assign,
-    Binary,
-    Call,
-    Comma,
-    Conditional,
-    Constant,
-    Deadlock,
-    Expression,
-    Field,
-    Increment,
-    Index,
-    LocationTest,
-    Quantifier,
-    Reference,
-    Unary,
-    Variable,
-)
+from tachk.model.expressions import Expression, Reference, Variable
+from tachk.model.traversal import PARTS
+
+Node = TypeVar("Node", bound=Expression)
 
 
 def substituted(expression: Expression, instead: Mapping[Variable, Expression]) -> Expression:
@@ -35,30 +21,20 @@ def substituted(expression: Expression, instead: Mapping[Variable, Expression]) 
     return with_parts(expression, lambda part: substituted(part, instead))
 
 
-def with_parts(expression: Expression, of: Callable[[Expression], Expression]) -> Expression:
+def with_parts(expression: Node, of: Callable[[Expression], Expression]) -> Node:
     """The expression with what ``of`` makes of each direct subexpression in its place."""
-    match expression:
-        case Constant() | Reference() | LocationTest() | Deadlock():
-            return expression
-        case Index(base, index):
-            return replace(expression, base=of(base), index=of(index))
-        case Field(base):
-            return replace(expression, base=of(base))
-        case Aggregate(items) | Comma(items):
-            return replace(expression, items=tuple(map(of, items)))
-        case Unary(_, operand):
-            return replace(expression, operand=of(operand))
-        case Binary(_, left, right):
-            return replace(expression, left=of(left), right=of(right))
-        case Conditional(condition, then, otherwise):
-            return replace(expression, condition=of(condition), then=of(then), otherwise=of(otherwise))
-        case Quantifier(_, _, body):
-            return replace(expression, body=of(body))
-        case Assign(target, value):
-            return replace(expression, target=of(target), value=of(value))
-        case Increment(target):
-            return replace(expression, target=of(target))
-        case Call(_, arguments):
-            return replace(expression, arguments=tuple(map(of, arguments)))
-        case _ as never:
-            assert_never(never)
+    parts: dict[str, Any] = {}
+    for name in PARTS[type(expression)]:
+        part = getattr(expression, name)
+        parts[name] = tuple(map(of, part)) if isinstance(part, tuple) else of(part)
+    return changed(expression, **parts)
+
+
+def changed(expression: Node, **parts: Any) -> Node:
+    """The expression with these parts; the same object where it has them already, as what is known of parts of
+    networks is remembered by object."""
+    for name, part in parts.items():
+        old = getattr(expression, name)
+        if part is not old and not (isinstance(part, tuple) and all(map(is_, part, old))):
+            return replace(expression, **parts)
+    return expression

@@ -42,19 +42,30 @@ from tachk.model.network import Process
 from tachk.model.remembered import by_part
 from tachk.model.types import ArrayType, ClockType, RecordType, Type
 
-_CHILDREN: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
-    **dict.fromkeys((Constant, Reference, LocationTest, Deadlock), lambda _: ()),
-    **dict.fromkeys((Aggregate, Comma), attrgetter("items")),
-    Index: attrgetter("base", "index"),
-    Field: lambda field: (field.base,),
-    Unary: lambda unary: (unary.operand,),
-    Binary: attrgetter("left", "right"),
-    Conditional: attrgetter("condition", "then", "otherwise"),
-    Quantifier: lambda quantifier: (quantifier.body,),
-    Assign: attrgetter("target", "value"),
-    Increment: lambda increment: (increment.target,),
-    Call: attrgetter("arguments"),
+PARTS: dict[type, tuple[str, ...]] = {
+    **dict.fromkeys((Constant, Reference, LocationTest, Deadlock), ()),
+    **dict.fromkeys((Aggregate, Comma), ("items",)),
+    Index: ("base", "index"),
+    Field: ("base",),
+    Unary: ("operand",),
+    Binary: ("left", "right"),
+    Conditional: ("condition", "then", "otherwise"),
+    Quantifier: ("body",),
+    Assign: ("target", "value"),
+    Increment: ("target",),
+    Call: ("arguments",),
 }
+"""The fields of each kind of expression that hold expressions, or a tuple of them, in order of evaluation."""
+
+
+def _getter(names: tuple[str, ...]) -> Callable[[Any], tuple[Expression, ...]]:
+    if not names:
+        return lambda _: ()
+    get: Callable[[Any], Any] = attrgetter(*names)
+    return get if len(names) > 1 or names[0] in ("items", "arguments") else lambda expression: (get(expression),)
+
+
+_CHILDREN = {kind: _getter(names) for kind, names in PARTS.items()}
 
 
 def children(expression: Expression) -> tuple[Expression, ...]:
@@ -118,22 +129,29 @@ def returned(statement: Statement) -> Iterator[Expression]:
             return
 
 
-def roots(place: Expression) -> Iterator[Variable]:
-    """The variables an assignable expression may denote a part of."""
+def denoted(place: Expression) -> Iterator[Reference | Index | Field]:
+    """The places of which an assignable expression may denote one; none for a value that has no place."""
     match place:
-        case Reference(variable):
-            yield variable
-        case Index(base) | Field(base):
-            yield from roots(base)
+        case Reference() | Index() | Field():
+            yield place
         case Conditional(_, then, otherwise):
-            yield from roots(then)
-            yield from roots(otherwise)
+            yield from denoted(then)
+            yield from denoted(otherwise)
         case Assign(target) | Increment(target):
-            yield from roots(target)
+            yield from denoted(target)
         case Comma(items):
-            yield from roots(items[-1])
+            yield from denoted(items[-1])
         case Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call() | LocationTest() | Deadlock():
             return
+
+
+def roots(place: Expression) -> Iterator[Variable]:
+    """The variables an assignable expression may denote a part of."""
+    for one in denoted(place):
+        if isinstance(one, Reference):
+            yield one.variable
+        else:
+            yield from roots(one.base)
 
 
 def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:
@@ -191,23 +209,19 @@ def reads_hybrid(expression: Expression) -> bool:
 
 def holds_hybrid_clock(place: Expression) -> bool:
     """Whether a place is a hybrid clock, or has one in it."""
+    return any(map(_holds_hybrid_clock, denoted(place)))
+
+
+def _holds_hybrid_clock(place: Reference | Index | Field) -> bool:
     match place:
         case Reference(variable):
             return variable.has_hybrid_clocks
-        case Index(base) if isinstance(base.type, ArrayType):
-            return any(variable.is_hybrid for variable in roots(base)) or _has_hybrid_clocks(base.type.element)
-        case Field(base, name) if isinstance(base.type, RecordType):
-            return any(_has_hybrid_clocks(type_) for field, type_ in base.type.fields if field == name)
-        case Conditional(_, then, otherwise):
-            return holds_hybrid_clock(then) or holds_hybrid_clock(otherwise)
-        case Assign(target) | Increment(target):
-            return holds_hybrid_clock(target)
-        case Comma(items):
-            return holds_hybrid_clock(items[-1])
-        case Index() | Field() | Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call():
-            return False
-        case LocationTest() | Deadlock():
-            return False
+        case Index(base):
+            return isinstance(base.type, ArrayType) and (
+                _has_hybrid_clocks(base.type.element) or any(variable.is_hybrid for variable in roots(base))
+            )
+        case Field(base, name):
+            return isinstance(base.type, RecordType) and _has_hybrid_clocks(dict(base.type.fields)[name])
 
 
 def _has_hybrid_clocks(type_: Type) -> bool:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import assert_never
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.span import Span
@@ -16,25 +15,20 @@ from tachk.model.cell_layout import CellLayout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     BOOL,
-    Aggregate,
     Assign,
     Binary,
-    Call,
-    Comma,
     Conditional,
     Constant,
-    Deadlock,
     Expression,
     Field,
     Increment,
     Index,
-    LocationTest,
-    Quantifier,
     Reference,
     Unary,
     Variable,
 )
 from tachk.model.fault import EvaluationFault
+from tachk.model.substitution import with_parts
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, ScalarType, Type, cell_count
 
 _EMPTY = Environment(CellLayout({}, (), (), (), (), (), (), (), ()), [])
@@ -134,40 +128,24 @@ def _constant_cell(place: Index | Field, constants: set[Variable]) -> Expression
 def substitute(expression: Expression, values: Mapping[Variable, Expression], constants: set[Variable]) -> Expression:
     """The expression with variables replaced, folded again. Only for expressions without assignments."""
     match expression:
-        case Constant() | LocationTest() | Deadlock():
-            return expression
         case Reference(variable):
             value = values.get(variable)
             return expression if value is None else replace(value, span=expression.span)
-        case Index(base, number, type_, span):
-            return index(
-                substitute(base, values, constants), substitute(number, values, constants), type_, span, constants
-            )
-        case Field(base, name, type_, span):
-            return field(substitute(base, values, constants), name, type_, span, constants)
-        case Aggregate(items) | Comma(items):
-            return replace(expression, items=tuple(substitute(item, values, constants) for item in items))
-        case Unary(operator, operand, type_, span):
-            return unary(operator, substitute(operand, values, constants), type_, span)
-        case Binary(operator, left, right, type_, span):
-            first = substitute(left, values, constants)
-            second = substitute(right, values, constants)
-            if isinstance(first.type, ClockType):
-                return Binary(operator, first, second, type_, span)
-            return binary(operator, first, second, type_, span)
-        case Conditional(condition, then, otherwise, type_, span):
-            return conditional(
-                substitute(condition, values, constants),
-                substitute(then, values, constants),
-                substitute(otherwise, values, constants),
-                type_,
-                span,
-            )
-        case Quantifier(_, _, body):
-            return replace(expression, body=substitute(body, values, constants))
-        case Call(_, arguments):
-            return replace(expression, arguments=tuple(substitute(a, values, constants) for a in arguments))
         case Assign() | Increment():
             raise TypeError("an expression with side effects cannot be instantiated")
-        case _ as never:
-            assert_never(never)
+        case _:
+            return _folded(with_parts(expression, lambda part: substitute(part, values, constants)), constants)
+
+
+def _folded(expression: Expression, constants: set[Variable]) -> Expression:
+    match expression:
+        case Index() | Field():
+            return _constant_cell(expression, constants)
+        case Unary(operator, operand, type_, span):
+            return unary(operator, operand, type_, span)
+        case Binary(operator, left, right, type_, span) if not isinstance(left.type, ClockType):
+            return binary(operator, left, right, type_, span)
+        case Conditional(condition, then, otherwise, type_, span):
+            return conditional(condition, then, otherwise, type_, span)
+        case _:
+            return expression
