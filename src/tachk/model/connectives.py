@@ -33,6 +33,20 @@ def either(one: Expression, other: Expression) -> Expression:
     return Binary(BinaryOperator.OR, one, other, BOOL, other.span)
 
 
+def is_conjunction(condition: Expression, positive: bool = True) -> bool | None:
+    """Whether a condition, or (not positive) its negation, joins two conditions by "and" (True) or by "or" (False);
+    None if by neither."""
+    if not isinstance(condition, Binary) or condition.operator.decided_by is None:
+        return None
+    return (condition.operator is BinaryOperator.AND) is positive
+
+
+def sides(condition: Binary, positive: bool = True) -> tuple[tuple[Expression, bool], tuple[Expression, bool]]:
+    """What `is_conjunction` is about: the two conditions, each as it stands or (False) its negation."""
+    left_positive = positive is not (condition.operator is BinaryOperator.IMPLY)
+    return (condition.left, left_positive), (condition.right, positive)
+
+
 def conjuncts(condition: Expression | None) -> Iterator[Expression]:
     """The conditions that are joined by ``&&``, in order; of None, which is always true, none."""
     pending = [] if condition is None else [condition]

@@ -409,6 +409,8 @@ system P, Q, R;
         ("E<> exists (i : one_t) owner == i && holder == i", [3]),
         ("E<> next[4] == 0 && owner != 0", [2, 3]),
         ("E<> P(2).M", [2, 3]),
+        ("E<> (P(1).M || owner == 1) && (P(2).M || owner == 2) && (P(3).M || owner == 3)", [3, 3]),
+        ("E<> (P(1).M || owner == 1) && (P(2).M || owner == 2) && (P(3).M xor owner == 3)", [2, 3]),
         ("E<> owner == 2", [2, 3]),
         ("E<> holder == 2", [3, 2]),
         ("E<> exists (i : int[1, 2]) owner == i", [2, 3]),

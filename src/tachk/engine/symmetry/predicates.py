@@ -6,9 +6,10 @@ from collections.abc import Iterable
 
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import fold
-from tachk.base.operators import BinaryOperator, OperandGroup, UnaryOperator
+from tachk.base.operators import UnaryOperator
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.terms import TermReader, Token
+from tachk.model.connectives import is_conjunction, sides
 from tachk.model.expressions import Binary, Expression, Unary
 
 
@@ -35,7 +36,7 @@ def predicate_term(reader: TermReader, predicate: Expression) -> Term:
 
 
 def _term(reader: TermReader, expression: Expression, positive: bool) -> Term:
-    conjunctive = _joins(expression, positive)
+    conjunctive = is_conjunction(expression, positive)
     if conjunctive is None:
         if isinstance(expression, Unary) and expression.operator is UnaryOperator.NOT:
             return _term(reader, expression.operand, not positive)
@@ -48,19 +49,11 @@ def _term(reader: TermReader, expression: Expression, positive: bool) -> Term:
         part, holds = pending.pop()
         if isinstance(part, Unary) and part.operator is UnaryOperator.NOT:
             pending.append((part.operand, not holds))
-        elif _joins(part, holds) is conjunctive and isinstance(part, Binary):
-            pending.append((part.right, holds))
-            pending.append((part.left, holds == (part.operator is not BinaryOperator.IMPLY)))
+        elif isinstance(part, Binary) and is_conjunction(part, holds) is conjunctive:
+            pending += reversed(sides(part, holds))
         else:
             parts.append(_term(reader, part, holds))
     return UnorderedJunction(conjunctive, tuple(parts))
-
-
-def _joins(expression: Expression, positive: bool) -> bool | None:
-    """Whether an expression, or its negation, is a conjunction (True) or a disjunction (False)."""
-    if not isinstance(expression, Binary) or expression.operator.group is not OperandGroup.CONNECTIVE:
-        return None
-    return (expression.operator is BinaryOperator.AND) == positive
 
 
 def flat(terms: Iterable[Term]) -> Iterable[Token]:
