@@ -15,7 +15,7 @@ from tachk.base.operators import COMPARISONS, BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.model.cell_layout import cell_range
-from tachk.model.connectives import both, either
+from tachk.model.connectives import both, either, is_conjunction, sides
 from tachk.model.expressions import (
     BOOL,
     Binary,
@@ -174,7 +174,7 @@ class _Conjuncts:
         match expression:
             case Unary(UnaryOperator.NOT, operand):
                 self.split(operand, not positive, condition, known)
-            case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY):
+            case Binary() if is_conjunction(expression) is not None:
                 self._connective(expression, positive, condition, known)
             case Conditional(test, then, otherwise) if not reads_clock(test):
                 self.split(then, positive, fold(both(condition, test), known), known)
@@ -193,9 +193,8 @@ class _Conjuncts:
                 raise clock_form_unsupported(expression.span)
 
     def _connective(self, expression: Binary, positive: bool, condition: Expression | None, known: Known) -> None:
-        operator, left, right = expression.operator, expression.left, expression.right
-        left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
-        if (operator is BinaryOperator.AND) == positive:
+        (left, left_positive), (right, _) = sides(expression, positive)
+        if is_conjunction(expression, positive):
             self.split(left, left_positive, condition, known)
             self.split(right, positive, condition, known)
         elif not reads_clock(left):
@@ -219,20 +218,13 @@ class _Conjuncts:
 
 def conjuncts(expression: Expression, positive: bool = True) -> Iterator[Expression]:
     """The parts of a conjunction without clocks, negations pushed inwards, in order."""
-    match expression:
-        case Unary(UnaryOperator.NOT, operand):
-            yield from conjuncts(operand, not positive)
-        case Binary(BinaryOperator.AND, left, right) if positive:
-            yield from conjuncts(left)
-            yield from conjuncts(right)
-        case Binary(BinaryOperator.OR, left, right) if not positive:
-            yield from conjuncts(left, False)
-            yield from conjuncts(right, False)
-        case Binary(BinaryOperator.IMPLY, left, right) if not positive:
-            yield from conjuncts(left)
-            yield from conjuncts(right, False)
-        case _:
-            yield expression if positive else negate(expression)
+    if isinstance(expression, Unary) and expression.operator is UnaryOperator.NOT:
+        yield from conjuncts(expression.operand, not positive)
+    elif isinstance(expression, Binary) and is_conjunction(expression, positive):
+        for side in sides(expression, positive):
+            yield from conjuncts(*side)
+    else:
+        yield expression if positive else negate(expression)
 
 
 def _disjunction_unsupported(span: Span) -> UnsupportedError:

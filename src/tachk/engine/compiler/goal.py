@@ -25,6 +25,7 @@ from tachk.engine.compiler.bounds import ConstraintRange
 from tachk.engine.compiler.condition_code import ConditionCompiler, check_bound
 from tachk.engine.compiler.program import Comparison, DeadlockLiteral, Disjunct, Goal
 from tachk.model.cell_layout import cell_range
+from tachk.model.connectives import is_conjunction, sides
 from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.traversal import asks_deadlock, reads_clock
 
@@ -90,15 +91,9 @@ def _alternatives(expression: Expression, positive: bool, known: Known) -> Itera
     match expression:
         case Unary(UnaryOperator.NOT, operand):
             yield from _alternatives(operand, not positive, known)
-        case Binary(BinaryOperator.OR, left, right) if positive:
-            yield from _alternatives(left, True, known)
-            yield from _alternatives(right, True, known)
-        case Binary(BinaryOperator.AND, left, right) if not positive:
-            yield from _alternatives(left, False, known)
-            yield from _alternatives(right, False, known)
-        case Binary(BinaryOperator.IMPLY, left, right) if positive:
-            yield from _alternatives(left, False, known)
-            yield from _alternatives(right, True, known)
+        case Binary() if is_conjunction(expression, positive) is False:
+            for side in sides(expression, positive):
+                yield from _alternatives(*side, known)
         case Quantifier(QuantifierKind.EXISTS) if positive:
             yield from _instances(expression, True, known)
         case Quantifier(QuantifierKind.FORALL) if not positive:
@@ -133,11 +128,11 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
             return (_Literals(deadlock=DeadlockLiteral.REQUIRED if positive else DeadlockLiteral.FORBIDDEN),)
         case Unary(UnaryOperator.NOT, operand):
             return _disjuncts(operand, not positive, known, whole)
-        case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
-            left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
+        case Binary() if is_conjunction(expression) is not None:
+            (left, left_positive), (right, _) = sides(expression, positive)
             one = _disjuncts(left, left_positive, known, whole)
             other = _disjuncts(right, positive, known, whole)
-            if (operator is BinaryOperator.AND) == positive:
+            if is_conjunction(expression, positive):
                 return _product(one, other, whole)
             return _union(left, left_positive, one, other, whole)
         case Binary(BinaryOperator.XOR | BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL as operator, left, right) if (

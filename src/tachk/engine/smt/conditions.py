@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.engine.smt.machine import Machine, PossibleFault, or_false
 from tachk.engine.smt.terms import Formula, any_of, conj, disj, neg
+from tachk.model.connectives import is_conjunction, sides
 from tachk.model.expressions import Binary, Conditional, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ScalarLike, bounds
@@ -54,9 +55,9 @@ def _parts(
     match condition:
         case Unary(UnaryOperator.NOT, operand):
             yield from _parts(machine, operand, not positive, excuses)
-        case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
-            left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
-            if (operator is BinaryOperator.AND) is positive:
+        case Binary() if is_conjunction(condition) is not None:
+            (left, left_positive), (right, _) = sides(condition, positive)
+            if is_conjunction(condition, positive):
                 yield from _parts(machine, left, left_positive, excuses)
                 yield from _parts(machine, right, positive, excuses)
             elif not depends_on_clocks(left):
@@ -88,15 +89,13 @@ def certain(machine: Machine, predicate: Expression, wrong: list[PossibleFault])
         case Unary(UnaryOperator.NOT, operand):
             yes, no = certain(machine, operand, wrong)
             return no, yes
-        case Binary(BinaryOperator.AND, left, right):
+        case Binary(operator, left, right) if is_conjunction(predicate) is not None:
             (yes, no), (also, nor) = certain(machine, left, wrong), certain(machine, right, wrong)
-            return conj(yes, also), disj(no, nor)
-        case Binary(BinaryOperator.OR, left, right):
-            (yes, no), (also, nor) = certain(machine, left, wrong), certain(machine, right, wrong)
+            if operator is BinaryOperator.AND:
+                return conj(yes, also), disj(no, nor)
+            if operator is BinaryOperator.IMPLY:
+                yes, no = no, yes
             return disj(yes, also), conj(no, nor)
-        case Binary(BinaryOperator.IMPLY, left, right):
-            (yes, no), (also, nor) = certain(machine, left, wrong), certain(machine, right, wrong)
-            return disj(no, also), conj(yes, nor)
         case Conditional(test, then, otherwise):
             yes, no = certain(machine, test, wrong)
             (yes_then, no_then), (yes_else, no_else) = certain(machine, then, wrong), certain(machine, otherwise, wrong)

@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from tachk.analysis.fold import Known
-from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.operators import UnaryOperator
 from tachk.formats.tchecker.expression_writer import written_out
+from tachk.model.connectives import is_conjunction, sides
 from tachk.model.expressions import Binary, Conditional, Constant, Expression, LocationTest, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -91,12 +92,9 @@ def _alternatives(expression: Expression, positive: bool, network: Network) -> l
             return [{process: frozenset({location}) if positive else every - {location}}]
         case Unary(UnaryOperator.NOT, operand):
             return _alternatives(operand, not positive, network)
-        case Binary(BinaryOperator.AND | BinaryOperator.OR as operator, left, right):
-            sides = _alternatives(left, positive, network), _alternatives(right, positive, network)
-            return _joined(*sides, (operator is BinaryOperator.AND) == positive)
-        case Binary(BinaryOperator.IMPLY, left, right):
-            sides = _alternatives(left, not positive, network), _alternatives(right, positive, network)
-            return _joined(*sides, not positive)
+        case Binary() if (conjunctive := is_conjunction(expression, positive)) is not None:
+            left, right = sides(expression, positive)
+            return _joined(_alternatives(*left, network), _alternatives(*right, network), conjunctive)
         case Conditional(condition, then, otherwise):
             one = _joined(_alternatives(condition, True, network), _alternatives(then, positive, network), True)
             other = _joined(_alternatives(condition, False, network), _alternatives(otherwise, positive, network), True)
