@@ -9,13 +9,13 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.cli.actions.simulation.formulas import truths_on
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.engine.simulation.simulator import horizon as ticks_until
 from tachk.logic.horizon import horizon
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.columns import chosen_columns
+from tachk.simulation.formulas import truths_on
 from tachk.simulation.runs import Runs
 from tachk.simulation.statistics.estimate import Estimated
 from tachk.syntax.formula import Always, Eventually, Formula

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from tachk.report.drawing.svg import Picture
     from tachk.report.region.synthesis import Synthesis
     from tachk.simulation.statistics.estimate import Settings
-    from tachk.verify.campaign.job import Judge
     from tachk.verify.campaign.run import Progress as CampaignProgress
     from tachk.verify.semantic_lint.findings import DeepCheck
     from tachk.verify.synthesis.parameters import VariedConstant
@@ -442,7 +441,10 @@ class Model(Estimable):
         seconds: float | None = None,
         progress: Callable[[CampaignProgress], None] | None = None,
         settings: Settings | None = None,
-        judge: Judge | None = None,
+        monitor: str | os.PathLike[str] | None = None,
+        until: str | float = "100",
+        runs: int = 100,
+        seed: int = 0,
         part: tuple[int, int] = (1, 1),
         merge: Iterable[str | os.PathLike[str]] = (),
     ) -> Sweep:
@@ -453,13 +455,13 @@ class Model(Estimable):
             over: such as ``"LOSSES=0..5,SLICE=10,50"`` or ``{"LOSSES": range(6), "SLICE": [10, 50]}``.
             store: an SQLite file for finished cells: a sweep that was stopped, or killed, goes on where it was.
             processes: how many cells are computed at a time; None: as many as the machine has cores.
-            dask: a Dask cluster that computes in place of processes here: the address of its scheduler, or a
-                `distributed.Client`.
+            dask: the address of a Dask scheduler, or a `distributed.Client`, that computes in place of processes here.
             limits: of each cell.
             seconds: the limit on everything together; what is not finished then is missing in the table.
             progress: called after each cell.
-            settings: how sure the answers to statistical queries are to be.
-            judge: judges random runs of each cell; then properties of the model are checked only where they are named.
+            settings: how statistical queries are answered.
+            monitor: a formula, or a file of them, that judges so many ``runs`` of each cell ``until`` a time, such as
+                10 or ``"2 h"``. Properties of the model are checked then only where they are named.
             part: ``(3, 10)``: compute and tell every tenth cell, from the third one on, as one of ten jobs.
             merge: files of the same sweep, such as parts have made, whose cells are taken over.
 
@@ -472,15 +474,15 @@ class Model(Estimable):
         from tachk.model.grid import grid_of_values
         from tachk.report.campaign.table import Sweep
         from tachk.verify.campaign.job import verification
+        from tachk.verify.campaign.judged_runs import judged_runs
         from tachk.verify.campaign.run import GridPart, computing, run_campaign
 
         named = (property,) if isinstance(property, str) else tuple(property)
         questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
         grid = grid_of_values(over)
-        job = verification(
-            self._written, grid.names, questions, options or Options(), limits or Limits(), settings, judge
-        )
-        compute = computing(processes, dask)
+        judge = judged_runs(monitor, str(until), runs, seed)
+        common = options or Options(), limits or Limits(), settings, judge
+        job, compute = verification(self._written, grid.names, questions, *common), computing(processes, dask)
         return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, GridPart(*part), merge))
 
     def zone_graph(self, limit: int = 10_000) -> Any:

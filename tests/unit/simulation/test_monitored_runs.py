@@ -9,8 +9,9 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
-from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.main import app
+from tachk.recordings.monitors.formulas import formula_source
+from tachk.verify.campaign.judged_runs import JudgedRuns
 
 MODEL = """
 const int T = 1;
@@ -63,16 +64,38 @@ def test_replayed_runs(model: str) -> None:
 
 @pytest.mark.parametrize("formula", ["m.ta", "F[0, T] P.B"])
 def test_each_cell_of_a_sweep_has_its_constants(model: str, formula: str) -> None:
-    found = tachk.load(model).sweep(over="T=1,4", judge=JudgedRuns(formula, "9", 5, 0), processes=1)
+    found = tachk.load(model).sweep(over="T=1,4", monitor=formula, until=9, runs=5, processes=1)
     assert [row["estimate"] for row in found.rows] == [0, 1]
 
 
 def test_a_store_knows_what_formulas_said(model: str) -> None:
     """A file of formulas may change while its name stays."""
     Path("f.stl").write_text("const C = 2\na: F[0, C] P.B\n", encoding="utf-8")
-    before = str(JudgedRuns("f.stl", "9", 5, 0))
+    before = str(JudgedRuns(formula_source("f.stl")))
     Path("f.stl").write_text("const C = 3\na: F[0, C] P.B\n", encoding="utf-8")
-    assert str(JudgedRuns("f.stl", "9", 5, 0)) != before
+    assert str(JudgedRuns(formula_source("f.stl"))) != before
+    Path("g.stl").write_text("const C = 2\na: F[0, C] P.B\n", encoding="utf-8")
+    assert str(JudgedRuns(formula_source("g.stl"))) == before
+
+
+def test_only_chosen_constants_replace_those_of_the_formulas(model: str) -> None:
+    """As for `tachk simulate`: a constant of the model that nobody has chosen does not."""
+    Path("own.stl").write_text("const T = 4\nsoon: F[0, T] P.B\n", encoding="utf-8")
+    Path("n.ta").write_text("const int N = 1;" + MODEL, encoding="utf-8")
+
+    def estimates(over: str, **constants: int) -> list[object]:
+        found = tachk.load("n.ta", **constants).sweep(over=over, monitor="own.stl", until=9, runs=3, processes=1)
+        return [row["estimate"] for row in found.rows]
+
+    assert estimates("N=2") == [1]
+    assert estimates("T=2,4") == [0, 1]
+    assert estimates("N=2", T=2) == [0]
+
+
+def test_formulas_are_read_once(model: str) -> None:
+    judge = JudgedRuns(formula_source("m.ta"), "9", 3)
+    Path("m.ta").write_text("no model any more", encoding="utf-8")
+    assert judge.names == ("reached",)
 
 
 @pytest.mark.parametrize("unit", ["", "time_unit = 1 ms;", "time_unit = 10 us;", "time_unit = 1 min;"])

@@ -43,6 +43,7 @@ _UNIT = "say what one unit of the trace's time is: --unit s, unit='s', or time [
 FORMULA_SUFFIXES = (".stl",)
 MODEL_SUFFIXES = (".ta", ".xta", ".xml")
 
+_TYPED = "<formula>"
 _NEVER_FORMULAS = tuple(suffix for suffix in TRACE_SUFFIXES if suffix != ".txt")
 """Formulas may stand in a plain text file, as traces may."""
 
@@ -147,14 +148,30 @@ def read_formulas(
         InputError: with everything that is wrong.
         UsageError: the file cannot be read, or states nothing that can be monitored.
     """
-    if names_file(given):
-        path = Path(given)
-        if path.suffix.lower() in _NEVER_FORMULAS:
-            raise _exchanged(path)
-        if path.suffix.lower() in MODEL_SUFFIXES:
-            return _model_formulas(path, definitions or {})
-        return _defined_in_file(_file_formulas(path, definitions or {}), definitions or {})
-    return defined(_text_formulas(str(given)), definitions or {})
+    return formulas_in(formula_source(given), definitions)
+
+
+def formula_source(given: str | os.PathLike[str]) -> Source:
+    """The text of a formula, of a file of formulas or of a model: it stays what it is while the file changes.
+
+    Raises InputError and UsageError as `read_formulas` for what cannot be read.
+    """
+    if not names_file(given):
+        return Source(_TYPED, str(given))
+    path = Path(given)
+    if path.suffix.lower() in _NEVER_FORMULAS:
+        raise _exchanged(path)
+    return read_source(path)
+
+
+def formulas_in(source: Source, definitions: Mapping[str, str] | None = None) -> tuple[NamedFormula, ...]:
+    """As `read_formulas`, of what `formula_source` has read."""
+    values = definitions or {}
+    if source.name == _TYPED:
+        return defined(_text_formulas(source.text), values)
+    if Path(source.name).suffix.lower() in MODEL_SUFFIXES:
+        return _model_formulas(source, values)
+    return _defined_in_file(_file_formulas(source, values), values)
 
 
 def defined(formulas: tuple[NamedFormula, ...], definitions: Mapping[str, str | Fraction]) -> tuple[NamedFormula, ...]:
@@ -184,7 +201,7 @@ def _defined_in_file(formulas: tuple[NamedFormula, ...], definitions: Mapping[st
 @lru_cache(maxsize=256)
 def _text_formulas(text: str) -> tuple[NamedFormula, ...]:
     """Kept, because one formula often judges many traces."""
-    source = Source("<formula>", with_full_stop(text))
+    source = Source(_TYPED, with_full_stop(text))
     return _checked([_read("p1", "", Span(source, 0, len(source.text)))], "the formula")
 
 
@@ -259,8 +276,7 @@ def _checked(read: list[NamedFormula | tuple[Diagnostic, ...]], what: str) -> tu
 # ---- files of formulas --------------------------------------------------------------------------------------------
 
 
-def _file_formulas(path: Path, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
-    source = read_source(path)
+def _file_formulas(source: Source, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     names: dict[str, Span] = {}
     named: dict[str, Formula] = {}
@@ -283,7 +299,7 @@ def _file_formulas(path: Path, definitions: Mapping[str, str]) -> tuple[NamedFor
         if match is not None and isinstance(read[-1], NamedFormula):
             named[name] = read[-1].formula
     complete = list(_with_constants(read, constants, named))
-    return _checked([tuple(constants.found), *complete], str(path))
+    return _checked([tuple(constants.found), *complete], source.name)
 
 
 def _with_constants(
@@ -368,8 +384,8 @@ def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnos
 # ---- models -------------------------------------------------------------------------------------------------------
 
 
-def _model_formulas(path: Path, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
-    items, unit, constants = _stated(path, definitions)
+def _model_formulas(source: Source, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
+    items, unit, constants = _stated(source, definitions)
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     for item in items:
         if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula):
@@ -379,13 +395,13 @@ def _model_formulas(path: Path, definitions: Mapping[str, str]) -> tuple[NamedFo
             read.append(each)
     if not read:
         raise UsageError(
-            f"{path} contains no property that can be checked on a trace",
+            f"{source.name} contains no property that can be checked on a trace",
             "formulas (G (p -> F[0, 5] q)) and sentences can be monitored; E<> and A[] speak about all runs",
         )
-    return _checked(read, str(path))
+    return _checked(read, source.name)
 
 
-def _stated(path: Path, definitions: Mapping[str, str]) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
+def _stated(source: Source, definitions: Mapping[str, str]) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
     """The declarations of a model, its time unit, its constants.
 
     A file without a system line is not a model but a part of models, so its names have no meaning yet: it is read only.
@@ -394,7 +410,6 @@ def _stated(path: Path, definitions: Mapping[str, str]) -> tuple[Sequence[ast.It
     from tachk.formats.loading.imports import Importer
     from tachk.formats.loading.load import load_model
 
-    source = read_source(path)
     if not is_xml(source):
         findings = DiagnosticCollector()
         document, items = Importer(findings).read(source)

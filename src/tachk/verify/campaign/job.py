@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from hashlib import sha256
 from time import monotonic
-from typing import Protocol, assert_never
+from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import StoppedError, limited
@@ -18,7 +18,6 @@ from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.grid import Values
-from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.statistics.deciding import Decision
@@ -33,6 +32,7 @@ from tachk.simulation.statistics.estimate import (
     estimate,
 )
 from tachk.verify.answering import answers
+from tachk.verify.campaign.judged_runs import FormulaCounts, JudgedRuns
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.questions import Questions, checked
 from tachk.verify.verdict import Answer, Verdict
@@ -75,29 +75,6 @@ ESTIMATED = "estimated"
 
 
 @dataclass(frozen=True, slots=True)
-class FormulaCounts:
-    """On how many runs a formula is true, false, and neither for certain; and how many transitions they have."""
-
-    name: str
-    true: int
-    false: int
-    undetermined: int
-    transitions: int
-
-
-class Judge(Protocol):
-    """Draws runs of a model and judges them by formulas. It goes to other processes, so it can be pickled, and its text
-    tells all that the answers depend on."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the formulas."""
-        ...
-
-    def judged(self, network: Network) -> Iterable[FormulaCounts]: ...
-
-
-@dataclass(frozen=True, slots=True)
 class Verification:
     """The properties of a model, checked for each cell.
 
@@ -105,6 +82,7 @@ class Verification:
         names: of the constants that vary.
         asked: the names of the properties, in order.
         limits: of each cell.
+        judge: judges random runs of each cell.
     """
 
     model: LoadedModel
@@ -114,7 +92,7 @@ class Verification:
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
     settings: Settings = field(default_factory=Settings)
-    judge: Judge | None = None
+    judge: JudgedRuns | None = None
 
     @property
     def asks_queries(self) -> bool:
@@ -126,8 +104,11 @@ class Verification:
         texts = {item.span.source.text for item in self.model.items} | {self.model.document.span.source.text}
         text = sha256("\0".join(sorted(texts)).encode()).hexdigest()
         typed = [source.text.strip() for source in self.questions.typed]
+        given = self.model.overrides.items()
+        fixed = sorted(f"{name} = {value.span.text}" for name, value in given if name not in self.names)
         return {
             "constants": ", ".join(self.names),
+            **({"values of other constants": ", ".join(fixed)} if fixed else {}),
             "text of the model": text,
             "queries": ", ".join((*self.questions.names, *typed)) or "all properties of the model",
             "--non-zeno": str(self.questions.non_zeno).lower(),
@@ -171,8 +152,10 @@ class Verification:
         for query in statistical:
             asked = read_statistical(query, seen)
             yield _estimated(estimate(asked.network or seen.network, asked, self.settings))
-        for judged in () if self.judge is None else self.judge.judged(seen.network):
-            yield _judged(judged, self.settings.confidence)
+        if self.judge is not None:
+            chosen = {name: value for name, value in seen.network.constants if name in model.overrides}
+            for judged in self.judge.judged(seen.network, chosen):
+                yield _judged(judged, self.settings.confidence)
 
 
 def verification(
@@ -182,7 +165,7 @@ def verification(
     options: Options,
     limits: Limits,
     settings: Settings | None = None,
-    judge: Judge | None = None,
+    judge: JudgedRuns | None = None,
 ) -> Verification:
     """The job of checking what is asked.
 

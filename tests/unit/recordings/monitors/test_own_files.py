@@ -12,7 +12,6 @@ from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.actions.judged import Judged
 from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.actions.row_by_row import RowByRow
-from tachk.cli.actions.simulation.formulas import columns_with
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import app
@@ -20,6 +19,7 @@ from tachk.cli.reporting import Reporting
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.recordings.monitors.formulas import read_formulas
 from tachk.recordings.traces.node_signal import Truth
+from tachk.simulation.formulas import columns_with
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import run_writer
 

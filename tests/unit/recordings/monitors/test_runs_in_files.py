@@ -11,13 +11,13 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.cli.actions.simulation.formulas import columns_with
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.model.network import Network
 from tachk.model.random_networks import Shape, random_case
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import all_columns
+from tachk.simulation.formulas import columns_with
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import run_writer
 

@@ -9,17 +9,17 @@ import pytest
 from click.testing import CliRunner
 
 import tachk
-from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.main import app
 from tachk.model.grid import Values
 from tachk.verify.campaign.job import ComputedCell, Verification, computed
 
 MODEL = """
 const int T = 3;
+const int LIMIT = 5;
 clock x;
 double level = 0;
 process P() {
-    init location A { invariant x <= 5; to B { guard x <= T; assign level = 0.5; } }
+    init location A { invariant x <= LIMIT; to B { guard x <= T; assign level = 0.5; } }
     location B;
 }
 system P;
@@ -64,14 +64,18 @@ def test_what_is_no_part_of_the_sweep(model: tachk.Model, tmp_path: Path) -> Non
         model.sweep(over="T=1..2", property="likely", merge=[tmp_path / "a.sqlite"])
     with pytest.raises(tachk.UsageError, match="no file"):
         model.sweep(over="T=1..2", property="reach", merge=[tmp_path / "b.sqlite"])
+    loaded = tachk.load(model.path, LIMIT=4)
+    with pytest.raises(tachk.UsageError, match="belongs to another sweep"):
+        loaded.sweep(over="T=1..2", property="reach", store=tmp_path / "a.sqlite")
+    with pytest.raises(tachk.UsageError, match="at least one run"):
+        model.sweep(over="T=1", monitor="F P.B", runs=0)
     for part in ((0, 3), (4, 3)):
         with pytest.raises(tachk.UsageError, match="there is no part"):
             model.sweep(over="T=1..2", property="reach", part=part)
 
 
 def test_runs_are_judged_in_each_cell(model: tachk.Model) -> None:
-    judge = JudgedRuns("F[0,3] P.B", "10", 300, 4)
-    found = model.sweep(over="T=1..3", judge=judge, processes=1)
+    found = model.sweep(over="T=1..3", monitor="F[0,3] P.B", until="10", runs=300, seed=4, processes=1)
     assert [row["property"] for row in found.rows] == ["p1"] * 3
     for row in found.rows:
         low, exact, high = row["low"], row["T"], row["high"]
@@ -83,8 +87,7 @@ def test_runs_are_judged_in_each_cell(model: tachk.Model) -> None:
 
 
 def test_formulas_beside_properties(model: tachk.Model) -> None:
-    judge = JudgedRuns("F[0,3] P.B", "10", 50, 4)
-    found = model.sweep(over="T=3", judge=judge, property=("reach", "likely"), processes=1)
+    found = model.sweep(over="T=3", monitor="F[0,3] P.B", runs=50, property=("reach", "likely"), processes=1)
     assert [row["property"] for row in found.rows] == ["reach", "likely", "p1"]
     assert [row["answer"] for row in found.rows] == ["holds", "estimated", "estimated"]
 

@@ -15,7 +15,6 @@ from tachk.base.exact_numbers import DIGITS
 from tachk.base.job import current_job, limited
 from tachk.base.records import dataclass
 from tachk.base.whole_files import write_whole
-from tachk.cli.actions.many_values.judged_runs import JudgedRuns
 from tachk.cli.arguments import parse_size
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -34,7 +33,7 @@ from tachk.verify.verdict import Answer
 
 _EVERY = "all"
 _RUNS = 100
-"""How many are judged in each cell, where nothing is said."""
+"""How many runs --monitor judges in each cell, where nothing is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +92,6 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
         named = tuple(
             name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties}
         )
-        judge = None
-        if asked.formulas is not None:
-            judge = JudgedRuns(asked.formulas, asked.until, asked.runs or _RUNS, asked.seed)
         with _progress(reporting.quiet) as progress:
             found = model.sweep(
                 *asked.queries,
@@ -109,7 +105,10 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
                 seconds=current_job().seconds_left,
                 progress=progress,
                 settings=_settings(asked),
-                judge=judge,
+                monitor=asked.formulas,
+                until=asked.until,
+                runs=asked.runs or _RUNS,
+                seed=asked.seed,
                 part=_part(asked.part),
                 merge=asked.merged,
             )

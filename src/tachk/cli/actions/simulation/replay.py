@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tachk.cli.actions.judged import exit_status
-from tachk.cli.actions.simulation.formulas import formulas_for
 from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.exit_status import ExitStatus, worst
@@ -17,6 +16,7 @@ from tachk.meaning.run_view import RunNames, view_trace
 from tachk.model.quantity import duration
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
+from tachk.simulation.formulas import formulas_for
 from tachk.simulation.stepping.files import read_claims
 from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.replaying import replay_claims

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tachk.base.whole_files import write_whole
-from tachk.cli.actions.simulation.formulas import columns_with, truths_on
 from tachk.meaning.run_view import RunNames
 from tachk.model.run import TimedTrace
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
+from tachk.simulation.formulas import columns_with, truths_on
 from tachk.simulation.stepping.run_file import SUFFIX, run_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.tables import run_writer

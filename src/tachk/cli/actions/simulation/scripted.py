@@ -9,13 +9,13 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.records import dataclass
 from tachk.cli.actions.judged import exit_status
-from tachk.cli.actions.simulation.formulas import formulas_for
 from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import TableForm
 from tachk.meaning.run_view import RunNames
 from tachk.model.quantity import duration
+from tachk.simulation.formulas import formulas_for
 from tachk.simulation.stepping.files import read_claims
 from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.replaying import replay_claims

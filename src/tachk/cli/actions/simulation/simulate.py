@@ -11,7 +11,6 @@ from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.actions.judged import exit_status
-from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_files import holds_steps, run_files
 from tachk.cli.actions.simulation.scripted import Script, run_script
@@ -26,6 +25,7 @@ from tachk.model.network import Network
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
 from tachk.report.statistics.text import times_text
+from tachk.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs

@@ -1,16 +1,18 @@
-"""The formulas of ``--monitor``."""
+"""Formulas that judge runs of a model, as ``--monitor`` gives them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import lru_cache
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.span import Source
 from tachk.model.network import Network
 from tachk.recordings.monitors.compiler import arrival_argument, column_name
 from tachk.recordings.monitors.conditions import with_numbers_as_conditions
-from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
+from tachk.recordings.monitors.formulas import NamedFormula, formula_source, formulas_in
 from tachk.recordings.monitors.offline import Judging, judge
 from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.node_signal import Truth
@@ -24,21 +26,33 @@ from tachk.syntax.walk import nodes_of_kind
 def formulas_for(
     given: str | None, network: Network, chosen: Mapping[str, object] | None = None
 ) -> tuple[NamedFormula, ...]:
-    """A formula, a sentence, or those of a file, about runs of a model.
+    """As `formulas_about`, of a formula, a sentence, or those of a file; none where None is given."""
+    return () if given is None else formulas_about(formula_source(given), network, chosen)
+
+
+def formulas_about(
+    source: Source, network: Network, chosen: Mapping[str, object] | None = None
+) -> tuple[NamedFormula, ...]:
+    """The formulas of a text, about runs of a model.
 
     The constants of the model have their values in them. A file of formulas may have constants of its own, which come
     first.
 
     Args:
+        source: as `formula_source` reads it.
         chosen: values of constants of the model that count in the place of a constant of the file, too.
     """
-    if given is None:
-        return ()
-    formulas = read_formulas(given)
+    formulas = _formulas_with(source, ())
     own = {name for each in formulas for name in each.constant_names}
-    if values := {name: str(value) for name, value in (chosen or {}).items() if name in own}:
-        formulas = read_formulas(given, values)
+    if values := tuple((name, str(value)) for name, value in (chosen or {}).items() if name in own):
+        formulas = _formulas_with(source, values)
     return tuple(replace(each, constants={**dict(network.constants), **(each.constants or {})}) for each in formulas)
+
+
+@lru_cache(maxsize=64)
+def _formulas_with(source: Source, values: tuple[tuple[str, str], ...]) -> tuple[NamedFormula, ...]:
+    """Kept, because the same formulas judge the runs of many cells of a sweep."""
+    return formulas_in(source, dict(values))
 
 
 def columns_with(network: Network, record: Sequence[str], formulas: Iterable[NamedFormula]) -> tuple[Column, ...]:

@@ -1,0 +1,93 @@
+"""Random runs that are judged by formulas, in each cell of a sweep."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.base.span import Source
+from tachk.engine.simulation.simulator import RecordedChanges, SimulationOptions
+from tachk.model.network import Network
+from tachk.recordings.monitors.formulas import formula_source, formulas_in
+from tachk.recordings.traces.node_signal import Truth
+from tachk.simulation.formulas import columns_with, formulas_about, truths_on
+from tachk.simulation.runs import Runs
+from tachk.simulation.times import horizon_of
+
+
+@dataclass(frozen=True, slots=True)
+class FormulaCounts:
+    """On how many runs a formula is true, false, and neither for certain; and how many transitions they have."""
+
+    name: str
+    true: int
+    false: int
+    undetermined: int
+    transitions: int
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedRuns:
+    """How runs are drawn, and by what they are judged; as for `tachk simulate --monitor`.
+
+    Attributes:
+        source: the text of the formulas, as `tachk.recordings.monitors.formulas.formula_source` reads it: other
+            processes and machines do not need the file, which may change meanwhile.
+        until: how long the runs are, such as ``100`` or ``2 h``.
+
+    Raises UsageError where no run is to be drawn.
+    """
+
+    source: Source
+    until: str = "100"
+    runs: int = 100
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.runs < 1:
+            raise UsageError(f"runs={self.runs}: formulas judge at least one run")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the formulas. Raises InputError and UsageError for a text that states none."""
+        return tuple(formula.name for formula in formulas_in(self.source))
+
+    def __str__(self) -> str:
+        """All that the answers depend on: what is in a file of formulas may change while its name stays."""
+        stated = "; ".join(
+            f"{each.name}: {each.text} {dict(each.constants or {})} {dict(each.durations or {})}"
+            for each in formulas_in(self.source)
+        )
+        return f"{stated}, {self.runs} runs until {self.until}, seed {self.seed}"
+
+    def judged(self, network: Network, chosen: Mapping[str, int]) -> Iterator[FormulaCounts]:
+        """What the formulas are on the runs of a cell.
+
+        Args:
+            chosen: the constants whose values are chosen for the cell. They count in the place of constants of a file
+                of formulas, too.
+        """
+        formulas = formulas_about(self.source, network, chosen)
+        runs = Runs(network, columns_with(network, (), formulas))
+        truths: dict[str, Counter[Truth]] = {formula.name: Counter() for formula in formulas}
+        transitions = 0
+        until = horizon_of(self.until, network.time_unit)
+        drawing = SimulationOptions(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
+        for run in runs.draw(drawing, range(self.runs), RecordedChanges(observed=True)):
+            transitions += run.transitions
+            told = truths_on(runs.trace(run), formulas) if len(run.times) else {}
+            for name, counts in truths.items():
+                counts[told.get(name, Truth.UNDETERMINED)] += 1
+        for name, counts in truths.items():
+            yield FormulaCounts(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
+
+
+def judged_runs(given: str | os.PathLike[str] | None, until: str, runs: int, seed: int) -> JudgedRuns | None:
+    """What a formula or a file of formulas judges in each cell, if there is one.
+
+    Raises InputError and UsageError for what cannot be read.
+    """
+    return None if given is None else JudgedRuns(formula_source(given), until, runs, seed)
