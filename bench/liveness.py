@@ -72,7 +72,7 @@ def measure_tachk(processes: int, query: str) -> Measurement:
     """`tachk verify` of one query, without the run that shows it."""
     code = (
         f"import json, sys, tachk; model = tachk.load('models/classics/fischer.ta', N={processes}); "
-        "options = tachk.Options(symmetry=False); "
+        "options = tachk.Options().off('symmetry'); "
         "v = model.verify(sys.argv[1], trace=False, options=options).record.verdicts[0]; "
         "s = v.statistics; print(json.dumps([v.answer.value, s.states_explored, s.user_seconds]))"
     )

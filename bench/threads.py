@@ -60,7 +60,7 @@ class Found:
 
 def search(instance: Instance, threads: int) -> Found:
     """One search; to be called in a process of its own."""
-    options = Options(threads=threads, symmetry=False, local_times=LocalTimes.NEVER)
+    options = Options(threads=threads, local_times=LocalTimes.NEVER).off("symmetry")
     (verdict,) = tachk.load(MODELS / instance.model, **instance.constants).verify(instance.query, options=options)
     told = verdict.statistics
     return Found(

@@ -68,7 +68,7 @@ def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> N
     for seed in range(12):
         case = CASES[kind](Random(f"{kind}{seed}"))
         model = tachk.loads(case.text)
-        for verdict in model.verify(*case.queries, options=Options(symmetry=False), limits=SHORT):
+        for verdict in model.verify(*case.queries, options=Options().off("symmetry"), limits=SHORT):
             found = find_proof(model.network, "digest", verdict.query, limits=SHORT)
             if not isinstance(found, Proof):
                 continue
@@ -99,7 +99,12 @@ def test_what_each_run_meets(kind: str) -> None:
     for seed in range(20):
         model = tachk.loads(CASES[kind](Random(f"met{seed}")).text)
         queries = Random(seed).sample(EVENTUALLY, 3)
-        ways = (Options(), Options(proof_after=NEVER), Options(proof_after=0, attempts=False), Options(symmetry=False))
+        ways = (
+            Options(),
+            Options(proof_after=NEVER),
+            Options(proof_after=0).off("attempts"),
+            Options().off("symmetry"),
+        )
         found = [list(model.verify(*queries, options=way, limits=SHORT)) for way in ways]
         for *sorted_, plain in zip(*found, strict=True):
             for verdict in sorted_:

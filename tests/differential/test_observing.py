@@ -82,12 +82,12 @@ def without(name: str) -> Options:
     """The defaults without what a single way of `ALONE` is about."""
     return {
         "subsumption": replace(BY_DEFAULT, subsumption=False),
-        "alu": replace(BY_DEFAULT, alu=False),
-        "merging": replace(BY_DEFAULT, merging=False),
+        "alu": BY_DEFAULT.off("alu"),
+        "merging": BY_DEFAULT.off("merging"),
         "local times": replace(BY_DEFAULT, local_times=LocalTimes.NEVER),
-        "spectators": replace(BY_DEFAULT, hold_spectators=False),
-        "bystanders": replace(BY_DEFAULT, without=frozenset({"unblocked", "sliced"})),
-        "symmetry": replace(BY_DEFAULT, symmetry=False),
+        "spectators": BY_DEFAULT.off("cone"),
+        "bystanders": BY_DEFAULT.off("unblocked", "sliced"),
+        "symmetry": BY_DEFAULT.off("symmetry"),
     }.get(name, BY_DEFAULT)
 
 

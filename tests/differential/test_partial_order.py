@@ -130,7 +130,7 @@ def test_sensors_whose_round_ends_at_once(name: str, status: Status) -> None:
     (query,) = (each for each in loaded.properties if each.name == name)
     assert query.target is not None
     program, goals = lower(loaded.network, [query.target])
-    every, some = (explore(program, goals, replace(ON, partial_order=on, alu=False)) for on in (False, True))
+    every, some = (explore(program, goals, replace(ON.off("alu"), partial_order=on)) for on in (False, True))
     assert every.goals[0].status is some.goals[0].status is status
     if name == "none":
         assert 4 * some.statistics.states_stored < every.statistics.states_stored

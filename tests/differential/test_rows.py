@@ -50,7 +50,7 @@ def test_random_networks() -> None:
 
 def bytes_a_state(model: str, query: str, size: int, options: Options) -> float:
     loaded = tachk.load(data_root() / "models" / "classics" / model, N=size)
-    (verdict,) = loaded.verify(query, options=replace(options, symmetry=False, local_times=LocalTimes.NEVER))
+    (verdict,) = loaded.verify(query, options=replace(options.off("symmetry"), local_times=LocalTimes.NEVER))
     return verdict.statistics.peak_bytes / verdict.statistics.states_stored
 
 

@@ -33,7 +33,7 @@ CASES = {
 def test_symmetry_changes_no_answer(kind: str, block: int, monkeypatch: pytest.MonkeyPatch) -> None:
     with_states(monkeypatch, "few-states", 0)
     reduced = of_all = 0
-    ways = (Options(), Options(local_times=LocalTimes.ALWAYS), Options(symmetry=False))
+    ways = (Options(), Options(local_times=LocalTimes.ALWAYS), Options().off("symmetry"))
     for seed in range(25 * block, 25 * block + 25):
         case = CASES[kind](Random(seed))
         model = tachk.loads(case.text)

@@ -33,7 +33,7 @@ VARIANTS = (
     replace(ONE, order=SearchOrder.PROGRESS),
     replace(ONE, subsumption=False, order=SearchOrder.BFS),
     replace(ONE, extrapolation=Extrapolation.MAX, pack_clocks=0),
-    replace(ONE, chunk_words=1, alu=False, rows_after=0),
+    replace(ONE.off("alu"), chunk_words=1, rows_after=0),
     replace(ONE, reclaim=False, width=64),
 )
 
@@ -80,7 +80,7 @@ def test_large_discrete_states(chunk_words: int) -> None:
     one, two = (
         model.verify(
             "E<> false",
-            options=replace(ONE, threads=threads, chunk_words=chunk_words, without=frozenset({"unblocked", "sliced"})),
+            options=replace(ONE.off("unblocked", "sliced"), threads=threads, chunk_words=chunk_words),
             limits=Limits(states=3_000),
         )[0].statistics
         for threads in (1, 2)
@@ -94,9 +94,9 @@ def test_large_discrete_states(chunk_words: int) -> None:
 def test_as_many_threads_work_as_are_asked_for(threads: int, query: str) -> None:
     model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=5)
     for options in (
-        replace(ONE, threads=threads, symmetry=False),
-        replace(ONE, threads=threads, symmetry=False, shortest=True),
-        replace(ONE, threads=threads, order=SearchOrder.PROGRESS, without=frozenset({"unblocked", "sliced"})),
+        replace(ONE.off("symmetry"), threads=threads),
+        replace(ONE.off("symmetry"), threads=threads, shortest=True),
+        replace(ONE.off("unblocked", "sliced"), threads=threads, order=SearchOrder.PROGRESS),
     ):
         (verdict,) = model.verify(query, options=options)
         assert verdict.statistics.threads == threads
@@ -111,9 +111,9 @@ def test_several_threads_work_also_before_less_is_known() -> None:
 def test_one_thread_works_where_others_could_not_help() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=4)
     for options in (
-        replace(ONE, threads=2, symmetry=False, threads_after=64, order=SearchOrder.DFS),
-        replace(ONE, threads=2, symmetry=False, passing=8),
-        replace(ONE, threads=2, symmetry=False, threads_after=10_000),
+        replace(ONE.off("symmetry"), threads=2, threads_after=64, order=SearchOrder.DFS),
+        replace(ONE.off("symmetry"), threads=2, passing=8),
+        replace(ONE.off("symmetry"), threads=2, threads_after=10_000),
     ):
         (verdict,) = model.verify("A[] not deadlock", options=options)
         assert verdict.statistics.threads == 1
@@ -160,7 +160,7 @@ def test_interchangeable_processes() -> None:
 
 def test_a_hundred_repetitions_find_the_same_run() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=5)
-    options = replace(ONE, symmetry=False)
+    options = ONE.off("symmetry")
 
     def found(threads: int) -> list[object]:
         how = replace(options, threads=threads)

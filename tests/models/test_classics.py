@@ -33,7 +33,7 @@ def test_fischer_needs_a_wait_as_long_as_the_write(waiting: int, holds: bool) ->
 def test_fischer_has_the_published_number_of_zones(processes: int, stored: int) -> None:
     """TChecker stores the same numbers for its network of this name (covering reachability)."""
     model = tachk.load(CLASSICS / "fischer.ta", N=processes)
-    report = model.verify(property="mutual_exclusion", trace=False, options=tachk.Options(symmetry=False))
+    report = model.verify(property="mutual_exclusion", trace=False, options=tachk.Options().off("symmetry"))
     assert report["mutual_exclusion"].statistics.states_stored == stored
 
 

@@ -303,13 +303,13 @@ def test_an_error_in_a_query_leaves_the_others_their_answers(engine: Engine) -> 
 @pytest.mark.parametrize(
     "options",
     [
-        Options(threads=3, threads_after=1, attempts=False),
+        Options(threads=3, threads_after=1).off("attempts"),
         Options(passing=2),
         Options(order=SearchOrder.DFS),
         Options(shortest=True),
         Options(local_times=LocalTimes.ALWAYS),
-        Options(symmetry=False, without=frozenset({"unblocked", "sliced"}), hold_spectators=False),
-        Options(extrapolation=Extrapolation.MAX, merging=False),
+        Options().off("unblocked", "sliced", "symmetry", "cone"),
+        Options(extrapolation=Extrapolation.MAX).off("merging"),
     ],
 )
 def test_however_states_are_searched_only_the_query_with_an_error_is_open(options: Options) -> None:

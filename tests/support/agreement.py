@@ -23,8 +23,8 @@ from tachk.verify.verify import verify
 from tests.support.oracles import digitised, reference
 
 VARIANTS = (
-    Options(alu=False),
-    Options(merging=False),
+    Options().off("alu"),
+    Options().off("merging"),
     Options(order=SearchOrder.BFS),
     Options(order=SearchOrder.PROGRESS),
     Options(order=SearchOrder.PROGRESS, passing=8, reclaim=False),

@@ -25,7 +25,7 @@ def rows() -> Iterator[Strategy]:
 def each_switched_off() -> dict[str, Options]:
     """Options for which an answer may take more states, but is the same."""
     names = [row.name for row in rows() if row.name not in ALWAYS_ANSWER]
-    return {f"without {name}": Options(without=frozenset({name})) for name in names}
+    return {f"without {name}": Options().off(name) for name in names}
 
 
 @contextmanager

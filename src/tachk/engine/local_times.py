@@ -76,7 +76,12 @@ def _chosen(
     program: Program, goals: Sequence[Goal], ordinary: _core.Explorer, options: Options, limits: Limits
 ) -> _core.LocalExplorer | None:
     counts_steps = options.shortest or limits.depth is not None
-    if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
+    if (
+        options.local_times is LocalTimes.NEVER
+        or "local-times" in options.without
+        or counts_steps
+        or options.extrapolation is Extrapolation.NONE
+    ):
         return None
     look = options.local_times is LocalTimes.AUTO
     if look and _first_look(ordinary) is not _core.Status.RUNNING:
@@ -86,7 +91,7 @@ def _chosen(
         return None
     if look:
         if ordinary.has_merged():  # which hides how many orders there are
-            ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
+            ordinary = _core.Explorer(image, core_options(options.off("merging")), core_limits(limits))
             if _look_beside(ordinary) is not _core.Status.RUNNING:
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:

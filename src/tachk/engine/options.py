@@ -79,6 +79,24 @@ PASSED_IN_A_ROW = 8
 """`Options.passing` where a user only says that states with a committed location need not be stored."""
 
 
+REDUCTIONS = {
+    "alu": "drop a state also if a stored zone simulates its zone: the exact test for the abstraction aLU (Herbreteau, "
+    "Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks of "
+    "`deadlock` or of largest and smallest values, nor for runs that go on for ever.",
+    "merging": "make one state of states that wait to be explored and differ in their zones only, where these together "
+    "are a zone, as long as that often is so. Breadth first; not with `shortest`, `passing`, `partial_order`, a limit "
+    "on depth, nor for largest and smallest values or runs that go on for ever.",
+    "attempts": "for `-->`: on the way to all states, explore up to one state for every eight depth first, so that a "
+    "run is found early. For `E<>` and `A[]` with the order `AUTO`: once 20,000 states are stored, explore up to 5,000 "
+    "as with `partial_order`, if that is of use in a quarter of the first 256, and then 1,500 depth first with "
+    "processes that keep their places, each in a search of its own; not with `shortest`.",
+    "cone": "hold processes still that cannot influence the answer (cone of influence).",
+    "symmetry": "search one state for all that differ by an exchange of interchangeable processes.",
+    "local-times": "let each process have a time of its own in a search, where that is sound and seems to save states.",
+}
+"""What saves states in searches of all kinds, and is on unless `Options.without` names it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """How to search. No option may change a verdict.
@@ -90,12 +108,6 @@ class Options:
         extrapolation: the zone abstraction.
         bounds: where the clock bounds of the abstraction come from.
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
-        alu: drop a state also if a stored zone simulates its zone: the exact test for the abstraction aLU (Herbreteau,
-            Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks
-            of `deadlock` or of largest and smallest values, nor for runs that go on for ever.
-        merging: states that wait to be explored and differ in their zones only become one where these together are a
-            zone, as long as that often is so. Breadth first; not with `shortest`, `passing`, `partial_order`, a limit
-            on depth, nor for largest and smallest values or runs that go on for ever.
         width: the least number of bits of a clock bound in a zone: 16, 32 or 64; constants that do not fit need more.
         scale: count time in the largest unit of which every time in the model is a multiple.
         vector: use the widest vector instructions of this machine; off: portable code.
@@ -115,20 +127,13 @@ class Options:
             that is sound, and not with `shortest` or a limit on depth.
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
-        attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
-            a run is found early; off: runs are looked for once all states are reached. For `E<>` and `A[]` with the
-            order `AUTO`: once 20,000 states are stored, up to 5,000 are explored as with `partial_order`, if that is of
-            use in a quarter of the first 256, and then 1,500 depth first with processes that keep their places, each in
-            a search of its own; not with `shortest`.
         threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
             their number, the states, their order and the runs are the same. One thread searches depth first, over local
             times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
         threads_after: how many states there must be before a search uses more than one thread.
         processes: how many searches for different queries run at the same time, each in a process of its own, once a
             second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
-        hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
-        without: the names of strategies (`tachk.verify.strategies`) that are not tried.
-        symmetry: search one state for all that differ by an exchange of interchangeable processes.
+        without: what is switched off, by name: strategies (`tachk.verify.strategies`), and the `REDUCTIONS`.
         shortest: find paths of as few transitions as possible; with BFS only, which AUTO then is. It may take more
             states: a state is dropped for a larger one only if that is not further from the initial state.
         pace: which run to a state that was found is shown; FASTEST takes further searches.
@@ -141,8 +146,6 @@ class Options:
     extrapolation: Extrapolation = Extrapolation.LU
     bounds: BoundScope = BoundScope.LOCAL
     subsumption: bool = True
-    alu: bool = True
-    merging: bool = True
     width: int = 16
     scale: bool = True
     vector: bool = True
@@ -154,16 +157,45 @@ class Options:
     chunk_words: int = 8
     rows_after: int = 1024
     proof_after: int = 2000
-    attempts: bool = True
     threads: int = 1
     threads_after: int = 4096
     processes: int = 1
-    hold_spectators: bool = True
     without: frozenset[str] = frozenset()
-    symmetry: bool = True
     shortest: bool = False
     engine: Engine = Engine.ZONE
     pace: Pace = Pace.EARLY
+
+    @property
+    def alu(self) -> bool:
+        return "alu" not in self.without
+
+    @property
+    def merging(self) -> bool:
+        return "merging" not in self.without
+
+    @property
+    def attempts(self) -> bool:
+        return "attempts" not in self.without
+
+    @property
+    def hold_spectators(self) -> bool:
+        return "cone" not in self.without
+
+    @property
+    def symmetry(self) -> bool:
+        return "symmetry" not in self.without
+
+    def off(self, *names: str) -> Options:
+        """These options, with what has these names switched off."""
+        return replace(self, without=self.without | set(names))
+
+    def on(self, *names: str) -> Options:
+        """These options, with what has these names not switched off."""
+        return replace(self, without=self.without - set(names))
+
+    def switched(self, on: bool, *names: str) -> Options:
+        """These options, with what has these names switched on or off."""
+        return self.on(*names) if on else self.off(*names)
 
     def __post_init__(self) -> None:
         _check_range("seed", self.seed, 0, LARGEST_SEED)

@@ -70,7 +70,7 @@ def explore_everything(
     that counts: one that decides doubtful goals comes after it.
     """
     never = Goal(())
-    options = replace(options, attempts=False, partial_order=False)
+    options = replace(options.off("attempts"), partial_order=False)
     explorer = _explorer(program, [*goals, never], options, limits)
     begun = time.perf_counter(), user_seconds()
     ran = _ran(program, [*goals, never], explorer, options, limits, begun)

@@ -85,7 +85,7 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
     NotChecked: Fields("name title query=text reason errors=diagnostics"),
     Verdict: Fields(
         "name=query.name title=query.title query=query.text answer expected=query.expectation met exact reason "
-        "unexamined assumption notes stats=statistics trace ending=trace.ending loop_start=trace.loop_start "
+        "strategy unexamined assumption notes stats=statistics trace ending=trace.ending loop_start=trace.loop_start "
         "due=trace.due fault observer values=extremes",
         observer=_observer,
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from tachk.engine.outcome import Statistics
+from tachk.verify.strategies import PLAIN
 from tachk.verify.verdict import Verdict
 
 
@@ -12,10 +13,16 @@ def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """One line for each group of processes and for local times, with the queries that were searched for so."""
     queries: dict[str, list[str]] = {}
     for verdict in verdicts:
-        for line in _told(verdict.statistics):
+        for line in (*_strategy(verdict), *_told(verdict.statistics)):
             queries.setdefault(line, []).append(verdict.query.name)
     for line, names in queries.items():
         yield line if len(names) == len(verdicts) else f"{', '.join(names)}: {line}"
+
+
+def _strategy(verdict: Verdict) -> Iterator[str]:
+    """The strategy that decided it, where it is none of those that search as one expects."""
+    if verdict.strategy and verdict.strategy not in PLAIN:
+        yield f"decided by {verdict.strategy}"
 
 
 def for_all(members: str) -> str:

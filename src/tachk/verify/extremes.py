@@ -61,7 +61,7 @@ def _answer(model: PreparedNetwork, task: Task, options: Options, limits: Limits
         if value.value is not None and not value.strict and (trace or not search.exact):
             run, possible = _run(model, searched, _where_it_is(where, expression, value.value), value, search.exact)
             if not possible:
-                return _answer(model, task, replace(options, hold_spectators=False), limits, trace)
+                return _answer(model, task, options.off("cone"), limits, trace)
         if not search.exact and run is None:
             return replace(verdict, reason=INEXACT, exact=False)
         extremes.append(Extreme(value.value, value.strict, run))

@@ -119,7 +119,7 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
             goal = replace(goal, fault=of_the_model(goal.fault))
         verdict = verdict_of(model, searched, task, goal, outcome, problem.trace)
         if verdict is None:
-            everything = replace(options, hold_spectators=False)
+            everything = options.off("cone")
             verdicts |= _explored(replace(problem, tasks=(task,), options=everything))
         else:
             verdicts[task.number] = verdict

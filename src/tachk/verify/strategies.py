@@ -5,10 +5,12 @@ This is the table to read, and to add a line to. What each strategy does stands 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from types import ModuleType
 
-from tachk.engine.options import Limits, Options
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.suggestion import closest
+from tachk.engine.options import REDUCTIONS, Limits, Options
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.transform.observed import observed
 from tachk.verify.over_approximations import abstracted, symmetrised, unblocked
@@ -118,6 +120,27 @@ LIVENESS = (
     ),
 )
 """Whether some run avoids a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
+
+
+PLAIN = frozenset({"few-states", "first-states", "zones", "any-run", "short-beats", "long-beats"})
+"""The strategies that search as one expects: reports for people name the others only."""
+
+
+def names() -> dict[str, str]:
+    """All that can be switched off by name, with its meaning: strategies in their order, then reductions."""
+    tables = (*REACHABILITY, *LIVENESS)
+    return {strategy.name: strategy.meaning for strategy in tables} | REDUCTIONS
+
+
+def check_names(without: Collection[str]) -> None:
+    """Raises UsageError for a name that nothing has."""
+    known = names()
+    for name in sorted(without):
+        if name not in known:
+            near = closest(name, known)
+            raise UsageError(
+                f"there is no strategy `{name}` to be left out", f"did you mean `{near}`?" if near else ", ".join(known)
+            )
 
 
 def reachable(

@@ -170,7 +170,7 @@ def decided(problem: Problem, strategies: Iterable[Strategy]) -> dict[int, Verdi
             problem = replace(
                 problem, reached={**problem.reached, **found.reached}, runs={**problem.runs, **found.runs}
             )
-            open_ |= found.verdicts
+            open_ |= {number: v for number, v in found.verdicts.items() if v.answer is Answer.UNKNOWN}
             settled |= {number: verdict for number, verdict in found.verdicts.items() if _counts(strategy, verdict)}
             if any(verdict.reason == INTERRUPTED for verdict in found.verdicts.values()):
                 return none_begun(problem.tasks, INTERRUPTED) | settled

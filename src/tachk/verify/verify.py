@@ -24,7 +24,7 @@ from tachk.verify.fault_explanation import with_blame
 from tachk.verify.plan import Analysis, Search, Task, plan
 from tachk.verify.scheduling.in_order import in_order, processes
 from tachk.verify.scheduling.shares import Shares
-from tachk.verify.strategies import avoidable
+from tachk.verify.strategies import avoidable, check_names
 from tachk.verify.unanswered import none_begun, not_begun, unsupported
 from tachk.verify.variants import non_zeno, pace, second_engine
 from tachk.verify.variants.second_engine import Answering
@@ -50,7 +50,9 @@ def verify(
     Raises:
         InputError: the initial state violates an invariant.
         UnsupportedError: the network itself uses a feature that cannot be checked.
+        UsageError: nothing has a name that is to be left out.
     """
+    check_names(options.without)
     try:
         with limited(limits.seconds):
             return _verified(network, queries, options, limits, trace)

@@ -78,7 +78,7 @@ class Comparison:
 def compare(case: Halves, limits: Limits) -> Comparison:
     """Whether leaving out a part of a model changes an answer, or hides a run-time error without saying so."""
     model = loads(case.text)
-    everything = Options(without=frozenset({"unblocked", "sliced"}), hold_spectators=False)
+    everything = Options().off("unblocked", "sliced", "cone")
     pairs = list(zip(_answers(model, case, Options(), limits), _answers(model, case, everything, limits), strict=True))
     problems = tuple(problem for part, whole in pairs for problem in _problems(part, whole))
     return Comparison(

@@ -30,34 +30,26 @@ from tests.support.symmetric.counted import random_counted_case
 from tests.support.symmetric.registers import random_register_case
 from tests.support.symmetric.rings import random_ring_case
 
-NO_REDUCTION = Options(
-    order=SearchOrder.BFS,
-    subsumption=False,
-    alu=False,
-    merging=False,
-    local_times=LocalTimes.NEVER,
-    hold_spectators=False,
-    without=frozenset({"unblocked", "sliced"}),
-    symmetry=False,
-    attempts=False,
+NO_REDUCTION = Options(order=SearchOrder.BFS, subsumption=False, local_times=LocalTimes.NEVER).off(
+    "unblocked", "sliced", "alu", "merging", "cone", "symmetry", "attempts"
 )
 BY_DEFAULT = Options()
 ALONE: Mapping[str, Options] = {
     "subsumption": replace(NO_REDUCTION, subsumption=True),
-    "alu": replace(NO_REDUCTION, subsumption=True, alu=True),
-    "merging": replace(NO_REDUCTION, subsumption=True, merging=True),
+    "alu": replace(NO_REDUCTION.on("alu"), subsumption=True),
+    "merging": replace(NO_REDUCTION.on("merging"), subsumption=True),
     "passing": replace(NO_REDUCTION, passing=8),
     "local times": replace(NO_REDUCTION, local_times=LocalTimes.ALWAYS),
     "partial order": replace(NO_REDUCTION, partial_order=True),
-    "spectators": replace(NO_REDUCTION, hold_spectators=True),
-    "bystanders": replace(NO_REDUCTION, without=frozenset()),
-    "symmetry": replace(NO_REDUCTION, symmetry=True),
+    "spectators": NO_REDUCTION.on("cone"),
+    "bystanders": NO_REDUCTION.on("unblocked", "sliced"),
+    "symmetry": NO_REDUCTION.on("symmetry"),
 }
 TOGETHER: Mapping[str, Options] = {
     **each_switched_off(),
     "threads": Options(threads=2, threads_after=0),
     "local times and symmetry": Options(local_times=LocalTimes.ALWAYS),
-    "partial order, all": Options(partial_order=True, symmetry=False),
+    "partial order, all": Options(partial_order=True).off("symmetry"),
     "depth first, passing": Options(order=SearchOrder.DFS, passing=8),
     "by progress": Options(order=SearchOrder.PROGRESS),
     "shortest": Options(shortest=True),

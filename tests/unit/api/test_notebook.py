@@ -15,7 +15,7 @@ FISCHER = Path(__file__).parents[3] / "models/classics/fischer.ta"
 
 @pytest.fixture(scope="module")
 def report() -> tachk.Report:
-    return tachk.load(FISCHER, N=2, WAIT=9).verify(options=tachk.Options(symmetry=False))
+    return tachk.load(FISCHER, N=2, WAIT=9).verify(options=tachk.Options().off("symmetry"))
 
 
 def test_a_model_is_a_picture_with_its_constants() -> None:

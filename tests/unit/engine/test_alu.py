@@ -14,7 +14,7 @@ MODEL = data_root() / "models" / "classics" / "single_sign_on.ta"
 
 
 def stored(query: str, alu: bool, options: Options = Options()) -> tuple[str, int]:
-    chosen = replace(options, alu=alu, merging=False, symmetry=False, local_times=LocalTimes.NEVER)
+    chosen = replace(options.off("merging", "symmetry").switched(alu, "alu"), local_times=LocalTimes.NEVER)
     (verdict,) = tachk.load(MODEL).verify(query, options=chosen, trace=False).record.verdicts
     return verdict.answer.value, verdict.statistics.states_stored
 

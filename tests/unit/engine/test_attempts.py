@@ -35,7 +35,7 @@ system P;
 """
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
-ALL_STATES = Options(symmetry=False, local_times=LocalTimes.NEVER, without=frozenset({"unblocked", "sliced"}))
+ALL_STATES = Options(local_times=LocalTimes.NEVER).off("unblocked", "sliced", "symmetry")
 
 
 def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = None) -> Verdict:
@@ -49,7 +49,7 @@ def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
     assert attempts.STORED <= found.statistics.states_stored < attempts.STORED + 2000
     assert found.trace is not None
     more = Limits(states=3 * attempts.STORED)
-    assert verdict(REACHED, replace(ALL_STATES, attempts=False), more).answer is Answer.UNKNOWN
+    assert verdict(REACHED, ALL_STATES.off("attempts"), more).answer is Answer.UNKNOWN
 
 
 def test_the_time_of_both_searches_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,7 +75,7 @@ def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: py
 
     monkeypatch.setattr(attempts, "STORED", 100)
     monkeypatch.setattr(attempts, "encode", noting)
-    found = verdict(REACHED, replace(ALL_STATES, symmetry=True))
+    found = verdict(REACHED, ALL_STATES.on("symmetry"))
     assert found.answer is Answer.HOLDS and found.statistics.interchangeable == 7
     assert searched and all(not program.interchangeable for program in searched)
 
@@ -85,7 +85,7 @@ def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: py
     [
         replace(ALL_STATES, order=SearchOrder.BFS),
         replace(ALL_STATES, shortest=True),
-        replace(ALL_STATES, attempts=False),
+        ALL_STATES.off("attempts"),
     ],
     ids=["breadth first", "shortest", "off"],
 )
@@ -122,7 +122,7 @@ def test_a_deadlock_that_only_seems_to_be_found_does_not_count(monkeypatch: pyte
     monkeypatch.setattr(attempts, "STORED", 5)
     text = COUNTERS.replace("N = 7", "N = 5").replace("system P;", SEEMINGLY_STUCK)
     (found,) = tachk.loads(text).verify("E<> deadlock", options=ALL_STATES)
-    (plain,) = tachk.loads(text).verify("E<> deadlock", options=replace(ALL_STATES, attempts=False))
+    (plain,) = tachk.loads(text).verify("E<> deadlock", options=ALL_STATES.off("attempts"))
     assert found.answer is plain.answer is Answer.FAILS
 
 
@@ -170,8 +170,8 @@ def alarms(options: Options = ALL_STATES, limits: Limits | None = None, rung: st
 def test_one_order_is_enough_where_time_cannot_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attempts, "STORED", 500)
     assert alarms(limits=Limits(states=1000)).answer is Answer.FAILS
-    assert alarms(replace(ALL_STATES, attempts=False), Limits(states=1000)).answer is Answer.UNKNOWN
-    assert alarms(replace(ALL_STATES, attempts=False), Limits(states=5000)).statistics.states_stored == 2**12
+    assert alarms(ALL_STATES.off("attempts"), Limits(states=1000)).answer is Answer.UNKNOWN
+    assert alarms(ALL_STATES.off("attempts"), Limits(states=5000)).statistics.states_stored == 2**12
     monkeypatch.setattr(attempts, "FIRST_IN_ONE_ORDER", 4)
     monkeypatch.setattr(attempts, "EXPLORED_IN_ONE_ORDER", 8)
     assert alarms(limits=Limits(states=1000)).answer is Answer.UNKNOWN
@@ -179,7 +179,7 @@ def test_one_order_is_enough_where_time_cannot_pass(monkeypatch: pytest.MonkeyPa
 
 def test_run_time_errors_are_met_in_one_order_and_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(attempts, "STORED", 500)
-    for options in (ALL_STATES, replace(ALL_STATES, attempts=False)):
+    for options in (ALL_STATES, ALL_STATES.off("attempts")):
         found = alarms(options, rung="me == N ? 2 : 1")
         assert (found.answer, found.reason) == (Answer.UNKNOWN, "run-time error")
 

@@ -83,7 +83,7 @@ def test_a_path_that_the_others_do_not_allow_decides_nothing() -> None:
 @pytest.mark.parametrize("leaves", ["to Q { guard y >= 1; }", ""])
 def test_answers_are_those_of_the_whole(leaves: str, monkeypatch: pytest.MonkeyPatch) -> None:
     model = tachk.loads(MODEL.replace("LEAVES", leaves))
-    (whole,) = model.verify(options=Options(without=frozenset({"unblocked", "sliced"})))
+    (whole,) = model.verify(options=Options().off("unblocked", "sliced"))
     monkeypatch.setattr(over_approximations, "WORTH_CARRYING_OVER", 0)
     (carried,) = model.verify()
     assert (carried.answer, carried.trace is None) == (whole.answer, whole.trace is None)

@@ -12,10 +12,7 @@ from tachk.engine.options import LocalTimes, Options
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer
 
-ALWAYS, NEVER = (
-    Options(local_times=each, without=frozenset({"unblocked", "sliced"}))
-    for each in (LocalTimes.ALWAYS, LocalTimes.NEVER)
-)
+ALWAYS, NEVER = (Options(local_times=each).off("unblocked", "sliced") for each in (LocalTimes.ALWAYS, LocalTimes.NEVER))
 
 LATE = "process Q() {{ clock y; init location A {{ invariant y <= 5; to B {{ guard y >= 4; {} }} }} location B {{}} }}"
 """A process that does something at time 4 or 5."""
@@ -240,7 +237,7 @@ LAMPS = """
 
 def test_the_choice_is_not_made_where_it_takes_much_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tachk.engine.local_times._MUCH_MEMORY", 100_000)
-    (found,) = tachk.loads(LAMPS).verify("A[] true", options=Options(merging=False))
+    (found,) = tachk.loads(LAMPS).verify("A[] true", options=Options().off("merging"))
     assert found.answer is Answer.HOLDS
     assert not found.statistics.local_times
 

@@ -45,7 +45,7 @@ def verdict(model: tachk.Model, query: str, options: Options) -> Verdict:
 
 
 def options(merging: bool, order: SearchOrder = SearchOrder.AUTO) -> Options:
-    return Options(merging=merging, order=order, symmetry=False, local_times=LocalTimes.NEVER)
+    return Options(order=order, local_times=LocalTimes.NEVER).off("symmetry").switched(merging, "merging")
 
 
 @pytest.fixture

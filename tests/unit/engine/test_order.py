@@ -14,7 +14,7 @@ from tachk.engine.outcome import Statistics
 def searched(model: str, name: str, order: SearchOrder, limits: Limits | None = None, **constants: int) -> Statistics:
     report = tachk.load(data_root() / "models" / "classics" / model, **constants).verify(
         property=name,
-        options=Options(order=order, symmetry=False, local_times=LocalTimes.NEVER),
+        options=Options(order=order, local_times=LocalTimes.NEVER).off("symmetry"),
         limits=limits,
         trace=False,
     )

@@ -19,7 +19,7 @@ def export(text: str) -> TCheckerModel:
 
 def states(text: str, name: str) -> tuple[int, int]:
     model = api.Model(load_model(Source(name, text)), name)
-    report = model.verify("E<> false", limits=Limits(states=50_000), options=Options(hold_spectators=False))
+    report = model.verify("E<> false", limits=Limits(states=50_000), options=Options().off("cone"))
     statistics = report[0].statistics
     return statistics.states_stored, statistics.transitions
 

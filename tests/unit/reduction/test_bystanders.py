@@ -121,7 +121,7 @@ def test_updates_that_nothing_needs_are_left_out_with_them() -> None:
 def test_verdicts_are_those_of_the_whole_network(query: str, tmp_path: Path) -> None:
     model = written(MODEL, tmp_path)
     (quick,) = model.verify(query)
-    (whole,) = model.verify(query, options=Options(without=frozenset({"unblocked", "sliced"}), hold_spectators=False))
+    (whole,) = model.verify(query, options=Options().off("unblocked", "sliced", "cone"))
     assert quick.answer is whole.answer
     assert (quick.trace is None) is (whole.trace is None)
 

@@ -158,7 +158,7 @@ def test_published_models_are_decided_with_less_known(
     model = tachk.load(CLASSICS / f"{name}.ta", **constants)
     (verdict,) = model.verify(property=query, limits=Limits(states=30_000))
     assert (verdict.answer.value, verdict.statistics.less_known) == ("holds", (variable,))
-    (verdict,) = model.verify(property=query, limits=Limits(states=30_000), options=Options(symmetry=False))
+    (verdict,) = model.verify(property=query, limits=Limits(states=30_000), options=Options().off("symmetry"))
     assert (verdict.answer.value, verdict.reason) == ("unknown", "state limit")
 
 
@@ -175,7 +175,7 @@ def test_what_is_unreachable_with_less_known_is_unreachable() -> None:
     for seed in range(18):
         case = random_counted_case(Random(seed))
         model = tachk.loads(case.text)
-        for verdict in model.verify(*case.queries, limits=Limits(states=2000), options=Options(symmetry=False)):
+        for verdict in model.verify(*case.queries, limits=Limits(states=2000), options=Options().off("symmetry")):
             assert verdict.query.target is not None
             found = with_less_known(model.network, [verdict.query.target])
             if found is None or verdict.reason == "state limit":

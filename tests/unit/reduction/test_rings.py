@@ -125,7 +125,7 @@ def test_a_ring_of_a_prime_number_divides_what_is_stored() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "dining_philosophers.ta", N=5)
     stored = []
     for symmetry in (True, False):
-        options = Options(symmetry=symmetry, merging=False, local_times=LocalTimes.NEVER)
+        options = Options(local_times=LocalTimes.NEVER).off("merging").switched(symmetry, "symmetry")
         (verdict,) = model.verify(property="neighbours", options=options)
         assert verdict.answer.value == "holds"
         stored.append(verdict.statistics.states_stored)
@@ -157,7 +157,9 @@ def test_a_ring_is_turned_over_local_times_too() -> None:
     queries = ("E<> false", "E<> exists (i : seat_t) Philosopher(i).eating && Philosopher((i + 2) % N).done")
     stored = []
     for symmetry in (True, False):
-        none, some = model.verify(*queries, options=Options(symmetry=symmetry, local_times=LocalTimes.ALWAYS))
+        none, some = model.verify(
+            *queries, options=Options(local_times=LocalTimes.ALWAYS).switched(symmetry, "symmetry")
+        )
         assert (none.answer.value, some.answer.value) == ("fails", "holds")
         assert some.trace is not None
         stored.append(none.statistics.states_stored)
@@ -184,7 +186,7 @@ def test_clocks_of_two_neighbours_keep_their_places_over_local_times() -> None:
     model = tachk.loads(text)
     assert ring_sizes(text=text) == [3]
     (local,) = model.verify(options=Options(local_times=LocalTimes.ALWAYS))
-    (plain,) = model.verify(options=Options(symmetry=False, local_times=LocalTimes.NEVER))
+    (plain,) = model.verify(options=Options(local_times=LocalTimes.NEVER).off("symmetry"))
     assert local.answer == plain.answer
     assert local.statistics.local_times
     assert not plain.statistics.local_times

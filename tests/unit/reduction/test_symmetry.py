@@ -165,7 +165,7 @@ def test_a_run_time_error_of_another_one_may_not_depend_on_it_either(order: str,
     """The invariant of the other one is looked at where that of the first one before it is not yet false."""
     text = f"{BETWEEN} system {order};"
     assert found(text=text)[0] == sizes
-    for options in (tachk.Options(), tachk.Options(symmetry=False)):
+    for options in (tachk.Options(), tachk.Options().off("symmetry")):
         (verdict,) = tachk.loads(text).verify("E<> m == 1 && Other.x > 3 && n == 0", options=options)
         assert (verdict.answer.value, verdict.fault is not None) == (answer, answer == "unknown")
 
@@ -292,7 +292,7 @@ def test_processes_without_numbers_are_interchangeable_with_their_own_globals() 
 )
 def test_arrays_queues_and_pairs_of_processes_are_exchanged(model: str, constants: dict[str, int], stored: int) -> None:
     loaded = tachk.load(data_root() / "models" / "classics" / f"{model}.ta", **constants)
-    verdict = next(iter(loaded.verify(trace=False, options=tachk.Options(merging=False))))
+    verdict = next(iter(loaded.verify(trace=False, options=tachk.Options().off("merging"))))
     assert (verdict.answer.value, verdict.statistics.states_stored) == ("holds", stored)
 
 
@@ -363,7 +363,7 @@ def test_equal_processes_are_told_from_others(edges: str, query: str) -> None:
     """
     model = tachk.loads(text)
     (one,) = model.verify(query, trace=False)
-    (other,) = model.verify(query, options=tachk.Options(symmetry=False), trace=False)
+    (other,) = model.verify(query, options=tachk.Options().off("symmetry"), trace=False)
     assert (one.answer, one.statistics.interchangeable) == (other.answer, 3)
 
 

@@ -52,7 +52,9 @@ process P() { init location a { to c; to a { guard n < 500; assign n++; } } loca
 system P;
 property back : P.c && n == 2 --> P.a;
 """
-    early, late = (verdicts(text, options=Options(attempts=attempts))["back"] for attempts in (True, False))
+    early, late = (
+        verdicts(text, options=Options().switched(attempts, "attempts"))["back"] for attempts in (True, False)
+    )
     assert early.answer is late.answer is Answer.FAILS
     assert early.statistics.states_explored < 50 < 500 < late.statistics.states_explored
     assert early.trace is not None and len(early.trace.steps) == 3

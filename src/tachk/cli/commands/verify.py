@@ -129,12 +129,16 @@ _DEFAULT = Options()
     "them are explored more than once. No effect with --trace shortest, --max-depth or deadlock.",
 )
 @click.option(
-    "symmetry",
-    "--symmetry/--no-symmetry",
-    default=_DEFAULT.symmetry,
-    show_default=True,
-    help="Explore one state for all that differ only in which of several interchangeable processes is which. `tachk "
-    "check --deep` tells which are, and why others are not.",
+    "without",
+    "--without",
+    metavar="NAME,...",
+    multiple=True,
+    callback=lambda context, parameter, values: frozenset(
+        name for value in values for name in value.split(",") if name
+    ),
+    help="Do not use these ways to save states; answers stay the same. symmetry: explore one state for all that differ "
+    "only in which of several interchangeable processes is which; cone: hold processes still that cannot influence the "
+    "answer; and the strategies that reports name, such as unblocked. A name that there is not lists all.",
 )
 @click.option(
     "--local-times",
@@ -150,7 +154,7 @@ _DEFAULT = Options()
     is_flag=True,
     help="Where time cannot pass, explore one order of independent actions, not each of them. No effect with "
     "--trace shortest, --max-depth, --pass-committed, deadlock, priorities, stopwatches, interchangeable processes "
-    "(but for --no-symmetry), or where the search is over local times.",
+    "(but for --without symmetry), or where the search is over local times.",
 )
 @click.option(
     "threads",

@@ -21,7 +21,7 @@ from tachk.verify.certificates import Checker, Proof, check_proof, find_proof
 MODELS = data_root() / "models"
 
 
-PLAIN = Options(symmetry=False)
+PLAIN = Options().off("symmetry")
 """A certificate tells all states then, not one for all that exchanges make of it."""
 
 

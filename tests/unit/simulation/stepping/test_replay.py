@@ -187,7 +187,7 @@ def test_runs_that_are_written_are_replayed() -> None:
 
 def _counterexample(wait: int = 9) -> tuple[dict[str, object], Network, TimedTrace]:
     model = tachk.load(FISCHER, N=2, WAIT=wait)
-    report = model.verify(property="mutual_exclusion", options=tachk.Options(symmetry=False))
+    report = model.verify(property="mutual_exclusion", options=tachk.Options().off("symmetry"))
     document = json.loads(json.dumps(runs_to_json([report.record])))
     trace = report["mutual_exclusion"].trace
     assert trace is not None
