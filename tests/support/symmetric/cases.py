@@ -64,6 +64,7 @@ _QUERIES = (
     "A[] not deadlock",
     "E<> length == 2 && queue[0] != queue[1]",
     "E<> P(1).x > 3 && P(2).x < 1",
+    "A[] not ((P(1).L1 || owner == 1) && (P(2).L1 xor owner == 2))",
 )
 
 
