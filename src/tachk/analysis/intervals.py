@@ -23,7 +23,7 @@ from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import Call, Constant, Expression, Function, Variable
 from tachk.model.remembered import by_part
 from tachk.model.traversal import statement_expressions, written_variables
-from tachk.model.types import ArrayType, RecordType, ScalarLike, Type, cell_count, leaves
+from tachk.model.types import ArrayType, RecordType, ScalarLike, Type, VoidType, cell_count
 
 Interval = tuple[int, int]
 Cells = tuple[Interval, ...]
@@ -305,9 +305,15 @@ def _called(
 
 def _declared(type_: Type) -> Cells:
     """The ranges of the cells of a type."""
-    if isinstance(type_, ScalarLike):
-        return (cell_range(type_),)
-    return tuple(cell_range(leaf) for _, leaf in leaves(type_))
+    match type_:
+        case ArrayType(element):
+            return _declared(element) * type_.size
+        case RecordType(_, fields):
+            return tuple(cell for _, inner in fields for cell in _declared(inner))
+        case VoidType():
+            return ()
+        case _:
+            return (cell_range(type_),)
 
 
 def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
