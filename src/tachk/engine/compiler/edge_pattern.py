@@ -1,20 +1,22 @@
 """Edges for many values of a select variable, compiled once and copied with other constants.
 
-A select variable of a wide range gives one edge for each value. Where the value is only an operand beside something
-that depends on the state, as in ``i == n + 1``, or is assigned, as in ``n = i``, all these edges have the same form and
-differ in constants. Two of them are compiled; where they differ in nothing but the two values, the others are copies.
-Whatever is of another kind is not a pattern, and each value is compiled on its own.
+A select variable of a wide range gives one edge for each value. Where a linear term of the value is only an operand
+beside something that depends on the state, as in ``2 * i == n + 1``, or is assigned, as in ``n = i``, the edges have
+the same form and differ in constants, up to the values at which the range of a variable decides something. Of each such
+range of values three edges are compiled; where they differ in linear terms only, the others are copies. Whatever is of
+another kind is not a pattern, and each value is compiled on its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 
 from tachk.analysis.conditions import conjuncts
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, is_integer
 from tachk.base.job import check_job
-from tachk.base.operators import COMPARISONS, CONNECTIVES
+from tachk.base.operators import CONNECTIVES, BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.engine.compiler.assembler import Assembler
 from tachk.engine.compiler.program import NO_CODE, Condition, ProgramEdge, Test, Update
@@ -47,19 +49,30 @@ class CompiledEdge:
 
 
 @dataclass(frozen=True, slots=True)
+class LinearTerm:
+    """``slope * value + offset``"""
+
+    slope: int
+    offset: int
+
+    def of(self, value: int) -> int:
+        return self.slope * value + self.offset
+
+
+@dataclass(frozen=True, slots=True)
 class EdgePattern:
-    """What the edges for all values of the last select variable have in common.
+    """What the edges for some values of the last select variable have in common.
 
     Attributes:
         sample: the edge for one value.
-        tests, stores, words: the numbers of those that hold the value: tests of the guard, stores of the update, words
-            of the code.
+        tests, stores, words: what the numbers are that depend on the value: by the places of the tests of the guard, of
+            the stores of the update, and of the words of the code.
     """
 
     sample: CompiledEdge
-    tests: frozenset[int]
-    stores: frozenset[int]
-    words: tuple[int, ...]
+    tests: Mapping[int, LinearTerm]
+    stores: Mapping[int, LinearTerm]
+    words: Mapping[int, LinearTerm]
 
     def copy(self, selects: tuple[int, ...], assembler: Assembler) -> ProgramEdge:
         """The edge for other values, whose code is appended."""
@@ -67,14 +80,15 @@ class EdgePattern:
         edge, value, piece = self.sample.edge, selects[-1], self.sample.piece
         start = len(assembler.code)
         if piece.code:
-            assembler.append(piece, dict.fromkeys(self.words, value))
+            assembler.append(piece, {place: term.of(value) for place, term in self.words.items()})
         guard, update = edge.guard, edge.update
         tests = tuple(
-            Test(test.slot, test.comparison, value) if number in self.tests else test
+            Test(test.slot, test.comparison, self.tests[number].of(value)) if number in self.tests else test
             for number, test in enumerate(guard.tests)
         )
         stores = tuple(
-            (slot, value if number in self.stores else stored) for number, (slot, stored) in enumerate(update.stores)
+            (slot, self.stores[number].of(value) if number in self.stores else stored)
+            for number, (slot, stored) in enumerate(update.stores)
         )
         return ProgramEdge(
             edge.process,
@@ -90,28 +104,42 @@ class EdgePattern:
         )
 
 
-def pattern_of(one: CompiledEdge, other: CompiledEdge) -> EdgePattern | None:
-    """The pattern of two edges that differ in the last of their selected values; None if they differ otherwise."""
+def pattern_of(one: CompiledEdge, other: CompiledEdge, last: CompiledEdge) -> EdgePattern | None:
+    """The pattern of edges that differ in the last of their selected values, of which the second is one more than the
+    first; None if they differ otherwise."""
     edge = one.edge
     if edge.channel_code != NO_CODE or edge.guard.flow:
         return None
     for each in edge.guard.constraints:
         if any(code != NO_CODE for code in (each.bound_code, each.condition, each.left_code, each.right_code)):
             return None
-    code, others = one.piece.code, other.piece.code
-    if len(code) != len(others):
-        return None
-    tests, other_tests = edge.guard.tests, other.edge.guard.tests
-    stores, other_stores = edge.update.stores, other.edge.update.stores
+    value = edge.selects[-1]
+    assert other.edge.selects[-1] == value + 1
     pattern = EdgePattern(
         one,
-        frozenset(n for n, (test, second) in enumerate(zip(tests, other_tests, strict=False)) if test != second),
-        frozenset(n for n, (store, second) in enumerate(zip(stores, other_stores, strict=False)) if store != second),
-        tuple(n for n, (word, second) in enumerate(zip(code, others, strict=True)) if word != second),
+        _terms([test.constant for test in edge.guard.tests], [test.constant for test in other.edge.guard.tests], value),
+        _terms([stored for _, stored in edge.update.stores], [stored for _, stored in other.edge.update.stores], value),
+        _terms(one.piece.code, other.piece.code, value),
     )
+    same = all(_is_copy(pattern, each) for each in (other, last))
+    return pattern if same else None
+
+
+def _terms(one: Sequence[int], other: Sequence[int], value: int) -> dict[int, LinearTerm]:
+    """The terms for the numbers that differ, by their places."""
+    return {
+        place: LinearTerm(second - first, first - (second - first) * value)
+        for place, (first, second) in enumerate(zip(one, other, strict=False))
+        if first != second
+    }
+
+
+def _is_copy(pattern: EdgePattern, compiled: CompiledEdge) -> bool:
+    if len(pattern.sample.piece.code) != len(compiled.piece.code):
+        return False
     again = Assembler()
-    same = pattern.copy(other.edge.selects, again) == other.edge and again.code == others
-    return pattern if same and again.sites == other.piece.sites else None
+    same = pattern.copy(compiled.edge.selects, again) == compiled.edge
+    return same and again.code == compiled.piece.code and again.sites == compiled.piece.sites
 
 
 def _moved(position: int, by: int) -> int:
@@ -121,26 +149,29 @@ def _moved(position: int, by: int) -> int:
 # ---- where the value makes no other difference ----------------------------------------------------------------------
 
 
-def uniform_values(edge: Edge, variable: Variable, known: Known, layout: SlotLayout) -> range:
-    """The values of a select variable for which the compiled edges have the same form; those of other select variables
-    are known. Conservative: values may be left out, or all."""
+def uniform_ranges(edge: Edge, variable: Variable, known: Known, layout: SlotLayout) -> list[range]:
+    """All values of a select variable, in order, in ranges in each of which the compiled edges have the same form.
+
+    The values of other select variables are known. Conservative: empty where nothing is known of the form.
+    """
     low, high = cell_range(variable.type)
     guard = [] if edge.guard is None else list(conjuncts(fold(edge.guard, known)))
     updates = [fold(update, known) for update in edge.updates]
     if edge.synchronisation is not None and _mentions(edge.synchronisation.channel, variable):
-        return range(0)
+        return []
     if not all(map(_is_plain, guard)) or not all(map(_is_plain_update, updates)):
-        return range(0)
+        return []
+    if any(_mentions(part, variable) and (reads_clock(part) or can_fail(part, known)) for part in guard):
+        return []
+    cuts = {low, high + 1}
     for part in (*guard, *updates):
         if not _mentions(part, variable):
             continue
-        uses = _uses(part, variable, layout)
-        if uses is None:
-            return range(0)
-        low, high = max([low, *(first for first, _ in uses)]), min([high, *(last for _, last in uses)])
-    if any(_mentions(part, variable) and (reads_clock(part) or can_fail(part, known)) for part in guard):
-        return range(0)
-    return range(low, high + 1)
+        found = _cuts(part, variable, layout)
+        if found is None:
+            return []
+        cuts |= {cut for cut in found if low < cut <= high}
+    return [range(first, after) for first, after in pairwise(sorted(cuts))]
 
 
 def _mentions(expression: Expression, variable: Variable) -> bool:
@@ -163,29 +194,88 @@ def _is_plain_update(update: Expression) -> bool:
     return isinstance(update, Increment) and _is_plain(update.target)
 
 
-def _uses(part: Expression, variable: Variable, layout: SlotLayout) -> Sequence[tuple[int, int]] | None:
-    """For each place where a variable stands the values for which nothing there can be known beforehand; None if it
-    stands where its value may decide the form of the code."""
-
-    def is_it(expression: Expression) -> bool:
-        return isinstance(expression, Reference) and expression.variable is variable
-
+def _cuts(part: Expression, variable: Variable, layout: SlotLayout) -> list[int] | None:
+    """The values of a variable from which on the range of what its terms are compared with or assigned to may decide
+    otherwise than before; None if it stands where its value may decide the form of the code."""
     if isinstance(part, Assign) and (not is_integer(part.target.type) or layout.known_slot(part.target) is None):
         return None
-    found: list[tuple[int, int]] = []
+    found: list[int] = []
+    seen = 0
+    for node, term, other in _operands(part, variable):
+        if isinstance(other, Constant) or _mentions(other, variable):
+            return None
+        seen += _count(node, variable)
+        if isinstance(part, Assign) and other is part.target:
+            slot = layout.known_slot(other)
+            assert slot is not None
+            cell = layout.slots[slot]
+            found += _crossings(term, (cell.low, cell.high + 1))
+        else:
+            slot = layout.known_slot(other)
+            if slot is not None:
+                cell = layout.slots[slot]
+                found += _crossings(term, (cell.low, cell.low + 1, cell.high, cell.high + 1))
+    return found if seen == _count(part, variable) else None
+
+
+def _operands(part: Expression, variable: Variable) -> Iterator[tuple[Expression, LinearTerm, Expression]]:
+    """The largest linear terms of the variable in a condition or an update, each with what stands beside it."""
     for node in walk(part):
         match node:
-            case Binary(operator, left, right) if is_it(left) != is_it(right) and operator not in CONNECTIVES:
-                other = right if is_it(left) else left
-                if isinstance(other, Constant) or _mentions(other, variable):
-                    return None
-                slot = layout.known_slot(other) if operator in COMPARISONS else None
-                cell = None if slot is None else layout.slots[slot]
-                found.append((-(2**31), 2**31 - 1) if cell is None else (cell.low + 1, cell.high - 1))
-            case Assign(target, value) if is_it(value):
-                slot = layout.known_slot(target)
-                assert slot is not None
-                found.append((layout.slots[slot].low, layout.slots[slot].high))
+            case Binary(operator, left, right) if operator not in CONNECTIVES and linear_term(node, variable) is None:
+                for one, other in ((left, right), (right, left)):
+                    term = linear_term(one, variable)
+                    if term is not None and term.slope != 0:
+                        yield one, term, other
+            case Assign(target, value):
+                term = linear_term(value, variable)
+                if term is not None and term.slope != 0:
+                    yield value, term, target
             case _:
                 pass
-    return found if len(found) == sum(map(is_it, walk(part))) else None
+
+
+def _count(expression: Expression, variable: Variable) -> int:
+    return sum(isinstance(node, Reference) and node.variable is variable for node in walk(expression))
+
+
+def _crossings(term: LinearTerm, limits: Sequence[int]) -> Iterator[int]:
+    """The values from which on the term is on the other side of each limit, which counts as above."""
+    for limit in limits:
+        distance = limit - term.offset
+        yield -(-distance // term.slope) if term.slope > 0 else distance // term.slope + 1
+
+
+def linear_term(expression: Expression, variable: Variable) -> LinearTerm | None:
+    """An expression of the variable and constants as a linear term of it. None for any other, and where some value on
+    the way may need more than 32 bits."""
+    low, high = cell_range(variable.type)
+    match expression:
+        case Constant(value=offset):
+            found = LinearTerm(0, offset)
+        case Reference() if expression.variable is variable:
+            found = LinearTerm(1, 0)
+        case Unary(UnaryOperator.MINUS, operand):
+            inner = linear_term(operand, variable)
+            if inner is None:
+                return None
+            found = LinearTerm(-inner.slope, -inner.offset)
+        case Binary(operator, left, right) if operator in _LINEAR:
+            one, other = linear_term(left, variable), linear_term(right, variable)
+            if one is None or other is None or (operator is BinaryOperator.MULTIPLY and one.slope and other.slope):
+                return None
+            found = _combined(operator, one, other)
+        case _:
+            return None
+    return found if all(-(2**31) <= found.of(end) < 2**31 for end in (low, high)) else None
+
+
+_LINEAR = frozenset({BinaryOperator.ADD, BinaryOperator.SUBTRACT, BinaryOperator.MULTIPLY})
+
+
+def _combined(operator: BinaryOperator, one: LinearTerm, other: LinearTerm) -> LinearTerm:
+    if operator is BinaryOperator.MULTIPLY:
+        slope = one.slope * other.offset + other.slope * one.offset
+        return LinearTerm(slope, one.offset * other.offset)
+    sign = 1 if operator is BinaryOperator.ADD else -1
+    return LinearTerm(one.slope + sign * other.slope, one.offset + sign * other.offset)

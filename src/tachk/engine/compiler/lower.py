@@ -27,7 +27,7 @@ from tachk.engine.compiler.bounds import (
 from tachk.engine.compiler.clock_updates import ClockUpdates
 from tachk.engine.compiler.codegen import CodeGenerator
 from tachk.engine.compiler.condition_code import ConditionCompiler
-from tachk.engine.compiler.edge_pattern import CompiledEdge, EdgePattern, pattern_of, uniform_values
+from tachk.engine.compiler.edge_pattern import CompiledEdge, EdgePattern, pattern_of, uniform_ranges
 from tachk.engine.compiler.features import rate_of
 from tachk.engine.compiler.goal import ObservedByGoal, compile_goal
 from tachk.engine.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
@@ -56,6 +56,8 @@ MAXIMAL_EDGES = 1_000_000
 MAXIMAL_DIAGONALS = 1024
 WIDE_SELECT = 32
 """A select variable with more values is looked at for a pattern of its edges."""
+_FEW_VALUES = 4
+"""So many values of one form are compiled on their own."""
 
 
 def lower(
@@ -280,27 +282,30 @@ class _Lowering:
             low, high = cell_range(variable.type)
             if high - low >= MAXIMAL_EDGES:
                 raise _too_many_edges(edge.spans[0])
-            uniform, pattern = range(0), None
+            ranges = []
             if len(chosen) + 1 == len(edge.selects) and high - low >= WIDE_SELECT:
-                uniform = uniform_values(edge, variable, bound, self.layout)
-                pattern = self._pattern(process, number, edge, chosen, bound, uniform)
-            for value in range(low, high + 1):
-                if pattern is not None and value in uniform:
-                    yield (*chosen, value), bound, pattern
-                    continue
-                inner = bound.with_bound(variable, value)
-                yield from expand((*chosen, value), None if guard is None else fold(guard, inner), inner)
+                ranges = uniform_ranges(edge, variable, bound, self.layout)
+            for values in ranges or [range(low, high + 1)]:
+                pattern = self._pattern(process, number, edge, chosen, bound, values) if ranges else None
+                for value in values:
+                    if pattern is not None:
+                        yield (*chosen, value), bound, pattern
+                        continue
+                    inner = bound.with_bound(variable, value)
+                    yield from expand((*chosen, value), None if guard is None else fold(guard, inner), inner)
 
         yield from expand((), guard, known)
 
     def _pattern(
-        self, process: int, number: int, edge: Edge, chosen: tuple[int, ...], known: Known, uniform: range
+        self, process: int, number: int, edge: Edge, chosen: tuple[int, ...], known: Known, values: range
     ) -> EdgePattern | None:
         """The pattern of the edges for these values of the last select variable, if they have one; notes the clock
         bounds of them all."""
+        if len(values) <= _FEW_VALUES:
+            return None
         samples = []
         bounds = []
-        for value in uniform[len(uniform) // 2 :][:2]:
+        for value in (values[0], values[1], values[-1]):
             assembler, self.generator.assembler = self.generator.assembler, Assembler()
             try:
                 inner = known.with_bound(edge.selects[-1], value)
@@ -312,9 +317,7 @@ class _Lowering:
                 return None
             samples.append(CompiledEdge(found[0], piece))
             bounds.append(found[1])
-        if len(samples) < 2 or bounds[0] != bounds[1]:
-            return None
-        pattern = pattern_of(*samples)
+        pattern = pattern_of(samples[0], samples[1], samples[2]) if bounds[0] == bounds[1] == bounds[2] else None
         if pattern is not None:
             self.bound_edges[process].append(bounds[0])
         return pattern
