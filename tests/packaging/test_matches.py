@@ -63,6 +63,7 @@ REASONS = {
         "analysis/divisors._divisor",
         "analysis/failures._assumed_fails",
         "analysis/fold.cannot_fail",
+        "engine/compiler/edge_pattern.linear_term",
         "engine/compiler/hybrid.is_affine",
         "analysis/intervals.arithmetic",
         "frontend/dropped.is_harmless",
