@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
+from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.query import Query
@@ -72,6 +73,7 @@ class Estimable:
     path: str
     loaded: LoadedModel
 
+    @checked_arguments
     def estimate(
         self,
         *queries: str,

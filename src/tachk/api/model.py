@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from tachk.api.estimating import Estimable, answers_among, share_of_searches
+from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.base.job import Progress, current_job, followed, limited
 from tachk.base.span import Source
@@ -70,6 +71,7 @@ __all__ = [
 ]
 
 
+@checked_arguments
 def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
     """Reads and instantiates a model.
 
@@ -86,6 +88,7 @@ def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
     return Model(load_model(path, constants), os.fspath(path), tuple(constants))
 
 
+@checked_arguments
 def loads(text: str, /, **constants: int | bool | str) -> Model:
     """Reads and instantiates a model from its text, in tachk's language or UPPAAL's XML.
 
@@ -94,6 +97,7 @@ def loads(text: str, /, **constants: int | bool | str) -> Model:
     return Model(load_model(Source("<text>", text), constants), "<text>", tuple(constants))
 
 
+@checked_arguments
 def conform(
     model: Model | str | os.PathLike[str],
     recording: str | os.PathLike[str],
@@ -134,6 +138,7 @@ def conform(
     return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
 
 
+@checked_arguments
 def diff(before: Model | str | os.PathLike[str], after: Model | str | os.PathLike[str]) -> str:
     """What is different in the behaviour of two models, as `tachk diff` prints it; empty if nothing is. The values that
     constants were given when the models were loaded count.
@@ -148,6 +153,7 @@ def diff(before: Model | str | os.PathLike[str], after: Model | str | os.PathLik
     return print_difference(least_difference(first, second))
 
 
+@checked_arguments
 def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> Picture:
     """The picture of one template of a model, or of all of them together; see `tachk.report.pictures`.
 
@@ -165,6 +171,7 @@ def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> 
     return draw_path(model, template)
 
 
+@checked_arguments
 def export(model: Model, format: str, observers: bool = True) -> str:
     """A model as text for another program.
 
@@ -186,6 +193,7 @@ def export(model: Model, format: str, observers: bool = True) -> str:
     return export_model(model._written, wanted, Writing(model.definitions, observers=observers)).text
 
 
+@checked_arguments
 def random_network(seed: int = 0) -> Model:
     """A small random network, the same for the same seed: something to try a program on."""
     from random import Random
@@ -260,6 +268,7 @@ class Model(Estimable):
         """The constructs that tachk does not check: with any, every answer about the model is unknown."""
         return self.loaded.refusals
 
+    @checked_arguments
     def verify(
         self,
         *queries: str,
@@ -320,6 +329,7 @@ class Model(Estimable):
         )
         return Report(record)
 
+    @checked_arguments
     def time(
         self,
         start: str | None,
@@ -356,6 +366,7 @@ class Model(Estimable):
         asked = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
         return times_between(network, first, second, last, options or Options(), limits or Limits(), asked, trace)
 
+    @checked_arguments
     def check(
         self,
         limits: Limits | None = None,
@@ -377,6 +388,7 @@ class Model(Estimable):
         with followed(None if progress is None else lambda statistics, _: progress(statistics)):
             return deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits())
 
+    @checked_arguments
     def synthesize(
         self,
         *query: str,
@@ -427,6 +439,7 @@ class Model(Estimable):
             )
         return Synthesis(region, self.loaded.heading.time_unit)
 
+    @checked_arguments
     def sweep(
         self,
         *queries: str,
@@ -485,6 +498,7 @@ class Model(Estimable):
         job, compute = verification(self._written, grid.names, questions, *common), computing(processes, dask)
         return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, GridPart(*part), merge))
 
+    @checked_arguments
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.
 

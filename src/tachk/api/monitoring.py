@@ -10,6 +10,7 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
+from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.recordings.monitors.formulas import (
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from tachk.report.monitor.signal_plot import Plot
 
 
+@checked_arguments
 def monitor(
     formula: str | os.PathLike[str] | Sequence[str],
     trace: Any,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import StrEnum
 
+from tachk.base.arguments import check_argument
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 
@@ -248,10 +249,12 @@ class Limits:
     def __post_init__(self) -> None:
         for name in ("states", "seconds", "memory_bytes", "depth", "seconds_each"):
             value = getattr(self, name)
+            check_argument(name, value, "float | None" if name.startswith("seconds") else "int | None")
             if value is not None and not value >= 0:  # nan included
                 raise UsageError(f"the limit `{name}` is {value}, but it must be at least 0")
 
 
 def _check_range(name: str, value: int, low: int, high: int) -> None:
+    check_argument(name, value, "int")
     if not low <= value <= high:
         raise UsageError(f"`{name}` is {value}, but it must lie in [{low}, {high}]")

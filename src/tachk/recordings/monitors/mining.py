@@ -8,7 +8,7 @@ by one. A trace satisfies a formula unless it violates it, or leaves it open whe
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import lcm
@@ -34,6 +34,7 @@ from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.given_constants import constants_by_name
 from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.mined import Mined, MinedTrace
+from tachk.recordings.monitors.mined_ranges import given_ranges
 from tachk.recordings.monitors.monotone import Monotonicity, Occurrence, joint_effect, occurrences
 from tachk.recordings.monitors.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
 from tachk.recordings.monitors.reading import HeldValues
@@ -56,7 +57,7 @@ MOST_TRIED = 100_000
 def mine(
     formula: str | os.PathLike[str] | Sequence[NamedFormula],
     traces: Sequence[Any],
-    over: Mapping[str, tuple[float | str | Fraction, float | str | Fraction]],
+    over: str | Iterable[str] | Mapping[str, range | str | tuple[float | str | Fraction, float | str | Fraction]],
     *,
     step: float | str | Fraction | None = None,
     time: str | None = None,
@@ -70,13 +71,14 @@ def mine(
     if len(formulas) != 1:
         names = ", ".join(named.name for named in formulas)
         raise UsageError(f"one formula at a time, not {len(formulas)}: {names}", "choose one with --property")
-    if len(over) != 1:
-        names = ", ".join(over) or "none"
+    ranges = given_ranges(over)
+    if len(ranges) != 1:
+        names = ", ".join(ranges) or "none"
         raise UsageError(
-            f"one parameter is mined at a time, not {len(over)}: {names}",
+            f"one parameter is mined at a time, not {len(ranges)}: {names}",
             "give the others values with -D, as in -D C=5, and mine again for each of them",
         )
-    ((name, (least, greatest)),) = over.items()
+    ((name, (least, greatest)),) = ranges.items()
     low, high = _number(name, least), _number(name, greatest)
     if not low < high:
         raise UsageError(f"{name} has nothing between {low} and {high}", "the least value comes first")

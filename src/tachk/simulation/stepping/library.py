@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.engine.simulation.policy import Policy
 from tachk.engine.simulation.simulator import SimulationOptions
@@ -74,6 +75,7 @@ class Replay:
         return run_text(self.names, self.trace)
 
 
+@checked_arguments
 def simulate(
     model: HasNetwork | str | os.PathLike[str],
     runs: int = 1,
@@ -114,6 +116,7 @@ def simulate(
     return drawn_runs(network, drawing, range(first, first + runs), tuple(record), orders)
 
 
+@checked_arguments
 def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None = None) -> Replay:
     """Executes a run on a model, by the semantics that judges counterexamples.
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
@@ -57,6 +58,7 @@ class Measurement:
         return {setting.name: setting.in_units(milliseconds) for setting in self.recorded}
 
 
+@checked_arguments
 def measure(*files: str | Path, ports: Iterable[int] = ()) -> Measurement:
     """What captures of DDS-XRCE say of the parameters of clients, Agents and networks.
 

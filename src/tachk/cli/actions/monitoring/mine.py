@@ -13,10 +13,8 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.recordings.monitors.formulas import check_order
+from tachk.recordings.monitors.mined_ranges import named_ranges
 from tachk.recordings.traces.conventions import TraceEnding
-
-_NUMBER = r"-?\d+(?:\.\d+)?"
-_OVER = re.compile(rf"\s*(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +34,7 @@ class MineArguments:
 
 def run_mine(asked: MineArguments, reporting: Reporting = Reporting()) -> ExitStatus:
     """Finds the tightest value of a parameter."""
-    ranges: dict[str, tuple[str, str]] = {}
-    for over in asked.over:
-        match = _OVER.fullmatch(over)
-        if match is None:
-            raise UsageError(f"--over {over}: expected NAME=LOW..HIGH", "for example --over T=0..200")
-        if match["name"] in ranges:
-            raise UsageError(f"--over {match['name']} is given twice")
-        ranges[match["name"]] = (match["low"], match["high"])
+    ranges = named_ranges(asked.over, "--over")
     if asked.step is not None and re.fullmatch(r"\d*\.?\d+", asked.step) is None:
         raise UsageError(f"--step {asked.step}: expected a positive number")
     check_order(asked.formula, asked.traces[0])
