@@ -105,7 +105,7 @@ def _drawings(
         return
     reach = reach_of(asked.bound, network, program)
     steps = source.most_steps if reach.steps is None else reach.steps
-    until = reach.until or LATEST_TICK
+    until = LATEST_TICK if reach.until is None else reach.until
     drawing = SimulationOptions(
         source.seed, until, steps=steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
     )

@@ -181,3 +181,9 @@ def test_clock_guards_over_urgent_channels() -> None:
 def test_wrong_forms(query: str, said: str) -> None:
     with pytest.raises(tachk.InputError, match=said):
         tachk.loads(MODEL).estimate(query)
+
+
+def test_runs_that_last_no_time_end_at_once() -> None:
+    text = "process P() { init location A { to A; exponential_rate 1; } } system P;"
+    found = tachk.loads(f"int n; {text}").estimate("simulate [<=0; 2] {n}")[0]
+    assert [run.end for run in found.runs] == [0.0, 0.0]
