@@ -110,25 +110,6 @@ def statement_expressions(statement: Statement) -> Iterator[Expression]:
             yield condition
 
 
-def returned(statement: Statement) -> Iterator[Expression]:
-    """The expressions of the return statements inside a statement."""
-    match statement:
-        case Return(value):
-            if value is not None:
-                yield value
-        case Block(statements):
-            for inner in statements:
-                yield from returned(inner)
-        case If(_, then, otherwise):
-            yield from returned(then)
-            if otherwise is not None:
-                yield from returned(otherwise)
-        case While(_, body) | Iterate(_, body):
-            yield from returned(body)
-        case Evaluate() | Declare() | Assert():
-            return
-
-
 def denoted(place: Expression) -> Iterator[Reference | Index | Field]:
     """The places of which an assignable expression may denote one; none for a value that has no place."""
     match place:
