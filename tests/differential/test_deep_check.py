@@ -11,7 +11,9 @@ from random import Random
 import networkx as nx
 import pytest
 
+from tachk.analysis.edge_steps import steps_of
 from tachk.analysis.fold import known_values
+from tachk.analysis.recurrent_edges import lasting_edges, suspicious
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.operators import BinaryOperator
 from tachk.engine.compiler.lower import lower
@@ -25,11 +27,9 @@ from tachk.model.expressions import BOOL, Binary, Constant
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.run import TimedState, Transition
-from tachk.transform.doubled_edges import with_a_start
+from tachk.transform.doubled_edges import with_guessed_suffix
 from tachk.verify.semantic_lint.deep_check import deep_check
 from tachk.verify.semantic_lint.reached import unreached_locations
-from tachk.verify.semantic_lint.steps import steps_of
-from tachk.verify.semantic_lint.zeno import lasting_edges, suspicious
 from tachk.verify.semantic_lint.zeno_run import ZenoRun, find_zeno_run
 from tests.support import Shape, random_case
 from tests.support.oracles.avoiding_runs import Budget, LimitError, avoiding_run, build
@@ -170,7 +170,7 @@ def test_a_zeno_run_is_found_where_regions_have_one(shape: str) -> None:
 
 
 def _has_zeno_run(network: Network, edges: frozenset[tuple[int, int]]) -> bool | None:
-    doubled = with_a_start(network, edges)
+    doubled = with_guessed_suffix(network, edges)
     late = Binary(BinaryOperator.GREATER_EQUAL, doubled.clock, Constant(1), BOOL)
     model = prepare(doubled.network)
     try:

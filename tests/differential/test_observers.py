@@ -146,7 +146,7 @@ def test_an_observer_never_keeps_the_network_from_acting_and_never_delays_it(blo
         if query is None:
             continue
         watched += 1
-        alone, with_observer = prepare(network), prepare(observed(network, query.observer))
+        alone, with_observer = prepare(network), prepare(observed(network, query.observer).network)
         states, complete = _reachable(with_observer)
         for state in states:
             own = _projected(alone, state)
@@ -173,7 +173,7 @@ def test_no_option_changes_the_verdict_of_an_observer(block: int) -> None:
         query = random_watched(random, network)
         if query is not None:
             assert query.target is not None
-            case = RandomCase(observed(network, query.observer), (query.target,))
+            case = RandomCase(observed(network, query.observer).network, (query.target,))
             assert compare(case, VARIANTS, Effort(200, 300)).problems == (), f"seed {seed}"
 
 

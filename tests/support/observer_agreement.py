@@ -130,7 +130,7 @@ def query_of(formula: Formula, model: LoadedModel) -> Query | None:
 
 def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:
     """Whether the observer can reach its bad location."""
-    network = observed(model.network, query.observer)
+    network = observed(model.network, query.observer).network
     assert query.observer is not None
     bad = LocationTest(len(network.processes) - 1, query.observer.bad, span=NOWHERE)
     program, goals = lower(network, [bad])

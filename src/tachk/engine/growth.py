@@ -25,11 +25,11 @@ from tachk.meaning.dbm import INFINITY, Federation, Zone
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.extrapolation import widen
 from tachk.meaning.symbolic import Move, Situation
-from tachk.model.expressions import Expression, Variable, VariableKind
+from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.network import Location, Network, Process
+from tachk.model.network import Network
 from tachk.model.run import DiscreteState, Transition
-from tachk.model.types import ClockType
+from tachk.transform.extension import with_clock
 
 MOST_STEPS = 20_000
 """Transitions that are followed in search of a loop."""
@@ -47,8 +47,7 @@ def grows_without_limit(
     Args:
         grows, less: clocks that do not depend on the state.
     """
-    timed = _with_a_clock(network)
-    model = prepare(timed)
+    model = prepare(with_clock(network).network)
     numbers = tuple(0 if clock is None else _number(model, clock) for clock in (grows, less))
     try:
         return _grows(model, path, where, numbers)
@@ -190,13 +189,6 @@ def _last_reset(reached: Sequence[_ReachedZone], clock: int) -> int:
         if state.move is not None and any(clock == each for each, *_ in state.move.resets)
     )
     return max(resets, default=0)
-
-
-def _with_a_clock(network: Network) -> Network:
-    """The network with one more clock, behind all others."""
-    clock = Variable("spare", ClockType(), VariableKind.LOCAL, (0,))
-    idle = Process("", "", (Location("idle"),), (), variables=(clock,))
-    return replace(network, processes=(*network.processes, idle))
 
 
 def _number(model: PreparedNetwork, clock: Expression) -> int:

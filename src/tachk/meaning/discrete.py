@@ -11,6 +11,7 @@ from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
+from weakref import WeakValueDictionary
 
 from tachk.base.job import check_job
 from tachk.base.records import dataclass
@@ -79,7 +80,19 @@ class PreparedNetwork:
         return tuple(p.locations[n] for p, n in zip(self.network.processes, discrete.locations, strict=True))
 
 
+_PREPARED: WeakValueDictionary[int, PreparedNetwork] = WeakValueDictionary()
+"""By the identities of their networks, as long as somebody uses them."""
+
+
 def prepare(network: Network) -> PreparedNetwork:
+    """The network for interpretation, with what is remembered of it where it is in use already."""
+    found = _PREPARED.get(id(network))
+    if found is None:
+        found = _PREPARED[id(network)] = _prepared(network)
+    return found
+
+
+def _prepared(network: Network) -> PreparedNetwork:
     layout = cell_layout(network)
     channels = []
     for variable in network.all_variables():

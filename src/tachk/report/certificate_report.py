@@ -71,11 +71,11 @@ class Judgement:
 
     def exchanged(self) -> list[str]:
         """The groups of which one state stands for all."""
-        names = [process.name for process in observed(self.network, self.query.observer).processes]
+        names = [process.name for process in observed(self.network, self.query.observer).network.processes]
         return [members_in_words(group.slots, group.cyclic, names) for group in self.certificate.header.groups]
 
     def _names(self) -> RunNames:
-        return RunNames(observed(self.network, self.query.observer))
+        return RunNames(observed(self.network, self.query.observer).network)
 
     def _zone(self) -> Zone:
         assert self.objection is not None and self.objection.discrete is not None

@@ -1,9 +1,9 @@
-"""Leaving out processes that can only hinder what counts: a cone of influence by over-approximation.
+"""Leaving out processes that only block those that count: a cone of influence by over-approximation.
 
-A *bystander* never makes anything possible for the processes that count, but may keep it from happening: it blocks time
-by an invariant or an urgent location, or all others by a committed one, or uses up a budget. Every run of the network
-is one of the network without bystanders, so what is unreachable there is unreachable. What is reachable there need not
-be.
+A process that *only blocks* never makes anything possible for the processes that count, but may keep it from happening:
+it blocks time by an invariant or an urgent location, or all others by a committed one, or uses up a monotone counter.
+Every run of the network is one of the network without it, so what is unreachable there is unreachable. What is
+reachable there need not be.
 
 Influence goes through cells (`tachk.analysis.components`): ``sent[0]`` is not ``sent[1]``. A variable that has its
 initial value whenever a transition begins carries influence only to those that take part in the same one, after the
@@ -22,36 +22,39 @@ from tachk.base.words import Direction
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Edge, Network, Process
 from tachk.model.traversal import process_expressions
-from tachk.transform.cone_of_influence import every_action_counts, held_still, is_broadcast, spectators
+from tachk.transform.cone_of_influence import every_action_counts, frozen, is_broadcast, outside_cone
 from tachk.transform.monotone_counters import budgets
+from tachk.transform.transformation import Exactness, Transformation, reduced, unchanged
 
 
-def without_bystanders(network: Network, targets: Sequence[Expression]) -> Network:
-    """The network with every process held in its initial location, unhindering, that no target needs, and without the
-    updates of the others that change nothing a target needs. Run-time errors of what is left out are not looked for.
+def without_blocking(network: Network, targets: Sequence[Expression]) -> Transformation:
+    """The network with every process frozen in its initial location, where it blocks nothing, that no target needs, and
+    without the updates of the others that change nothing a target needs. Run-time errors of what is left out are not
+    looked for.
 
     Processes and variables keep their numbers. The network comes back as it is where a target speaks of ``deadlock`` or
     processes or channels have priorities, as there every possible action counts; where a target speaks of nothing, as
-    that is how to ask for the whole state space; and where all bystanders are spectators, which cost nothing.
+    that is how to ask for the whole state space; and where all that only block are outside the cone of influence, where
+    they cost nothing.
     """
     if every_action_counts(network, targets):
-        return network
+        return unchanged(network)
     cone = _cone(network, targets, (), budgets(network, targets))
-    if set(range(len(network.processes))) - cone.members <= spectators(network, targets):
-        return network
-    return _trimmed(network, cone)
+    if set(range(len(network.processes))) - cone.members <= outside_cone(network, targets):
+        return unchanged(network)
+    return reduced(network, _trimmed(network, cone), Exactness.UNREACHABLE)
 
 
-def bystanders(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> set[int]:
+def only_blocking(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> set[int]:
     """The processes that make nothing possible for what targets need nor for those that are to be kept, and use up no
-    budget of theirs; none where every action counts."""
+    monotone counter of theirs; none where every action counts."""
     if every_action_counts(network, targets):
         return set()
     return set(range(len(network.processes))) - _cone(network, targets, kept).members
 
 
-def only_with(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> Network:
-    """The network with all bystanders held in their initial locations, unhindering, and without the updates of the
+def trimmed_to(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> Network:
+    """The network with all processes that only block frozen, where they block nothing, and without the updates of the
     others that change nothing they need."""
     return _trimmed(network, _cone(network, targets, kept))
 
@@ -62,7 +65,7 @@ def _trimmed(network: Network, cone: _Cone) -> Network:
 
 
 def _idle(process: Process) -> Process:
-    still = held_still(process)
+    still = frozen(process)
     (location,) = still.locations
     return replace(still, locations=(replace(location, invariant=None, urgent=False, committed=False),))
 
@@ -165,7 +168,7 @@ class _Cone:
             or self.offered.meets(deeds.receives)
             # With a receiver in a committed location a broadcast is possible that another committed location forbids.
             or self.admitted.meets(deeds.commits)
-            or any(self.announced.meets(channels) and self.cells.meets(told) for channels, told in deeds.passes)
+            or any(self.announced.meets(channels) and self.cells.meets(written) for channels, written in deeds.passes)
         )
 
     def add(self, number: int, process: Process) -> None:

@@ -1,8 +1,8 @@
-"""Processes that cannot influence an answer are held still, so that their states are not told apart.
+"""The cone of influence of some targets, on the level of processes: those outside are frozen.
 
-A cone of influence on the level of processes. A *spectator* only receives broadcasts or moves on its own, never
-forbids a delay (no invariant, no urgent or committed location, no rate) and writes nothing that a process that counts
-reads: every run of the others is possible with it and without it. Its own run-time errors are not looked for.
+A process *outside the cone of influence* only receives broadcasts or moves on its own, never forbids a delay (no
+invariant, no urgent or committed location, no rate) and writes nothing that a process inside reads: every run of the
+others is possible with it and without it. Its own run-time errors are not looked for.
 """
 
 from __future__ import annotations
@@ -11,12 +11,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from tachk.base.words import Direction
-from tachk.meaning.discrete import PreparedNetwork, is_announced
-from tachk.meaning.step import StepError, begun_by, delay, fire, initial_state, is_possible
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.network import Location, Network, Process
 from tachk.model.remembered import by_network, by_part
-from tachk.model.run import Participant, TimedStep, TimedTrace, Transition
 from tachk.model.traversal import (
     asks_deadlock,
     process_expressions,
@@ -25,25 +22,26 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ChannelType
+from tachk.transform.transformation import Exactness, Transformation, reduced
 
 
-def without_spectators(network: Network, targets: Sequence[Expression]) -> Network:
-    """The network with every process held in its initial location that cannot influence whether a target is reachable.
+def cone_of_influence(network: Network, targets: Sequence[Expression]) -> Transformation:
+    """The network with every process frozen in its initial location that cannot influence whether a target is
+    reachable.
 
-    Processes and variables keep their numbers. Nothing is held still where a target speaks of ``deadlock`` or where
+    Processes and variables keep their numbers. Nothing is frozen where a target speaks of ``deadlock`` or where
     processes or channels have priorities: there every possible action counts. Nor is it where a target speaks of
     nothing, as that is how to ask for the whole state space.
     """
-    return _without_spectators(network, tuple(targets))
+    return _cone_of_influence(network, tuple(targets))
 
 
 @by_network
-def _without_spectators(network: Network, targets: tuple[Expression, ...]) -> Network:
-    still = spectators(network, targets)
-    if not still:
-        return network
+def _cone_of_influence(network: Network, targets: tuple[Expression, ...]) -> Transformation:
+    outside = outside_cone(network, targets)
     processes = enumerate(network.processes)
-    return replace(network, processes=tuple(held_still(p) if number in still else p for number, p in processes))
+    inside = replace(network, processes=tuple(frozen(p) if number in outside else p for number, p in processes))
+    return reduced(network, inside, Exactness.SAME_STATES)
 
 
 def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
@@ -56,7 +54,7 @@ def speaks_of_nothing(target: Expression) -> bool:
     return not any(mentioned([target])) and not asks_deadlock(target)
 
 
-def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:
+def outside_cone(network: Network, targets: Sequence[Expression]) -> set[int]:
     """The processes that cannot influence whether a target is reachable; none where every action counts."""
     if every_action_counts(network, targets):
         return set()
@@ -82,39 +80,8 @@ def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:
     return candidates
 
 
-def with_spectators(model: PreparedNetwork, reduced: Network, trace: TimedTrace) -> TimedTrace:
-    """A run of the model that is the given run of the reduced network, with what the spectators hear on the way.
-
-    Raises:
-        StepError: there is none.
-        EvaluationFault: a spectator meets a run-time error on the way.
-    """
-    pairs = zip(model.network.processes, reduced.processes, strict=True)
-    still = {number for number, (process, held) in enumerate(pairs) if process != held}
-    if not still:
-        return trace
-
-    def others(transition: Transition) -> tuple[Participant, ...]:
-        return tuple(participant for participant in transition.participants if participant.process not in still)
-
-    state = initial = initial_state(model)
-    steps = []
-    for step in trace.steps:
-        state = delay(model, state, step.delay)
-        transition = step.transition
-        if transition is not None:
-            wanted = transition.participants
-            if is_announced(model, state.discrete, transition):
-                heard = (t for t in begun_by(model, state, wanted[0]) if others(t) == wanted)
-                transition = next((t for t in heard if is_possible(model, state, t)), None)
-                if transition is None:
-                    raise StepError("no transition of the whole network is the one of the reduced network")
-            state = fire(model, state, transition)
-        steps.append(TimedStep(step.delay, transition, state))
-    return TimedTrace(initial, tuple(steps))
-
-
-def held_still(process: Process) -> Process:
+def frozen(process: Process) -> Process:
+    """The process in its initial location, which it never leaves."""
     return replace(process, locations=(process.locations[process.initial],), edges=(), initial=0)
 
 

@@ -15,84 +15,70 @@ from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
-from tachk.model.cell_layout import cell_layout
 from tachk.model.connectives import both, either, is_set
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Network, Process
-from tachk.model.run import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.model.run import Participant, Transition
 from tachk.model.types import ChannelType, ClockType, IntType
+from tachk.transform.extension import Extension
+from tachk.transform.transformation import Exactness
 
 
 @dataclass(frozen=True, slots=True)
-class DoubledNetwork:
+class DoubledNetwork(Extension):
     """A network with copies of edges behind those of each process, and a clock and a variable behind those of the last.
 
     Attributes:
         mark: a condition on the variable.
         clock: the value of the clock.
-        originals: of each process the edges that the copies are copies of.
+        copied: of each process the edges that the copies are copies of.
     """
 
-    network: Network
     mark: Expression
     clock: Expression
-    originals: tuple[tuple[int, ...], ...]
+    copied: tuple[tuple[int, ...], ...]
 
-    def without_copies(self, transition: Transition) -> Transition:
-        """A transition as one of the network alone."""
-        return Transition(tuple(map(self._original, transition.participants)))
+    def lift_transition(self, transition: Transition) -> Transition:
+        """The transition with the edges of which it has copies."""
+        return Transition(tuple(map(self._original_edge, transition.participants)))
 
-    def _original(self, participant: Participant) -> Participant:
-        copies = self.originals[participant.process]
-        first = len(self.network.processes[participant.process].edges) - len(copies)
+    def _original_edge(self, participant: Participant) -> Participant:
+        first = len(self.original.processes[participant.process].edges)
         if participant.edge < first:
             return participant
-        return replace(participant, edge=copies[participant.edge - first])
-
-    def run_alone(self, trace: TimedTrace) -> TimedTrace:
-        """A run as one of the network alone."""
-        steps = tuple(
-            TimedStep(step.delay, step.transition and self.without_copies(step.transition), self._own(step.state))
-            for step in trace.steps
-        )
-        return TimedTrace(self._own(trace.initial), steps, trace.ending, trace.loop_start, trace.due)
-
-    def _own(self, state: TimedState) -> TimedState:
-        layout = cell_layout(self.network)
-        cells, clocks = len(layout.initial) - 2, len(layout.clock_cells) - 1
-        return TimedState(
-            DiscreteState(state.discrete.locations, state.discrete.values[:cells]), state.clocks[:clocks], state.time
-        )
+        return replace(participant, edge=self.copied[participant.process][participant.edge - first])
 
 
-def with_beats(network: Network, length: int = 1) -> DoubledNetwork:
-    """The network with a beat at every action that comes at least so many time units after the last beat.
+def strongly_non_zeno(network: Network, length: int = 1) -> DoubledNetwork:
+    """The strongly non-Zeno instrumentation: a clock is reset by every action that comes when it has counted so many
+    time units.
 
-    A run with infinitely many actions has infinitely many beats exactly if time diverges in it. `mark` holds behind an
-    action that is one. Actions over urgent channels are none: no time has passed right before them.
+    A run with infinitely many actions resets it infinitely often exactly if time diverges in it. `mark` holds behind an
+    action that does. Actions over urgent channels do not: no time has passed right before them.
     """
-    since, beat = _clock("time since the last beat"), _flag("beat")
+    since, late_action = _clock("time since the last reset"), _flag("reset")
     limit = Constant(length)
 
     def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
-        plain = replace(edge, updates=(*edge.updates, _set(beat, 0)))
+        plain = replace(edge, updates=(*edge.updates, _set(late_action, 0)))
         if _is_urgent(edge):
             return plain, None
         early = both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), limit, BOOL))
         late = both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), limit, BOOL))
         return replace(plain, guard=early), replace(
-            edge, guard=late, updates=(*edge.updates, _set(since, 0), _set(beat, 1))
+            edge, guard=late, updates=(*edge.updates, _set(since, 0), _set(late_action, 1))
         )
 
-    return _doubled(network, edges_for, since, beat)
+    return _doubled(network, edges_for, since, late_action)
 
 
-def with_a_start(network: Network, lasting: Collection[tuple[int, int]]) -> DoubledNetwork:
+def with_guessed_suffix(network: Network, lasting: Collection[tuple[int, int]]) -> DoubledNetwork:
     """The network with a clock that is reset by one action of the run, any one: `mark` holds from then on.
 
     From then on only these edges (process and number) decide what happens, and nothing does one time unit later. So a
     run in which time does not diverge, and that takes these edges only from some moment on, is one that does not come
-    to that time, and each run that does not come there although it goes on for ever is such a run.
+    to that time, and each run that does not come there although it goes on for ever is such a run. Where there are
+    priorities, a run that comes there need not be one of the original.
     """
     since, started = _clock("time since the start"), _flag("started")
     before = Binary(BinaryOperator.EQUAL, Reference(started), Constant(0), BOOL)
@@ -107,24 +93,29 @@ def with_a_start(network: Network, lasting: Collection[tuple[int, int]]) -> Doub
         # No time passes while an action over an urgent channel is possible, and clocks may not decide whether it is.
         return (edge if _is_urgent(edge) else replace(edge, guard=both(edge.guard, either(before, soon)))), copy
 
-    return _doubled(network, edges_for, since, started)
+    exactness = Exactness.NOTHING if network.has_priorities else Exactness.SAME_STATES
+    return _doubled(network, edges_for, since, started, exactness)
 
 
-def with_beginnings(network: Network, name: str) -> tuple[DoubledNetwork, Expression]:
-    """The network with a clock that any action sets, or does not: then `mark` is true until the next action, and at the
-    start of the run. Second the clock, which is called ``name``."""
-    since = _clock(name)
-    begun = Variable(f"{name} begins", IntType(0, 1), VariableKind.LOCAL, (1,))
+def with_guessed_resets(network: Network) -> DoubledNetwork:
+    """The network with a clock that any action resets, or does not: where it does, `mark` is true until the next
+    action, and it is so at the start of the run."""
+    since = _clock("time since the guessed reset")
+    begun = Variable("guessed reset", IntType(0, 1), VariableKind.LOCAL, (1,))
 
     def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
         plain = replace(edge, updates=(*edge.updates, _set(begun, 0)))
         return plain, replace(edge, updates=(*edge.updates, _set(since, 0), _set(begun, 1)))
 
-    return _doubled(network, edges_for, since, begun), Reference(since)
+    return _doubled(network, edges_for, since, begun)
 
 
 def _doubled(
-    network: Network, edges_for: Callable[[int, int, Edge], tuple[Edge, Edge | None]], clock: Variable, flag: Variable
+    network: Network,
+    edges_for: Callable[[int, int, Edge], tuple[Edge, Edge | None]],
+    clock: Variable,
+    flag: Variable,
+    exactness: Exactness = Exactness.SAME_ANSWERS,
 ) -> DoubledNetwork:
     processes, originals = [], []
     for place, process in enumerate(network.processes):
@@ -144,7 +135,8 @@ def _doubled(
     last: Process = processes[-1]
     processes[-1] = replace(last, variables=(*last.variables, clock, flag))
     mark = is_set(Reference(flag))
-    return DoubledNetwork(replace(network, processes=tuple(processes)), mark, Reference(clock), tuple(originals))
+    doubled = replace(network, processes=tuple(processes))
+    return DoubledNetwork(network, doubled, exactness, mark, Reference(clock), tuple(originals))
 
 
 def _clock(name: str) -> Variable:

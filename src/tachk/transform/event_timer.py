@@ -35,6 +35,8 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.types import ChannelType, ClockType, IntType
+from tachk.transform.extension import Extension
+from tachk.transform.transformation import Exactness
 
 NAME = "Timer"
 
@@ -43,21 +45,21 @@ _NAMES = ("Waiting", "Running", "Done", "DoneAndAgain")
 
 
 @dataclass(frozen=True, slots=True)
-class Timed:
-    """Attributes:
-    network: with the timer as its last process.
-    clock: since the event at which the timer was set.
-    running: the second event has not come yet, and time may pass before it does.
-    done: it has come this moment.
+class EventTimer(Extension):
+    """A network with a timer as its last process.
+
+    Attributes:
+        clock: since the event at which the timer was set.
+        running: the second event has not come yet, and time may pass before it does.
+        done: it has come this moment.
     """
 
-    network: Network
     clock: Expression
     running: Expression
     done: Expression
 
 
-def with_timer(network: Network, start: Event | None, end: Event, last: bool = False) -> Timed:
+def with_event_timer(network: Network, start: Event | None, end: Event, last: bool = False) -> EventTimer:
     """The network with a timer that runs from one event to the next occurrence of another one, again and again.
 
     Args:
@@ -88,7 +90,8 @@ def with_timer(network: Network, start: Event | None, end: Event, last: bool = F
     pending = _any(first.is_new, second.is_new, done)
     processes = [_observed(process, pending, (first, second)) for process in network.processes]
     waits = _all(at[_RUNNING], negation(pending), negation(committed))
-    return Timed(replace(network, processes=(*processes, timer)), Reference(clock), waits, done)
+    timed = replace(network, processes=(*processes, timer))
+    return EventTimer(network, timed, Exactness.REACHABLE, Reference(clock), waits, done)
 
 
 class _Noticed:

@@ -33,16 +33,16 @@ from tachk.model.expressions import (
 from tachk.model.network import Edge, Network, Process
 from tachk.model.run import Transition
 from tachk.model.types import ArrayType, IntType, bounds
+from tachk.transform.transformation import Exactness, Transformation
 
 _FALSE = Constant(0, BOOL)
 _NO_EDGE = -1
 
 
 @dataclass(frozen=True, slots=True)
-class GuidedNetwork:
+class GuidedNetwork(Transformation):
     """``tables``: the arrays of the network that are only read, by index."""
 
-    network: Network
     tables: tuple[Variable, ...]
 
 
@@ -84,7 +84,8 @@ def guided(
             ),
         )
     variables = (*network.variables, done.variable, *tables)
-    return GuidedNetwork(replace(network, processes=tuple(processes), variables=variables), tuple(tables))
+    along = replace(network, processes=tuple(processes), variables=variables)
+    return GuidedNetwork(network, along, Exactness.NOTHING, tuple(tables))
 
 
 def _codes(process: Process, used: Collection[int]) -> dict[int, int]:

@@ -110,7 +110,7 @@ def find_proof(
 
 
 def _proof(network: Network, model: str, query: Query, options: Options, limits: Limits) -> Proof | str:
-    whole = observed(network, query.observer)
+    whole = observed(network, query.observer).network
     groups = _exchanges(whole, query) if options.symmetry else ()
     cover = _cover(whole, query, groups, options, limits)
     header = _header(network, model, query, groups)
@@ -167,7 +167,7 @@ def _with_groups(program: Program, groups: Iterable[ExchangeGroup]) -> Program:
 
 
 def _header(network: Network, model: str, query: Query, groups: tuple[ExchangeGroup, ...]) -> CertificateHeader:
-    whole = observed(network, query.observer)
+    whole = observed(network, query.observer).network
     layout = prepare(whole).layout
     clocks = tuple(layout.names[cell] for cell in layout.clock_cells)
     width = len(whole.processes) + len(layout.initial)
@@ -186,7 +186,7 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
     different = sum(len(columns.constraints) for columns in proof.columns())
     if not _LEAST_ZONES <= proof.zones <= _MOST_ZONES or 4 * different <= stored:
         return proof
-    check = _native_check(observed(network, query.observer), query, proof.header)
+    check = _native_check(observed(network, query.observer).network, query, proof.header)
     try:
         block = widened(proof.blocks(), width, clocks + 1, stored // 4, lambda columns: check([columns]) is None)
     except StoppedError:
@@ -242,7 +242,7 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
 
     Raises MalformedCertificateError for a file that is damaged or that is about other processes, variables or clocks.
     """
-    whole = observed(network, query.observer)
+    whole = observed(network, query.observer).network
     if (query.target is None) is not (certificate.header.kind is ProofKind.INEVITABLE):
         raise MalformedCertificateError("it is a proof of another kind than the query needs")
     if query.target is None and query.avoided is None:

@@ -16,61 +16,31 @@ from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.connectives import both, negation
-from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference, Variable, VariableKind
-from tachk.model.network import Location, Network, Process
+from tachk.model.expressions import BOOL, Binary, Constant, Expression
+from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.traversal import clock_in
-from tachk.model.types import ClockType
-from tachk.transform.doubled_edges import DoubledNetwork, with_beginnings
-from tachk.transform.observed import fault_without_observer, without_observer
-from tachk.verify import liveness
+from tachk.transform.doubled_edges import with_guessed_resets
+from tachk.transform.extension import with_clock
+from tachk.transform.transformation import Transformation
 from tachk.verify.plan import Search, Task
 from tachk.verify.strategies import avoidable
-from tachk.verify.verdict import Verdict
-
-NAME = "Deadline"
+from tachk.verify.verdict import Verdict, lifted
 
 
 def answer(model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number; each has a deadline."""
     verdicts = {}
     for task in search.tasks:
-        deadlined = with_deadline(model.network, task.query)
-        alone = replace(search, tasks=(Task(task.number, deadlined.query),))
-        found = avoidable(prepare(deadlined.network), alone, options, limits, trace)[task.number]
-        verdicts[task.number] = deadlined.told(replace(found, query=task.query))
+        timed, query = with_deadline(model.network, task.query)
+        alone = replace(search, tasks=(Task(task.number, query),))
+        found = avoidable(prepare(timed.network), alone, options, limits, trace)[task.number]
+        verdicts[task.number] = replace(lifted(found, timed), query=task.query)
     return verdicts
-
-
-@dataclass(frozen=True, slots=True)
-class Deadlined:
-    """Attributes:
-    network: with a clock that measures.
-    query: without a deadline, and with the same meaning there.
-    doubled: the network, if its actions are there twice; else it has one more process.
-    """
-
-    network: Network
-    query: Query
-    doubled: DoubledNetwork | None = None
-
-    def told(self, verdict: Verdict) -> Verdict:
-        """The verdict with its run, and the error that ended it, told of the model alone."""
-        fault, trace = verdict.fault, verdict.trace
-        if fault is not None and self.doubled is not None:
-            fault = liveness.fault_alone(fault, self.doubled)
-        elif fault is not None:
-            fault = fault_without_observer(self.network, fault)
-        if trace is not None and self.doubled is not None:
-            trace = self.doubled.run_alone(trace)
-        elif trace is not None:
-            trace, _ = without_observer(self.network, trace)
-        return replace(verdict, fault=fault, trace=trace)
 
 
 def check_deadline(network: Network, query: Query) -> None:
@@ -85,7 +55,7 @@ def check_deadline(network: Network, query: Query) -> None:
         raise UnsupportedError(Diagnostic("E0720", message, clock.span, remedy))
 
 
-def with_deadline(network: Network, query: Query) -> Deadlined:
+def with_deadline(network: Network, query: Query) -> tuple[Transformation, Query]:
     """A network with a clock more, and the query without a deadline that means the same there."""
     deadline = query.deadline
     assert deadline is not None and query.predicate is not None
@@ -96,11 +66,9 @@ def with_deadline(network: Network, query: Query) -> Deadlined:
 
     plain = replace(query, deadline=None)
     if query.kind is QueryKind.EVENTUALLY:
-        clock = Variable(f"{NAME}.time", ClockType(), VariableKind.LOCAL, (0,))
-        observer = Process(NAME, NAME, (Location("Running"),), (), variables=(clock,))
-        observed = replace(network, processes=(*network.processes, observer))
-        return Deadlined(observed, replace(plain, predicate=in_time(Reference(clock), query.predicate)))
+        timed = with_clock(network)
+        return timed, replace(plain, predicate=in_time(timed.clock, query.predicate))
     (awaited,) = query.operands
-    doubled, since = with_beginnings(network, f"{NAME}.time")
+    doubled = with_guessed_resets(network)
     begins = both(both(doubled.mark, query.predicate), negation(awaited))
-    return Deadlined(doubled.network, replace(plain, predicate=begins, operands=(in_time(since, awaited),)), doubled)
+    return doubled, replace(plain, predicate=begins, operands=(in_time(doubled.clock, awaited),))

@@ -13,15 +13,13 @@ from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Statistics
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.replay import ReplayError, replay
-from tachk.meaning.step import StepError
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
-from tachk.model.fault import EvaluationFault
 from tachk.model.query import Query
 from tachk.model.run import TimedTrace
-from tachk.transform.cone_of_influence import with_spectators
+from tachk.transform.transformation import Transformation
 from tachk.verify.extreme_search import INEXACT, ExtremeSearch, FoundExtreme, Question, UndecidedExtremeError
 from tachk.verify.fault_explanation import explain
-from tachk.verify.over_approximations import held
+from tachk.verify.over_approximations import reduced_for
 from tachk.verify.plan import Search, Task
 from tachk.verify.unexamined import unexamined
 from tachk.verify.verdict import Answer, Extreme, Extremes, Verdict
@@ -38,28 +36,24 @@ def _answer(model: PreparedNetwork, task: Task, options: Options, limits: Limits
     query = task.query
     where = restriction(query)
     targets = [_where_it_is(where, expression, 0) for expression in query.operands]
-    network = held(model.network, targets, options)
-    searched = model if network == model.network else prepare(network)
+    reduced = reduced_for(model.network, targets, options)
+    searched = prepare(reduced.network)
     search = ExtremeSearch(searched, where, options, limits)
     verdict = Verdict(query, Answer.UNKNOWN, True, "", Statistics())
     try:
         found = search.find(_questions(query))
     except UndecidedExtremeError as error:
-        fault = error.fault
-        if fault is not None:
-            fault = explain(searched, fault)
-            if fault.run is not None:
-                fault = replace(fault, run=_whole_run(model, searched, fault.run))
+        fault = None if error.fault is None else reduced.lift_fault(explain(searched, error.fault))
         exact = error.reason != INEXACT
         return replace(verdict, reason=error.reason, exact=exact, fault=fault, statistics=search.statistics)
-    verdict = replace(verdict, statistics=search.statistics, unexamined=unexamined(model.network, network))
+    verdict = replace(verdict, statistics=search.statistics, unexamined=unexamined(model.network, reduced.network))
     if found is None:
         return replace(verdict, answer=Answer.FAILS, notes=(NEVER,))
     extremes = []
     for (expression, _), value in zip(_questions(query), found, strict=True):
         run = None
         if value.value is not None and not value.strict and (trace or not search.exact):
-            run, possible = _run(model, searched, _where_it_is(where, expression, value.value), value, search.exact)
+            run, possible = _run(reduced, _where_it_is(where, expression, value.value), value, search.exact)
             if not possible:
                 return _answer(model, task, options.off("cone"), limits, trace)
         if not search.exact and run is None:
@@ -100,29 +94,21 @@ def _where_it_is(where: Expression, expression: Expression, value: int) -> Expre
 
 
 def _run(
-    model: PreparedNetwork, searched: PreparedNetwork, target: Expression, found: FoundExtreme, exact: bool
+    reduced: Transformation, target: Expression, found: FoundExtreme, exact: bool
 ) -> tuple[TimedTrace | None, bool]:
-    """A replayed run to a value; False where a process that was held still meets a run-time error on the way."""
-    run = concretise(searched, found.path, target)
+    """A replayed run to a value; False where a process that was frozen meets a run-time error on the way."""
+    run = concretise(prepare(reduced.network), found.path, target)
     if run is None:
         if exact:
             raise InternalError(f"the path found for the value {found.value} has no timed run")
         return None, True
-    whole = _whole_run(model, searched, run)
+    whole = reduced.lift(run)
     if whole is None:
         return None, False
     try:
-        replay(model, whole, target)
+        replay(prepare(reduced.original), whole, target)
     except ReplayError as error:
         if exact:
             raise InternalError(f"the run found for the value {found.value} does not replay: {error}") from error
         return None, True
     return whole, True
-
-
-def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:
-    """The run of the whole network; None where a process that was held still meets a run-time error on the way."""
-    try:
-        return with_spectators(model, searched.network, run)
-    except (StepError, EvaluationFault):
-        return None

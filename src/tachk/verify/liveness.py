@@ -1,6 +1,6 @@
 """Strategies for queries that no single state decides: whether some run avoids a predicate for ever.
 
-Spectators are not held still: one that cannot influence the predicates may still run for ever, or stop time.
+No process is frozen: one that is outside the cone of influence of the predicates may still run for ever, or stop time.
 """
 
 from __future__ import annotations
@@ -30,12 +30,13 @@ from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.run import DiscreteState, RunTimeFault, TimedState, TimedTrace
+from tachk.model.run import DiscreteState, TimedState, TimedTrace
 from tachk.model.traversal import asks_deadlock, clock_in
-from tachk.transform.doubled_edges import DoubledNetwork, with_beats
+from tachk.transform.doubled_edges import DoubledNetwork, strongly_non_zeno
+from tachk.transform.liveness_slice import liveness_preserving_slice
+from tachk.transform.transformation import Transformation, unchanged
 from tachk.verify.fault_explanation import explain
 from tachk.verify.plan import Task
-from tachk.verify.semantic_lint.unobtrusive import without_unobtrusive
 from tachk.verify.strategy import Findings, Problem
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import never_begins
@@ -48,7 +49,7 @@ class SearchedRun:
 
     outcome: LivenessOutcome
     obligation: Obligation
-    beating: DoubledNetwork | None = None
+    instrumented: DoubledNetwork | None = None
 
 
 def sliced(problem: Problem) -> Findings:
@@ -59,24 +60,24 @@ def sliced(problem: Problem) -> Findings:
     verdicts = {}
     for task in problem.tasks:
         reduced = _reduced(problem.network, task.query)
-        if reduced == problem.network:
+        if reduced.network is problem.network:
             continue
         # What is left out may be what meets something again and again: a run that does not need it decides nothing.
         query = replace(task.query, again=(), ends=None)
-        searched = _any_run(prepare(reduced), query, problem)
+        searched = _any_run(prepare(reduced.network), query, problem)
         verdict = replace(_of_outcome(query, searched.outcome), query=task.query)
         if verdict.answer is answers_of(task.query)[1]:
-            verdicts[task.number] = replace(verdict, unexamined=unexamined(problem.network, reduced))
+            verdicts[task.number] = replace(verdict, unexamined=unexamined(problem.network, reduced.network))
         elif verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact:
             verdicts[task.number] = verdict
     return Findings(verdicts)
 
 
-def _reduced(network: Network, query: Query) -> Network:
+def _reduced(network: Network, query: Query) -> Transformation:
     """The network without what nobody notices, where any run that avoids the goal counts."""
     if query.non_zeno:
-        return network
-    return without_unobtrusive(network, [one for one in (query.avoided, query.begins) if one is not None])
+        return unchanged(network)
+    return liveness_preserving_slice(network, [one for one in (query.avoided, query.begins) if one is not None])
 
 
 def any_run(problem: Problem) -> Findings:
@@ -127,10 +128,10 @@ def _diverging(problem: Problem, length_of: Callable[[int], int | None]) -> Find
         length = length_of(max(clock_constants(problem.network, predicates).maximum, default=0))
         if length is None:
             continue
-        beating = with_beats(problem.network, length)
-        counting = replace(obligation, again=(*query.again, _counted(problem.network, query, beating)))
-        second = _recurring(beating.network, counting, problem.options, problem.limits)
-        searched = SearchedRun(_after(first.outcome, second), counting, beating)
+        instrumented = strongly_non_zeno(problem.network, length)
+        counting = replace(obligation, again=(*query.again, _counted(problem.network, query, instrumented)))
+        second = _recurring(instrumented.network, counting, problem.options, problem.limits)
+        searched = SearchedRun(_after(first.outcome, second), counting, instrumented)
         verdicts[task.number] = _finished(problem, task, searched)
         runs[task.number] = searched
     return Findings(verdicts, runs=runs)
@@ -140,22 +141,14 @@ def _finished(problem: Problem, task: Task, searched: SearchedRun) -> Verdict:
     """The verdict, with its run."""
     query, outcome = task.query, searched.outcome
     if outcome.fault is not None:
-        outcome = replace(outcome, fault=explain(problem.model, fault_alone(outcome.fault, searched.beating)))
+        fault = outcome.fault if searched.instrumented is None else searched.instrumented.lift_fault(outcome.fault)
+        outcome = replace(outcome, fault=explain(problem.model, fault))
     verdict = _of_outcome(query, outcome)
     if outcome.run is not None and (problem.trace or not outcome.exact):
         verdict = _shown(problem.model, verdict, searched)
-    if searched.beating is not None and not query.again and outcome.status is LivenessStatus.NONE:
+    if searched.instrumented is not None and not query.again and outcome.status is LivenessStatus.NONE:
         verdict = replace(verdict, notes=(*verdict.notes, _ZENO_ONLY))
     return verdict
-
-
-def fault_alone(fault: RunTimeFault, doubled: DoubledNetwork | None) -> RunTimeFault:
-    """An error of a network in which actions are there twice, told of the network alone."""
-    if doubled is None:
-        return fault
-    failed = None if fault.transition is None else doubled.without_copies(fault.transition)
-    run = None if fault.run is None else doubled.run_alone(fault.run)
-    return replace(fault, path=tuple(map(doubled.without_copies, fault.path)), transition=failed, run=run)
 
 
 def _goal(query: Query) -> Expression:
@@ -214,12 +207,12 @@ def _recurring(network: Network, obligation: Obligation, options: Options, limit
     return find_recurring_run(program, goals, obligation.trigger is not None, options, limits)
 
 
-def _counted(network: Network, query: Query, beating: DoubledNetwork) -> Expression:
+def _counted(network: Network, query: Query, instrumented: DoubledNetwork) -> Expression:
     """What shows again and again that a run counts: time passes, or an observer has seen a violation, after which it
     does not matter how the run goes on."""
     if query.observer is None:
-        return beating.mark
-    return either(beating.mark, LocationTest(len(network.processes) - 1, query.observer.bad))
+        return instrumented.mark
+    return either(instrumented.mark, LocationTest(len(network.processes) - 1, query.observer.bad))
 
 
 def _has_shown(query: Query, run: TimedTrace) -> bool:
@@ -278,14 +271,14 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: SearchedRun) -> V
 def _judged(model: PreparedNetwork, query: Query, searched: SearchedRun) -> TimedTrace | None:
     """The run with its delays, as one of the model; None if there are none. Raises ReplayError."""
     assert searched.outcome.run is not None
-    obligation, beating = searched.obligation, searched.beating
-    whole = model if beating is None else prepare(beating.network)
+    obligation, instrumented = searched.obligation, searched.instrumented
+    whole = model if instrumented is None else prepare(instrumented.network)
     run = lasso(whole, searched.outcome.run, obligation)
     if run is None:
         return None
     due = replay_lasso(whole, run, obligation.goal, obligation.trigger, obligation.again, obligation.ends)
-    if beating is not None:
-        run = beating.run_alone(run)
+    if instrumented is not None:
+        run = instrumented.lift(run)
         asked = obligation.goal, obligation.trigger, query.again, obligation.ends
         due = replay_lasso(model, run, *asked, diverges=not _has_shown(query, run))
     return replace(run, due=due)

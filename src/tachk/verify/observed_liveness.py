@@ -19,11 +19,11 @@ from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
-from tachk.transform.observed import fault_without_observer, observed, without_observer
+from tachk.transform.observed import observed
 from tachk.verify.plan import Analysis, Search, Task
 from tachk.verify.strategies import avoidable, reachable
 from tachk.verify.vacuity import never_true, triggers_of
-from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verdict import Answer, Verdict, lifted
 
 FLEETING = "holds as `A<>` does: what is awaited may be there for no time, between two steps at one instant"
 
@@ -31,7 +31,8 @@ FLEETING = "holds as `A<>` does: what is awaited may be there for no time, betwe
 def answer(model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number."""
     assert search.observer is not None
-    network = observed(model.network, search.observer)
+    with_observer = observed(model.network, search.observer)
+    network = with_observer.network
     watched = prepare(network)
     verdicts: dict[int, Verdict] = {}
     for task in search.tasks:
@@ -43,7 +44,8 @@ def answer(model: PreparedNetwork, search: Search, options: Options, limits: Lim
             verdict = replace(second, notes=(FLEETING,)) if second.answer is Answer.HOLDS else second
         if verdict.answer is Answer.HOLDS:
             verdict = _with_notes(model, network, task, verdict, options, limits)
-        verdicts[task.number] = _told(network, replace(verdict, query=task.query))
+        moves = () if verdict.trace is None else with_observer.moves(verdict.trace)
+        verdicts[task.number] = replace(lifted(verdict, with_observer), query=task.query, moves=moves)
     return verdicts
 
 
@@ -74,16 +76,6 @@ def _with_notes(
         raise KeyboardInterrupt
     never = [one.query.name for one in found if one.answer is Answer.FAILS]
     return replace(verdict, notes=(*verdict.notes, *map(never_true, never)))
-
-
-def _told(network: Network, verdict: Verdict) -> Verdict:
-    """The verdict with its run, and the error that ended it, told without the observer."""
-    if verdict.fault is not None:
-        verdict = replace(verdict, fault=fault_without_observer(network, verdict.fault))
-    if verdict.trace is not None:
-        run, moves = without_observer(network, verdict.trace)
-        verdict = replace(verdict, trace=run, moves=moves)
-    return verdict
 
 
 def _alone(search: Search, task: Task) -> Search:

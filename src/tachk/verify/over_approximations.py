@@ -22,9 +22,10 @@ from tachk.engine.zone import explore
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
-from tachk.transform.blocking_processes import without_bystanders
-from tachk.transform.cone_of_influence import without_spectators
+from tachk.transform.blocking_processes import without_blocking
+from tachk.transform.cone_of_influence import cone_of_influence
 from tachk.transform.monotone_counters import budgets
+from tachk.transform.transformation import Transformation, unchanged
 from tachk.verify.plan import Task
 from tachk.verify.strategy import Findings, OverApproximation, Problem, ReachedInAbstraction
 from tachk.verify.unanswered import none_begun
@@ -46,11 +47,12 @@ def unblocked(problem: Problem) -> Findings:
     def relaxed(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
         possible = without_impossible(network)
         mentioned = [*targets, *conditions]
-        rest = without_bystanders(possible, mentioned)
-        if rest == possible:
+        rest = without_blocking(possible, mentioned)
+        if rest.network is possible:
             return None
         spared = budgets(possible, mentioned)
-        return OverApproximation(rest, targets, conditions, unexamined=unexamined(possible, rest), spared=spared)
+        left_out = unexamined(possible, rest.network)
+        return OverApproximation(rest.network, targets, conditions, unexamined=left_out, spared=spared)
 
     found = _searched(problem, relaxed)
     worth = {n: each for n, each in found.reached.items() if each.statistics.states_stored >= WORTH_CARRYING_OVER}
@@ -73,7 +75,7 @@ def can_be_symmetrised(problem: Problem, task: Task) -> bool:
     conditions = tuple(trigger.condition for trigger in triggers_of([task], problem.network))
     # What is moved in the network without the observer is found out once for many problems.
     return (
-        any(names_some(problem.unobserved, question) for question in (task.target, *conditions))
+        any(names_some(problem.observed.original, question) for question in (task.target, *conditions))
         and _of_all(problem.network, (task.target,), conditions, problem.options.hold_spectators) is not None
     )
 
@@ -82,7 +84,7 @@ def can_be_symmetrised(problem: Problem, task: Task) -> bool:
 def _of_all(
     network: Network, targets: tuple[Expression, ...], conditions: tuple[Expression, ...], hold: bool
 ) -> OverApproximation | None:
-    reduced = without_spectators(network, [*targets, *conditions]) if hold else network
+    reduced = cone_of_influence(network, [*targets, *conditions]).network if hold else network
     asked = asked_of_all(reduced, targets, conditions)
     if asked is None:
         return None
@@ -111,7 +113,7 @@ def _less_known(
     network: Network, targets: tuple[Expression, ...], conditions: tuple[Expression, ...], hold: bool
 ) -> OverApproximation | None:
     mentioned = [*targets, *conditions]
-    reduced = without_spectators(network, mentioned) if hold else network
+    reduced = cone_of_influence(network, mentioned).network if hold else network
     less = with_less_known(reduced, mentioned)
     if less is None:
         return None
@@ -147,9 +149,9 @@ def _searched(problem: Problem, relaxing: Relaxing) -> Findings:
     return Findings(with_notes(settled, triggers, outcome.goals[len(targets) :]), found)
 
 
-def held(network: Network, mentioned: Sequence[Expression], options: Options) -> Network:
+def reduced_for(network: Network, mentioned: Sequence[Expression], options: Options) -> Transformation:
     """The network as it is searched for what is mentioned."""
-    return without_spectators(network, mentioned) if options.hold_spectators else network
+    return cone_of_influence(network, mentioned) if options.hold_spectators else unchanged(network)
 
 
 def lowered(

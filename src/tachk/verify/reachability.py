@@ -15,16 +15,14 @@ from tachk.engine.options import SearchOrder
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Status
 from tachk.engine.symmetry.tables import in_equal_parts
 from tachk.engine.zone import explore
-from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError, replay
-from tachk.meaning.step import StepError
-from tachk.model.fault import EvaluationFault
-from tachk.model.run import RunTimeFault, TimedTrace
-from tachk.transform.cone_of_influence import with_spectators
+from tachk.model.run import RunTimeFault
 from tachk.transform.guided import guided
-from tachk.transform.observed import ObserverMove, fault_without_observer, without_observer
+from tachk.transform.observed import ObservedNetwork
+from tachk.transform.transformation import Transformation
 from tachk.verify.fault_explanation import explain
-from tachk.verify.over_approximations import can_be_abstracted, can_be_symmetrised, held, lowered
+from tachk.verify.over_approximations import can_be_abstracted, can_be_symmetrised, lowered, reduced_for
 from tachk.verify.plan import Task
 from tachk.verify.strategy import Findings, Problem, ReachedInAbstraction
 from tachk.verify.unanswered import none_begun
@@ -80,7 +78,8 @@ def _along(problem: Problem, task: Task, found: ReachedInAbstraction) -> dict[in
     """The verdict about a target that is reached in an over-approximation, if it is reached in the same way without."""
     model, options = problem.model, problem.options
     members = {number for number, process in enumerate(found.within.network.processes) if process.edges}
-    network = held(model.network, [task.target], options)
+    reduced = reduced_for(model.network, [task.target], options)
+    network = reduced.network
     if any(not network.processes[number].edges for number in members):
         return {}
     along = guided(network, found.path, members, found.within.spared)
@@ -91,25 +90,21 @@ def _along(problem: Problem, task: Task, found: ReachedInAbstraction) -> dict[in
         return none_begun([task], INTERRUPTED)
     if outcome.goals[0].status is not Status.REACHED:
         return {}
-    verdict = verdict_of(model, prepare(network), task, outcome.goals[0], outcome, problem.trace)
+    verdict = verdict_of(problem.observed, reduced, task, outcome.goals[0], outcome, problem.trace)
     return {} if verdict is None else {task.number: verdict}
 
 
 def _explored(problem: Problem) -> dict[int, Verdict]:
-    model, options = problem.model, problem.options
-    network, targets = problem.network, problem.targets
+    network, targets, options = problem.network, problem.targets, problem.options
     triggers = triggers_of(problem.tasks, network)
     conditions = [trigger.condition for trigger in triggers]
-    reduced = held(network, [*targets, *conditions], options)
-    program, goals = lowered(reduced, targets, conditions, options)
+    reduced = reduced_for(network, [*targets, *conditions], options)
+    program, goals = lowered(reduced.network, targets, conditions, options)
     outcome = explore(program, goals, options, problem.limits)
-    searched = model if reduced == network else prepare(reduced)
+    searched, whole = prepare(reduced.network), problem.observed.then(reduced)
 
     def of_the_model(fault: RunTimeFault) -> RunTimeFault:
-        fault = explain(searched, fault)
-        if fault.run is not None:
-            fault = replace(fault, run=_whole_run(model, searched, fault.run))
-        return fault if problem.observer is None else fault_without_observer(network, fault)
+        return whole.lift_fault(explain(searched, fault))
 
     if outcome.fault is not None:
         outcome = replace(outcome, fault=of_the_model(outcome.fault))
@@ -117,7 +112,7 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
     for task, goal in zip(problem.tasks, outcome.goals[: len(targets)], strict=True):
         if goal.fault is not None:
             goal = replace(goal, fault=of_the_model(goal.fault))
-        verdict = verdict_of(model, searched, task, goal, outcome, problem.trace)
+        verdict = verdict_of(problem.observed, reduced, task, goal, outcome, problem.trace)
         if verdict is None:
             everything = options.off("cone")
             verdicts |= _explored(replace(problem, tasks=(task,), options=everything))
@@ -126,23 +121,18 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
     return with_notes(verdicts, triggers, outcome.goals[len(targets) :])
 
 
-def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:
-    """A run of the whole network that is a run of the reduced one; None where a spectator meets an error on the way."""
-    try:
-        return with_spectators(model, searched.network, run)
-    except (StepError, EvaluationFault):
-        return None
-
-
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
 def verdict_of(
-    model: PreparedNetwork, searched: PreparedNetwork, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
+    watched: ObservedNetwork, reduced: Transformation, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict | None:
-    """The verdict; None if the run that was found meets a run-time error of a process that was held still."""
+    """The verdict; None if the run that was found meets a run-time error of a process that was frozen.
+
+    Args:
+        reduced: what was made of the network with the observer, and searched.
+    """
     on_reached, otherwise = answers_of(task.query)
-    network, reduced = model.network, searched.network
     verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
     if goal.fault is not None:
         return replace(verdict, exact=True, reason=RUN_TIME_ERROR, fault=goal.fault)
@@ -150,40 +140,44 @@ def verdict_of(
         return replace(verdict, exact=True, fault=outcome.fault)
     if goal.status is Status.UNREACHABLE:
         # An over-approximation that does not reach the target proves that nothing does.
-        return replace(verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(network, reduced))
+        return replace(
+            verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(watched.network, reduced.network)
+        )
     if not trace and outcome.exact:
-        return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(network, reduced))
+        return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(watched.network, reduced.network))
     with unhurried(inf):
-        return _with_run(model, searched, task, goal, outcome, verdict)
+        return _with_run(watched, reduced, task, goal, outcome, verdict)
 
 
 def _with_run(
-    model: PreparedNetwork,
-    searched: PreparedNetwork,
+    watched: ObservedNetwork,
+    reduced: Transformation,
     task: Task,
     goal: GoalOutcome,
     outcome: Outcome,
     verdict: Verdict,
 ) -> Verdict | None:
     """The verdict with the run along the path that was found, replayed; None as `verdict_of`."""
-    network, (on_reached, _) = model.network, answers_of(task.query)
-    run = concretise(searched, goal.path or (), task.target)
+    run = concretise(prepare(reduced.network), goal.path or (), task.target)
     if run is None:
         if outcome.exact:
             raise InternalError(f"the path found for {task.query.text!r} has no timed run")
         return replace(verdict, reason=_INEXACT)
-    whole = _whole_run(model, searched, run)
-    if whole is None:
+    run = reduced.lift(run)
+    if run is None:
         return None if outcome.exact else replace(verdict, reason=_INEXACT)
-    run = whole
     try:
-        replay(model, run, task.target)
+        replay(prepare(watched.network), run, task.target)
     except ReplayError as error:
         if not outcome.exact:
             return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
-    moves: tuple[ObserverMove, ...] = ()
-    path = run.path
-    if task.query.observer is not None:
-        run, moves = without_observer(network, run)
-    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves, path=path)
+    return replace(
+        verdict,
+        answer=answers_of(task.query)[0],
+        exact=True,
+        reason="",
+        trace=watched.lift(run),
+        moves=watched.moves(run),
+        path=run.path,
+    )

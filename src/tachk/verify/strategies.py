@@ -147,10 +147,8 @@ def reachable(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
     """Whether the targets of a search can be reached, as verdicts by the numbers of its tasks."""
-    unobserved = model.network
-    if search.observer is not None:
-        model = prepare(observed(model.network, search.observer))
-    problem = Problem(model, unobserved, search.tasks, search.observer, options, limits, trace)
+    watched = observed(model.network, search.observer)
+    problem = Problem(prepare(watched.network), watched, search.tasks, options, limits, trace)
     return decided(problem, REACHABILITY)
 
 
@@ -160,6 +158,6 @@ def avoidable(
     """Whether runs avoid the goals of a search for ever, as verdicts by the numbers of its tasks."""
     verdicts: dict[int, Verdict] = {}
     for task in search.tasks:
-        problem = Problem(model, model.network, (task,), None, options, limits, trace)
+        problem = Problem(model, observed(model.network, None), (task,), options, limits, trace)
         verdicts |= decided(problem, LIVENESS)
     return verdicts

@@ -20,8 +20,8 @@ from tachk.engine.outcome import INTERRUPTED, STATE_LIMIT, Statistics
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
-from tachk.model.query import Observer
 from tachk.model.run import Transition
+from tachk.transform.observed import ObservedNetwork
 from tachk.verify.plan import Task
 from tachk.verify.unanswered import none_begun
 from tachk.verify.verdict import Answer, Verdict, answers_of
@@ -95,17 +95,16 @@ class Problem:
     """Queries that one exploration of a network decides, and what is known about them.
 
     Attributes:
-        model: with the observer, if there is one.
-        unobserved: the network without it.
+        model: the network with the observer, if there is one.
+        observed: how it was made from the network without.
         limits: of each search. The time is that of the job.
         trace: whether runs are to be shown.
         reached, runs: as strategies before have found them, see `Findings`.
     """
 
     model: PreparedNetwork
-    unobserved: Network
+    observed: ObservedNetwork
     tasks: tuple[Task, ...]
-    observer: Observer | None
     options: Options
     limits: Limits
     trace: bool

@@ -17,8 +17,7 @@ from tachk.model.event import Event
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.transform.event_timer import Timed, with_timer
-from tachk.transform.observed import without_observer
+from tachk.transform.event_timer import EventTimer, with_event_timer
 from tachk.verify.verdict import Answer, Extreme, Verdict
 from tachk.verify.verify import verify
 
@@ -84,7 +83,7 @@ def times_between(
         UnsupportedError: the model has something that cannot be checked.
         UsageError: an event is about a channel that an edge computes.
     """
-    timed = with_timer(network, start, end, last)
+    timed = with_event_timer(network, start, end, last)
     wanted = {BEST: BEST in asked, WORST: WORST in asked, WAITING: WORST in asked}
     questions = [(name, query) for name, query in _questions(timed) if wanted[name]]
     began = monotonic()
@@ -97,11 +96,11 @@ def times_between(
             if verdict.answer is Answer.UNKNOWN:
                 reason, fault = verdict.reason, verdict.fault is not None
                 break
-            found[name] = _extreme(network, timed, verdict)
+            found[name] = _extreme(timed, verdict)
     return Times(found.get(BEST), found.get(WORST), found.get(WAITING), reason, fault, states, monotonic() - began)
 
 
-def _questions(timed: Timed) -> list[tuple[str, Query]]:
+def _questions(timed: EventTimer) -> list[tuple[str, Query]]:
     def query(name: str, kind: QueryKind, where: Expression) -> tuple[str, Query]:
         return name, Query(name, kind, where, (timed.clock,), name)
 
@@ -112,7 +111,7 @@ def _questions(timed: Timed) -> list[tuple[str, Query]]:
     ]
 
 
-def _extreme(network: Network, timed: Timed, verdict: Verdict) -> Extreme | None:
+def _extreme(timed: EventTimer, verdict: Verdict) -> Extreme | None:
     """The value that was found, with its run as one of the network alone, replayed; None where there is no value."""
     if not verdict.extremes:
         return None
@@ -121,9 +120,9 @@ def _extreme(network: Network, timed: Timed, verdict: Verdict) -> Extreme | None
     assert extreme is not None
     if extreme.run is None:
         return extreme
-    run, _ = without_observer(timed.network, extreme.run)
+    run = timed.lift(extreme.run)
     try:
-        replay(prepare(network), run)
+        replay(prepare(timed.original), run)
     except ReplayError as error:
         raise InternalError(f"the run found for {verdict.query.name} does not replay: {error}") from error
     return replace(extreme, run=run)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import StrEnum
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
@@ -11,6 +12,7 @@ from tachk.engine.outcome import Statistics
 from tachk.model.query import Expectation, Query
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
 from tachk.transform.observed import ObserverMove
+from tachk.transform.transformation import Transformation
 
 
 class Answer(StrEnum):
@@ -98,3 +100,10 @@ class Verdict:
             return None
         expected = self.query.expectation or Expectation.HOLDS
         return self.answer.value == expected.value
+
+
+def lifted(verdict: Verdict, transformation: Transformation) -> Verdict:
+    """A verdict about a transformed network, with its run and its run-time error as those of the original."""
+    fault = None if verdict.fault is None else transformation.lift_fault(verdict.fault)
+    trace = None if verdict.trace is None else transformation.lift(verdict.trace)
+    return replace(verdict, fault=fault, trace=trace)

@@ -23,7 +23,7 @@ from tachk.model.run import TimedState
 from tachk.simulation.columns import all_columns
 from tachk.simulation.fmi.blueprint import blueprint
 from tachk.simulation.fmi.description import FmiVersion
-from tachk.simulation.fmi.surroundings import OUTSIDE, SENT
+from tachk.simulation.fmi.environment import OUTSIDE, SENT
 from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role
 from tests.support.simulated.cosimulated import extract
 

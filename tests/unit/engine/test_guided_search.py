@@ -14,7 +14,7 @@ from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
 from tachk.model.run import Transition
-from tachk.transform.blocking_processes import without_bystanders
+from tachk.transform.blocking_processes import without_blocking
 from tachk.transform.guided import guided
 from tachk.transform.monotone_counters import budgets
 from tachk.verify import over_approximations, reachability
@@ -51,7 +51,7 @@ def along_the_part(text: str) -> tuple[Outcome, list[Transition], set[int], tach
     model = tachk.loads(text)
     target = model.loaded.queries[0].target
     assert target is not None
-    reduced = without_bystanders(model.network, [target])
+    reduced = without_blocking(model.network, [target]).network
     program, goals = lower(reduced, [target])
     path = explore(program, goals).goals[0].path
     assert path is not None

@@ -169,11 +169,11 @@ def test_the_region_oracle_contradicts_no_answer() -> None:
         for query, verdict in zip(queries, found, strict=True):
             if verdict.answer is Answer.UNKNOWN:
                 continue
-            deadlined = with_deadline(case.network, query)
-            avoided = deadlined.query.avoided
+            timed, plain = with_deadline(case.network, query)
+            avoided = plain.avoided
             assert avoided is not None
-            obligation = Obligation(avoided, deadlined.query.begins)
-            outcome = check_by_regions(deadlined.network, obligation, Limits(states=800))
+            obligation = Obligation(avoided, plain.begins)
+            outcome = check_by_regions(timed.network, obligation, Limits(states=800))
             if outcome.status is LivenessStatus.UNDECIDED:
                 continue
             assert (outcome.status is LivenessStatus.FOUND) == (verdict.answer is Answer.FAILS), f"seed {seed}"

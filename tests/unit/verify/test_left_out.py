@@ -1,4 +1,4 @@
-"""Answers that change when a process counts as a bystander or as a spectator that is none."""
+"""Answers that change when a process is taken to be outside the cone of influence, or to only block, that is not."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_what_a_relevant_update_reads_counts(answers: Answers) -> None:
     assert answers(text) == {"Q": "holds"}
 
 
-def test_who_sends_a_broadcast_is_no_spectator(answers: Answers) -> None:
+def test_who_sends_a_broadcast_is_inside_the_cone(answers: Answers) -> None:
     text = """
     broadcast chan tick;
     process Main() { init location A { to B { sync tick?; } } location B; }

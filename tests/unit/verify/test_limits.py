@@ -18,7 +18,7 @@ from tachk.formats.loading.load import load_model
 Answers = Callable[..., dict[str, str]]
 
 
-def test_a_limit_met_while_bystanders_are_left_out_is_no_answer(answers: Answers) -> None:
+def test_a_limit_met_without_what_only_blocks_is_no_answer(answers: Answers) -> None:
     text = """
     int[0,9] n = 0; int[0,1] m = 0;
     process Main() { init location A { to A { guard n < 9; assign n = n + 1; } } }

@@ -12,7 +12,7 @@ from tachk.base.words import QueryKind
 from tachk.engine.options import Engine, Limits, Options, Pace
 from tachk.engine.outcome import Status
 from tachk.model.query import Query
-from tachk.verify.variants.pace import _with_timer
+from tachk.verify.variants.pace import _in_time
 from tachk.verify.verdict import Verdict
 from tachk.verify.verify import verify
 from tests.support import Shape, random_case
@@ -123,8 +123,8 @@ def test_no_run_is_faster_than_the_fastest() -> None:
             for strict, expected in ((True, Status.UNREACHABLE), (False, Status.REACHED if attained else None)):
                 if strict and total == 0:
                     continue
-                network, in_time = _with_timer(case.network, query.predicate, total, strict)
-                found = reference.explore(network, [in_time], Limits(states=2000)).goals[0].status
+                timed, in_time = _in_time(case.network, query.predicate, total, strict)
+                found = reference.explore(timed.network, [in_time], Limits(states=2000)).goals[0].status
                 assert found in (expected or Status.UNREACHABLE, Status.UNDECIDED), seed
             compared += 1
     assert compared >= 5

@@ -160,11 +160,11 @@ def test_a_time_limit_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "the time limit was over" in captured.out
 
 
-def test_no_time_to_leave_out_bystanders_decides_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_time_to_leave_out_what_only_blocks_decides_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def late(*_: object) -> None:
         raise OutOfTimeError
 
-    monkeypatch.setattr(over_approximations, "without_bystanders", late)
+    monkeypatch.setattr(over_approximations, "without_blocking", late)
     text = "process P() { init location A { to B; } location B; } system P; property p : E<> P.B;"
     (verdict,) = answers(text, Limits(seconds=60.0))
     assert verdict.answer is Answer.HOLDS

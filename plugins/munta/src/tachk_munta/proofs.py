@@ -47,7 +47,7 @@ def munta_proof(
     Raises:
         UnsupportedError: E0803, with the place of what Munta cannot say.
     """
-    whole, weakenings = weakened(observed(network, query.observer))
+    whole, weakenings = weakened(observed(network, query.observer).network)
     if query.target is not None and is_deadlock(query.target):
         for weakening in weakenings:
             if weakening.of_time:

@@ -33,13 +33,10 @@ def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, .
     taken: Counter[tuple[int, int]] = Counter()
     kept: set[int] = set()
     for run in (run for each in found for run in each.runs):
-        own = run.following.kept
-        kept.update(own)
-        first = len(run.following.network.processes) - len(own)
-        for transition in run.path:
-            for participant in transition.participants:
-                if participant.process >= first:
-                    taken[own[participant.process - first], participant.edge] += 1
+        kept.update(run.following.kept)
+        for transition in map(run.following.lift_transition, run.path):
+            for participant in () if transition is None else transition.participants:
+                taken[participant.process, participant.edge] += 1
     return tuple(
         Covered(
             network.processes[number].name,

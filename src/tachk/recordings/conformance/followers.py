@@ -28,24 +28,26 @@ from tachk.model.types import ArrayType, ChannelType, IntType, element_type
 from tachk.recordings.conformance.queue_processes import QueueProcess, is_broadcast, patient, speaking
 from tachk.recordings.conformance.queues import Queues, channel_variable, index_range
 from tachk.transform.cone_of_influence import mentioned
+from tachk.transform.transformation import Exactness, Transformation
 
 _ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 
 
 @dataclass(frozen=True, slots=True)
-class Following:
-    """Attributes:
-    network: a process for what is hidden, if there is any, those that follow the recording, and those of the model that
-        are left, in their order. The search tries first what the last of them do.
-    kept: the numbers in the model of those that are left.
-    first: the number of the first process that follows the recording.
-    now: the clock that nothing resets.
-    positions: for each queue, how many of its events have happened.
-    tables: the constant arrays that hold the recording.
-    done: all events have happened, and it is so late that silence is known.
+class Following(Transformation):
+    """The product of a part of a model with a recording: a process for what is hidden, if there is any, those that
+    follow the recording, and those of the model that are left, in their order. The search tries first what the last of
+    them do.
+
+    Attributes:
+        kept: the numbers in the model of those that are left.
+        first: the number of the first process that follows the recording.
+        now: the clock that nothing resets.
+        positions: for each queue, how many of its events have happened.
+        tables: the constant arrays that hold the recording.
+        done: all events have happened, and it is so late that silence is known.
     """
 
-    network: Network
     kept: tuple[int, ...]
     first: int
     now: Variable
@@ -53,6 +55,19 @@ class Following:
     tables: frozenset[Variable]
     done: Expression
     progress: Expression
+
+    def lift_transition(self, transition: Transition) -> Transition | None:
+        """What the processes of the model do in a transition; None if none takes part."""
+        behind = len(self.network.processes) - len(self.kept)
+        own = tuple(
+            replace(participant, process=self.kept[participant.process - behind])
+            for participant in transition.participants
+            if participant.process >= behind
+        )
+        return Transition(own) if own else None
+
+    def _acts(self, process: int) -> bool:
+        return process in self.kept
 
     def queue_of(self, transition: Transition) -> int | None:
         """The queue whose event a transition is; None if it is none."""
@@ -124,7 +139,9 @@ def follow(
     total = progress.expression if isinstance(progress, Term) else Constant(0)
     assert isinstance(now.expression, Reference)
     tables = frozenset(v for v in builder.variables if isinstance(v.type, ArrayType))
-    return Following(whole, kept, len(hidden), now.expression.variable, variables, tables, done.expression, total)
+    clock = now.expression.variable
+    nothing = Exactness.NOTHING
+    return Following(network, whole, nothing, kept, len(hidden), clock, variables, tables, done.expression, total)
 
 
 def _mentioned(network: Network, processes: Sequence[Process], queues: Queues) -> Iterator[Variable]:

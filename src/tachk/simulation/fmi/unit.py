@@ -22,7 +22,7 @@ from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.types import BoolType, leaves
 from tachk.simulation.columns import Column, changing_columns, observed
-from tachk.simulation.fmi.surroundings import OUTSIDE, SENT, Opened, open_network
+from tachk.simulation.fmi.environment import OUTSIDE, SENT, OpenNetwork, open_network
 
 _NANOSECONDS = 10**9
 _COMMITTED = "committed"
@@ -156,7 +156,7 @@ def _is_committed(network: Network) -> Expression:
     return reduce(partial(Binary, BinaryOperator.OR, type=BOOL), tests) if tests else Constant(0, BOOL)
 
 
-def _inputs(opened: Opened, program: Program) -> Iterator[UnitVariable]:
+def _inputs(opened: OpenNetwork, program: Program) -> Iterator[UnitVariable]:
     """The cells of the inputs, each with its slot and that of the variable that it is for."""
     network = opened.network
     slots: dict[str, int] = {}

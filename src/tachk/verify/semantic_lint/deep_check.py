@@ -8,6 +8,7 @@ from dataclasses import replace
 from math import inf
 
 from tachk.analysis.fold import Known, known_values
+from tachk.analysis.recurrent_edges import all_runs_end, lasting_edges
 from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
 from tachk.base.job import StoppedError, limited, unhurried
 from tachk.base.records import dataclass
@@ -48,7 +49,7 @@ from tachk.verify.semantic_lint.stuck import (
     time_locks,
     unlimited,
 )
-from tachk.verify.semantic_lint.zeno import all_runs_end, lasting_edges, zeno_finding, zeno_findings
+from tachk.verify.semantic_lint.zeno import zeno_finding, zeno_findings
 from tachk.verify.semantic_lint.zeno_run import ZenoRun, find_zeno_run
 
 _STOPPED = "clocks stop in this model, so the states that were found may not all be real"

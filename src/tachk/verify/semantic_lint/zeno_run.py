@@ -22,7 +22,7 @@ from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.meaning.judge.replay_lasso import replay_lasso
 from tachk.model.expressions import BOOL, Binary, Constant
 from tachk.model.run import TimedTrace, Transition
-from tachk.transform.doubled_edges import with_a_start
+from tachk.transform.doubled_edges import with_guessed_suffix
 
 _SECONDS_FOR_DELAYS = 10.0
 
@@ -50,7 +50,7 @@ def find_zeno_run(
     Args:
         lasting: the edges (process and number) that such a run may take for ever.
     """
-    doubled = with_a_start(model.network, lasting)
+    doubled = with_guessed_suffix(model.network, lasting)
     never, late = Constant(0, BOOL), Binary(BinaryOperator.GREATER_EQUAL, doubled.clock, Constant(1), BOOL)
     program, goals = lower_recurrence(doubled.network, late, never, doubled.mark, ())
     outcome = find_recurring_run(program, goals, True, options, limits)
@@ -60,7 +60,7 @@ def find_zeno_run(
         return True
     whole = prepare(doubled.network)
     obligation = Obligation(late, doubled.mark)
-    loop = tuple(map(doubled.without_copies, outcome.run.loop))
+    loop = tuple(map(doubled.lift_transition, outcome.run.loop))
     try:
         with limited(_SECONDS_FOR_DELAYS):
             run = lasso(whole, outcome.run, obligation)
@@ -68,7 +68,7 @@ def find_zeno_run(
         return ZenoRun(loop, None)
     if run is None:
         return ZenoRun(loop, None)
-    alone = doubled.run_alone(run)
+    alone = doubled.lift(run)
     try:
         replay_lasso(whole, run, obligation.goal, obligation.trigger)
         replay(model, alone)

@@ -34,7 +34,7 @@ def proof_again(network: Network, query: Query, proof: Proof) -> tuple[Verdict, 
         return None
     check_initial_state(prepare(network))
     try:
-        if check_natively(observed(network, query.observer), query, proof.header, proof.columns) is not None:
+        if check_natively(observed(network, query.observer).network, query, proof.header, proof.columns) is not None:
             return None
     except MalformedCertificateError:
         return None

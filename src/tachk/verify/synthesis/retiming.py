@@ -13,7 +13,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import Participant, Transition
 from tachk.model.types import BoolType, IntType, ScalarType, bounds
-from tachk.transform.observed import ObserverMove, observed, without_observer
+from tachk.transform.observed import observed
 from tachk.verify.verdict import Verdict, answers_of
 
 
@@ -25,7 +25,8 @@ def retimed(network: Network, query: Query, path: Sequence[Transition]) -> Verdi
     Args:
         path: transitions of the network with the observer of the query.
     """
-    whole = observed(network, query.observer)
+    watched = observed(network, query.observer)
+    whole = watched.network
     if not all(_exists(whole, participant) for transition in path for participant in transition.participants):
         return None
     check_initial_state(prepare(network))
@@ -37,10 +38,10 @@ def retimed(network: Network, query: Query, path: Sequence[Transition]) -> Verdi
         replay(model, run, query.target)
     except (ValueError, ReplayError):
         return None
-    moves: tuple[ObserverMove, ...] = ()
-    if query.observer is not None:
-        run, moves = without_observer(whole, run)
-    return Verdict(query, answers_of(query)[0], True, "", Statistics(), run, moves=moves, path=tuple(path))
+    moves = watched.moves(run)
+    return Verdict(
+        query, answers_of(query)[0], True, "", Statistics(), watched.lift(run), moves=moves, path=tuple(path)
+    )
 
 
 def _exists(network: Network, participant: Participant) -> bool:

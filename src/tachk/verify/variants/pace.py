@@ -24,16 +24,13 @@ from tachk.model.expressions import (
     Binary,
     Constant,
     Expression,
-    Reference,
-    Variable,
-    VariableKind,
 )
-from tachk.model.network import Location, Network, Process
+from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import Transition
 from tachk.model.traversal import asks_deadlock
-from tachk.model.types import ClockType
-from tachk.transform.observed import observed, without_observer
+from tachk.transform.extension import Clocked, with_clock
+from tachk.transform.observed import ObservedNetwork, observed
 from tachk.verify.plan import Analysis, Search, Task
 from tachk.verify.variants.second_engine import answering
 from tachk.verify.verdict import Verdict
@@ -49,7 +46,8 @@ def at_pace(
     """Verdicts with the runs that the options ask for, and what is known about their times as a note."""
     if options.pace is Pace.EARLY:
         return found
-    whole = prepare(observed(model.network, search.observer))
+    watched = observed(model.network, search.observer)
+    whole = prepare(watched.network)
     result = dict(found)
     for task in search.tasks:
         verdict = found[task.number]
@@ -63,7 +61,7 @@ def at_pace(
                 best, note = hunt.fastest(verdict.path, limits)
         except (TimeoutError, StoppedError):
             best, note = None, f"the run is not the {options.pace.value} one: {TIME_LIMIT}"
-        result[task.number] = _with_run(whole, task, verdict, best, note)
+        result[task.number] = _with_run(watched, task, verdict, best, note)
     return result
 
 
@@ -75,16 +73,13 @@ def unpaced(found: dict[int, Verdict], options: Options) -> dict[int, Verdict]:
     return {n: v if v.trace is None else replace(v, notes=(*v.notes, note)) for n, v in found.items()}
 
 
-def _with_run(model: PreparedNetwork, task: Task, verdict: Verdict, best: Paced | None, note: str) -> Verdict:
+def _with_run(watched: ObservedNetwork, task: Task, verdict: Verdict, best: Paced | None, note: str) -> Verdict:
     verdict = replace(verdict, notes=(*verdict.notes, note))
     if best is None:
         return verdict
-    replay(model, best.run, task.target)
-    path = best.run.path
-    if task.query.observer is None:
-        return replace(verdict, trace=best.run, path=path)
-    run, moves = without_observer(model.network, best.run)
-    return replace(verdict, trace=run, moves=moves, path=path)
+    run = best.run
+    replay(prepare(watched.network), run, task.target)
+    return replace(verdict, trace=watched.lift(run), moves=watched.moves(run), path=run.path)
 
 
 class _Hunt:
@@ -134,11 +129,11 @@ class _Hunt:
     def _within(self, halves: int, limits: Limits) -> Verdict:
         """Whether some run reaches the target in so many halves of a time unit."""
         bound, strict = (halves + 1) // 2, halves % 2 == 1
-        timed, in_time = _with_timer(self._model.network, self._target, bound, strict)
+        timed, in_time = _in_time(self._model.network, self._target, bound, strict)
         query = Query("fastest", QueryKind.POSSIBLY, in_time, text="the target in time")
         search = Search(Analysis.REACHABILITY, (Task(0, query),))
         answer = answering(self._options.engine)
-        verdict = answer(prepare(timed), search, self._options, limits, True)[0]
+        verdict = answer(prepare(timed.network), search, self._options, limits, True)[0]
         if verdict.reason == INTERRUPTED:
             raise KeyboardInterrupt
         return verdict
@@ -149,15 +144,15 @@ def _half(best: Paced) -> int:
     return 2 * best.total.numerator + (not best.attained)
 
 
-def _with_timer(network: Network, target: Expression, bound: int, strict: bool) -> tuple[Network, Expression]:
-    """A network with one more process, whose clock is never reset, and the target with a bound on that clock.
+def _in_time(network: Network, target: Expression, bound: int, strict: bool) -> tuple[Clocked, Expression]:
+    """A network with a clock that is never reset, and the target with a bound on that clock.
 
-    The process is the last one, so that all other numbers stay what they are. It lets time end at the bound, which
-    makes the search smaller; not where a deadlock is looked for, which that would be.
+    Time ends at the bound, which makes the search smaller; not where a deadlock is looked for, which that would be.
     """
-    clock = Variable("time.now", ClockType(), VariableKind.LOCAL)
     operator = BinaryOperator.LESS if strict else BinaryOperator.LESS_EQUAL
-    in_time = Binary(operator, Reference(clock), Constant(bound), BOOL)
-    place = Location("running", None if asks_deadlock(target) else in_time)
-    timer = Process("time", "time", (place,), (), variables=(clock,))
-    return replace(network, processes=(*network.processes, timer)), Binary(BinaryOperator.AND, target, in_time, BOOL)
+
+    def early(clock: Expression) -> Expression:
+        return Binary(operator, clock, Constant(bound), BOOL)
+
+    timed = with_clock(network, None if asks_deadlock(target) else early)
+    return timed, Binary(BinaryOperator.AND, target, early(timed.clock), BOOL)

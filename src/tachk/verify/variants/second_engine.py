@@ -13,7 +13,8 @@ from tachk.engine.outcome import INTERRUPTED, Outcome
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.query import Query
 from tachk.model.run import RunTimeFault
-from tachk.transform.observed import fault_without_observer, observed
+from tachk.transform.observed import ObservedNetwork, observed
+from tachk.transform.transformation import unchanged
 from tachk.verify import reachability
 from tachk.verify.fault_explanation import explain
 from tachk.verify.plan import Analysis, Search, analysis_of
@@ -86,28 +87,26 @@ def answer(model: PreparedNetwork, search: Search, options: Options, limits: Lim
     """The verdicts of z3 about the tasks of a search. Nothing is left out of the network."""
     from tachk.engine.smt.search import explore
 
-    if search.observer is not None:
-        model = prepare(observed(model.network, search.observer))
+    watched = observed(model.network, search.observer)
     try:
-        outcome = explore(model.network, [task.target for task in search.tasks], limits)
+        outcome = explore(watched.network, [task.target for task in search.tasks], limits)
     except UnsupportedError as error:
         return {task.number: unsupported(task.query, error.diagnostic) for task in search.tasks}
-    outcome = _explained(model, search, outcome)
+    outcome = _explained(watched, outcome)
     verdicts = {}
     for task, goal in zip(search.tasks, outcome.goals, strict=True):
-        verdict = reachability.verdict_of(model, model, task, goal, outcome, trace)
-        assert verdict is not None  # nobody was held still
+        verdict = reachability.verdict_of(watched, unchanged(watched.network), task, goal, outcome, trace)
+        assert verdict is not None  # nobody was frozen
         verdicts[task.number] = verdict
     return verdicts
 
 
-def _explained(model: PreparedNetwork, search: Search, outcome: Outcome) -> Outcome:
-    def told(fault: RunTimeFault) -> RunTimeFault:
-        fault = explain(model, fault)
-        return fault if search.observer is None else fault_without_observer(model.network, fault)
+def _explained(watched: ObservedNetwork, outcome: Outcome) -> Outcome:
+    def of_the_model(fault: RunTimeFault | None) -> RunTimeFault | None:
+        return None if fault is None else watched.lift_fault(explain(prepare(watched.network), fault))
 
-    goals = tuple(goal if goal.fault is None else replace(goal, fault=told(goal.fault)) for goal in outcome.goals)
-    return replace(outcome, goals=goals, fault=None if outcome.fault is None else told(outcome.fault))
+    goals = tuple(replace(goal, fault=of_the_model(goal.fault)) for goal in outcome.goals)
+    return replace(outcome, goals=goals, fault=of_the_model(outcome.fault))
 
 
 def answer_by_both(

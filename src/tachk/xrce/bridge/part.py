@@ -11,7 +11,7 @@ from tachk.base.records import dataclass
 from tachk.engine.simulation.policy import Policy
 from tachk.model.network import Network
 from tachk.simulation.fmi.blueprint import blueprint
-from tachk.simulation.fmi.surroundings import OUTSIDE, SENT
+from tachk.simulation.fmi.environment import OUTSIDE, SENT
 from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVariable, open_unit
 
 _NANOSECONDS = 10**9

@@ -48,7 +48,7 @@ def check(model: Model, text: str, region: Region) -> None:
         if corner.answer is on_reached:
             assert corner.verdict.trace is not None
             values = dict(zip(("P", "Q"), corner.values, strict=True))
-            replay(prepare(observed(loads(text, **values).network, None)), corner.verdict.trace)
+            replay(prepare(observed(loads(text, **values).network, None).network), corner.verdict.trace)
 
 
 @cache

@@ -15,7 +15,7 @@ from tachk.engine.liveness import find_avoiding_run
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import LivenessStatus, Obligation
 from tachk.model.network import Network
-from tachk.verify.semantic_lint.unobtrusive import without_unobtrusive
+from tachk.transform.liveness_slice import liveness_preserving_slice
 from tests.support import Shape, random_case
 from tests.support.obligations import random_obligations
 from tests.support.oracles.liveness_regions import check_by_regions
@@ -50,7 +50,7 @@ def written(text: str, folder: Path) -> tachk.Model:
 
 def left_out(network: Network, obligation: Obligation) -> list[str]:
     asked = [one for one in (obligation.goal, obligation.trigger) if one is not None]
-    reduced = without_unobtrusive(network, asked)
+    reduced = liveness_preserving_slice(network, asked).network
     pairs = zip(network.processes, reduced.processes, strict=True)
     return [process.name for process, part in pairs if process.edges and not part.edges]
 
@@ -146,7 +146,7 @@ def test_answers_do_not_depend_on_it() -> None:
         case = random_case(random, SHAPE)
         for obligation in random_obligations(random, case, 2):
             asked = [one for one in (obligation.goal, obligation.trigger) if one is not None]
-            reduced = without_unobtrusive(case.network, asked)
+            reduced = liveness_preserving_slice(case.network, asked).network
             if reduced == case.network:
                 continue
             lowered = (lower_obligation(each, obligation.goal, obligation.trigger) for each in (case.network, reduced))

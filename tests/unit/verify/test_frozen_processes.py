@@ -1,4 +1,4 @@
-"""Answers do not depend on spectators, and runs tell what they heard."""
+"""Answers do not depend on processes outside the cone of influence, and runs show what these receive."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ property in_time : G[0,2] n < 2;
 """
 
 
-def test_the_run_shows_what_a_spectator_heard() -> None:
+def test_the_run_shows_what_a_frozen_process_receives() -> None:
     loaded = load_model(Source("model.ta", MODEL))
     for verdict in verify(loaded.network, loaded.queries):
         assert verdict.answer is Answer.FAILS
@@ -99,7 +99,7 @@ def test_updates_that_were_left_out_are_named() -> None:
     assert (verdict.answer, verdict.unexamined) == (Answer.HOLDS, ("n",))
 
 
-def test_a_spectator_that_goes_wrong_on_the_run_counts() -> None:
+def test_a_frozen_process_that_goes_wrong_on_the_run_counts() -> None:
     text = """
         int[0,1] heard = 0; broadcast chan tick; int n = 0;
         process Main() {

@@ -1,7 +1,7 @@
-"""Bystanders that are not noticed even by runs that go on for ever.
+"""A slice that preserves liveness: without processes that runs which go on for ever do not notice.
 
-A bystander (`tachk.transform.blocking_processes`) makes nothing possible for the processes that count. Here nothing is
-left out that could hinder them either, now or in the end. An *unobtrusive* process
+A process that only blocks (`tachk.transform.blocking_processes`) makes nothing possible for the processes that count.
+Here nothing is left out that could hinder them either, now or in the end. An *unobtrusive* process
 
 - never keeps a broadcast from happening by the invariant behind an edge that receives it, and stops no clock;
 - moves at once where it forbids delays, and in time where its invariant ends: then one of its own edges is enabled,
@@ -21,7 +21,9 @@ from itertools import product
 from math import prod
 
 from tachk.analysis.conditions import ClockAtom, split_conjunction
+from tachk.analysis.edge_steps import steps_of
 from tachk.analysis.fold import Known, fold, fold_place, known_values
+from tachk.analysis.recurrent_edges import suspicious
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.operators import COMPARISONS, CONNECTIVES, UnaryOperator
 from tachk.base.words import Direction
@@ -29,10 +31,9 @@ from tachk.model.expressions import Assign, Binary, Constant, Expression, Refere
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.traversal import process_expressions, roots, written_variables
 from tachk.model.types import BoolType, ChannelType, ClockType, IntType, bounds
-from tachk.transform.blocking_processes import bystanders, only_with
-from tachk.transform.cone_of_influence import held_still, is_broadcast
-from tachk.verify.semantic_lint.steps import steps_of
-from tachk.verify.semantic_lint.zeno import suspicious
+from tachk.transform.blocking_processes import only_blocking, trimmed_to
+from tachk.transform.cone_of_influence import frozen, is_broadcast
+from tachk.transform.transformation import Exactness, Transformation, reduced, unchanged
 
 MOST_COMBINATIONS = 4096
 """Of values of variables for which it is tried whether one of the edges is enabled."""
@@ -41,23 +42,23 @@ Ends = Mapping[Expression, int]
 """The latest values of clocks that an invariant allows."""
 
 
-def without_unobtrusive(network: Network, targets: list[Expression]) -> Network:
-    """The network without its unobtrusive bystanders, and without the updates that no target needs.
+def liveness_preserving_slice(network: Network, targets: list[Expression]) -> Transformation:
+    """The network without its unobtrusive processes that only block, and without the updates that no target needs.
 
     Processes and variables keep their numbers. Run-time errors of what is left out are not looked for.
     """
-    left_out = bystanders(network, targets)
+    left_out = only_blocking(network, targets)
     if not left_out:
-        return network
+        return unchanged(network)
     known = known_values(network, [])
     writers = _writers(network)
     kept = {number for number in left_out if not _never_hinders(network.processes[number], known, writers)}
-    while left_out := bystanders(network, targets, kept):
+    while left_out := only_blocking(network, targets, kept):
         noticed = _for_ever(network, left_out, known)
         if not noticed:
-            return only_with(network, targets, kept)
+            return reduced(network, trimmed_to(network, targets, kept), Exactness.INFINITE_RUNS)
         kept |= noticed
-    return network
+    return unchanged(network)
 
 
 def _writers(network: Network) -> Counter[Variable]:
@@ -68,7 +69,7 @@ def _writers(network: Network) -> Counter[Variable]:
 def _for_ever(network: Network, left_out: set[int], known: Known) -> set[int]:
     """The processes of some of a network that may move for ever in finite time while the others do nothing."""
     processes = enumerate(network.processes)
-    alone = replace(network, processes=tuple(p if n in left_out else held_still(p) for n, p in processes))
+    alone = replace(network, processes=tuple(p if n in left_out else frozen(p) for n, p in processes))
     return {step.process for step in suspicious(frozenset(steps_of(alone, known)))}
 
 

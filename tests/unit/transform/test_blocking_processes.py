@@ -16,7 +16,7 @@ from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Status
 from tachk.formats.loading.load import load_model
 from tachk.model.random_networks import Shape, random_case
-from tachk.transform.blocking_processes import without_bystanders
+from tachk.transform.blocking_processes import without_blocking
 
 MODEL = """
 clock x; int n = 0; int passed = 0; int noise = 0; int read = 0;
@@ -53,7 +53,7 @@ def left_out(query: str, text: str = MODEL) -> list[str]:
     loaded = load_model(Source("model.ta", f"{text}\nproperty P : E<> {query};"))
     predicate = loaded.queries[0].predicate
     assert predicate is not None
-    network = without_bystanders(loaded.network, [predicate])
+    network = without_blocking(loaded.network, [predicate]).network
     pairs = zip(network.processes, loaded.network.processes, strict=True)
     return [process.name for process, before in pairs if before.edges and not process.edges]
 
@@ -111,7 +111,7 @@ def test_updates_that_nothing_needs_are_left_out_with_them() -> None:
     loaded = load_model(Source("model.ta", f"{MODEL}\nproperty P : E<> n == 3;"))
     predicate = loaded.queries[0].predicate
     assert predicate is not None
-    main = without_bystanders(loaded.network, [predicate]).processes[0]
+    main = without_blocking(loaded.network, [predicate]).network.processes[0]
     assert [update.span.text for update in main.edges[0].updates] == ["x = 0", "n = n + 1"]
 
 
@@ -133,14 +133,14 @@ def test_what_is_reachable_only_without_them_is_looked_for_in_the_whole_network(
     assert verdict.answer is Answer.HOLDS
 
 
-def test_unreachable_without_bystanders_is_unreachable() -> None:
+def test_unreachable_without_what_only_blocks_is_unreachable() -> None:
     shape = Shape(processes=2, clocks=1, locations=3, bystanders=2, deadlocks=False)
     limits = Limits(states=20_000)
     smaller = settled = hindered = 0
     for seed in range(150):
         case = random_case(Random(seed), shape)
         for predicate in case.predicates:
-            relaxed = without_bystanders(case.network, [predicate])
+            relaxed = without_blocking(case.network, [predicate]).network
             if relaxed == case.network:
                 continue
             smaller += 1

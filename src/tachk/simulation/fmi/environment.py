@@ -1,4 +1,4 @@
-"""A part of a network, and a process that stands for the rest of it.
+"""A part of a network, and its environment: a process that stands for the rest of it.
 
 The rest acts by the edges of that process: it sends over a channel, or changes variables without sending. The
 values that variables then have are inputs, which the update of such an edge copies, so that receivers read what the
@@ -38,6 +38,7 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, kinds_of_cells
+from tachk.transform.transformation import Exactness, Transformation
 
 OUTSIDE, SENT = "outside.", "sent."
 """Before the names of variables: what the rest writes, and what goes along with the last message of the part."""
@@ -45,22 +46,22 @@ _NEVER = Variable("outside.acts", IntType(0, 1), VariableKind.GLOBAL, (0,))
 
 
 @dataclass(frozen=True, slots=True)
-class Opened:
-    """Attributes:
-    network: the part, with empty processes in place of the others, and the surroundings as the last process.
-    inputs: the variables that the surroundings write, each with the one that it is for.
-    hears, sends: the channels over which the surroundings send and hear, each with the edge of theirs that does it.
-    nudge: the edge by which they change inputs without sending.
+class OpenNetwork(Transformation):
+    """The part, with empty processes in place of the others, and its environment as the last process.
+
+    Attributes:
+        inputs: the variables that the environment writes, each with the one that it is for.
+        hears, sends: the channels over which the environment sends and receives, each with its edge that does it.
+        nudge: the edge by which it changes inputs without sending.
     """
 
-    network: Network
     inputs: tuple[tuple[Variable, Variable], ...]
     hears: tuple[tuple[str, int], ...]
     sends: tuple[tuple[str, int], ...]
     nudge: int
 
 
-def open_network(network: Network, names: Sequence[str]) -> Opened:
+def open_network(network: Network, names: Sequence[str]) -> OpenNetwork:
     """The part of a network that consists of the processes of these names, or of templates of these names.
 
     Raises UsageError for what is none, and for a part that cannot run on its own.
@@ -87,13 +88,15 @@ def open_network(network: Network, names: Sequence[str]) -> Opened:
     ]
     edges += [_edge(ours.channels[Direction.RECEIVE][name], Direction.SEND, _never(), copy) for name in hears]
     edges += [_edge(ours.channels[Direction.SEND][name], Direction.RECEIVE, None, keep) for name in sends]
-    return Opened(
+    return OpenNetwork(
+        network,
         replace(
             network,
             processes=(*_with_stubs(network, inside), Process("outside", "outside", (Location("all"),), tuple(edges))),
             variables=(*_used(network, ours), *copies.values(), *kept.values(), _NEVER),
             signals=tuple(signal for signal in network.signals if _is_seen(network, signal, ours)),
         ),
+        Exactness.NOTHING,
         tuple((copies[v], v) for v in inputs),
         tuple((name, 2 + number) for number, name in enumerate(hears)),
         tuple((name, 2 + len(hears) + number) for number, name in enumerate(sends)),

@@ -1,4 +1,4 @@
-"""Holding still what cannot influence an answer."""
+"""Freezing what cannot influence an answer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tachk.engine.options import Limits, Options
 from tachk.formats.loading.load import load_model
 from tachk.model.expressions import Expression
 from tachk.model.random_networks import Shape, random_case
-from tachk.transform.cone_of_influence import without_spectators
+from tachk.transform.cone_of_influence import cone_of_influence
 
 MODEL = """
 clock x; int n = 0; int noise = 0;
@@ -47,7 +47,7 @@ system Main, Listener, Second, Writer, Partner, Committed, Bounded;
 
 def still_for(query: str, text: str = MODEL) -> list[str]:
     loaded = load_model(Source("model.ta", f"{text}\nproperty P : E<> {query};"))
-    network = without_spectators(loaded.network, [target(loaded.queries[0].predicate)])
+    network = cone_of_influence(loaded.network, [target(loaded.queries[0].predicate)]).network
     assert [process.name for process in network.processes] == [process.name for process in loaded.network.processes]
     return [
         process.name
@@ -73,11 +73,11 @@ def target(predicate: Expression | None) -> Expression:
         ("deadlock", []),
     ],
 )
-def test_what_cannot_influence_the_target_is_held_still(query: str, still: list[str]) -> None:
+def test_what_cannot_influence_the_target_is_frozen(query: str, still: list[str]) -> None:
     assert still_for(query) == still
 
 
-def test_nothing_is_held_still_beside_priorities() -> None:
+def test_nothing_is_frozen_beside_priorities() -> None:
     assert still_for("n == 2", MODEL.replace("process Main", "chan priority hand < default;\nprocess Main")) == []
 
 
@@ -88,14 +88,14 @@ def test_a_write_through_a_reference_parameter_counts() -> None:
     assert still_for("Second.On", text) == ["Listener"]
 
 
-def test_verdicts_do_not_depend_on_spectators() -> None:
+def test_verdicts_do_not_depend_on_what_is_outside() -> None:
     shape = Shape(processes=2, spectators=2, clocks=2)
     limits = Limits(states=20_000)
     held = 0
     for seed in range(70):
         case = random_case(Random(seed), shape)
         for predicate in case.predicates:
-            smaller = without_spectators(case.network, [predicate])
+            smaller = cone_of_influence(case.network, [predicate]).network
             held += smaller != case.network
             found = [
                 zone.explore(*lower(network, [predicate]), Options(), limits).goals[0].status
