@@ -16,24 +16,24 @@
 
 namespace {
 
-std::vector<tachk::ValueInstruction> read_code(std::istream& in) {
+std::vector<tachk::monitoring::ValueInstruction> read_code(std::istream& in) {
   std::size_t count = 0;
   in >> count;
-  std::vector<tachk::ValueInstruction> code(count);
-  for (tachk::ValueInstruction& instruction : code) {
+  std::vector<tachk::monitoring::ValueInstruction> code(count);
+  for (tachk::monitoring::ValueInstruction& instruction : code) {
     int operation = 0;
     double operand = 0;
     in >> operation >> operand;
-    instruction.operation = static_cast<tachk::ValueOperator>(operation);
+    instruction.operation = static_cast<tachk::monitoring::ValueOperator>(operation);
     instruction.number = operand;
     instruction.column = static_cast<std::size_t>(operand);
   }
   return code;
 }
 
-tachk::MonitorProgram read_program(const char* path) {
+tachk::monitoring::MonitorProgram read_program(const char* path) {
   std::ifstream in(path);
-  tachk::MonitorProgram program;
+  tachk::monitoring::MonitorProgram program;
   std::size_t atoms = 0;
   std::size_t nodes = 0;
   in >> program.columns >> atoms >> nodes;
@@ -42,14 +42,14 @@ tachk::MonitorProgram read_program(const char* path) {
     in >> relation;
     auto left = read_code(in);
     auto right = read_code(in);
-    program.atoms.push_back({static_cast<tachk::Relation>(relation), std::move(left), std::move(right)});
+    program.atoms.push_back({static_cast<tachk::monitoring::Relation>(relation), std::move(left), std::move(right)});
   }
   for (; nodes > 0; --nodes) {
-    tachk::MonitorNode node;
+    tachk::monitoring::MonitorNode node;
     int kind = 0;
     std::size_t operands = 0;
     in >> kind >> node.atom >> node.lower >> node.upper >> node.lower_closed >> node.upper_closed >> operands;
-    node.kind = static_cast<tachk::NodeKind>(kind);
+    node.kind = static_cast<tachk::monitoring::NodeKind>(kind);
     node.operands.resize(operands);
     for (std::size_t& operand : node.operands) in >> operand;
     program.nodes.push_back(std::move(node));
@@ -72,8 +72,8 @@ int main(int argc, char** argv) {
   std::ifstream file(argv[2], std::ios::binary);
   for (Row row; file.read(reinterpret_cast<char*>(&row), sizeof row);) rows.push_back(row);
   const std::string names = argv[3];
-  tachk::OnlineMonitor monitor(read_program(argv[1]), std::string(argv[4]) == "bounds");
-  std::vector<tachk::Column> columns(names.size());
+  tachk::monitoring::online::OnlineMonitor monitor(read_program(argv[1]), std::string(argv[4]) == "bounds");
+  std::vector<tachk::monitoring::Column> columns(names.size());
   const double begin = cpu_seconds();
   for (const Row& row : rows) {
     const std::int64_t tick = std::llround(1000 * row.time);

@@ -12,7 +12,7 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::zones;
 
 constexpr int zone_count = 512;
 constexpr int rounds = 15;

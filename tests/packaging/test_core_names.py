@@ -1,5 +1,5 @@
-"""No type of the core has the name of another one in its namespace: two definitions of one name in a library make it
-undefined what a program does (one-definition rule, C++20 [basic.def.odr])."""
+"""A folder of the core is a namespace, and no type has the name of another one there: two definitions of one name in a
+library make it undefined what a program does (one-definition rule, C++20 [basic.def.odr])."""
 
 from __future__ import annotations
 
@@ -37,6 +37,22 @@ def types_of(text: str) -> list[str]:
     return found
 
 
+def namespace_of(source: Path) -> str:
+    """What a file of the core opens: its folders; the border to Python is one namespace."""
+    folders = source.relative_to(CORE).parent.parts
+    return "::".join(("tachk", *(folders[:1] if folders[0] == "bind" else folders)))
+
+
+def test_a_folder_is_a_namespace() -> None:
+    for path in sorted([*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]):
+        if path.parent == CORE / "fmi" / "library" or path.name == "zone_contracts.hpp":
+            continue  # functions of C, and a part of another header's namespace
+        opened = re.findall(r"^namespace (tachk[\w:]*) \{", path.read_text(encoding="utf-8"), re.MULTILINE)
+        own = namespace_of(path)
+        assert opened, path
+        assert all(f"{name}::".startswith(f"{own}::") for name in opened), path
+
+
 def test_each_type_is_defined_once() -> None:
     places = defaultdict(set)
     for path in sorted([*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]):
@@ -64,7 +80,7 @@ def test_all_sources_of_the_engine_can_be_compiled_as_one(tmp_path: Path) -> Non
 
 def test_what_is_found() -> None:
     text = """
-namespace tachk {
+namespace tachk::zones {
 namespace {
 struct Own {};
 }  // namespace
@@ -76,6 +92,6 @@ enum class Kind { one };
 using Number = int;
 template <class T>
 struct Made {};
-}  // namespace tachk
+}  // namespace tachk::zones
 """
-    assert types_of(text) == [f"tachk::{name}" for name in ("Defined", "Kind", "Number", "Made")]
+    assert types_of(text) == [f"tachk::zones::{name}" for name in ("Defined", "Kind", "Number", "Made")]

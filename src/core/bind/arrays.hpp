@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+namespace tachk::bind {
+
 template <class T>
 nanobind::object as_array(std::vector<T>&& values) {
   auto held = std::make_unique<std::vector<T>>(std::move(values));
@@ -17,3 +19,5 @@ nanobind::object as_array(std::vector<T>&& values) {
   nanobind::capsule owner(held.release(), [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
   return nanobind::ndarray<nanobind::numpy, T, nanobind::ndim<1>>(data, {size}, owner).cast();
 }
+
+}  // namespace tachk::bind

@@ -25,7 +25,11 @@
 #include "reachability/cover_search.hpp"
 #include "searching/patiently.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using reachability::CoverParts;
+using reachability::CoverSearch;
 
 namespace {
 
@@ -38,10 +42,10 @@ std::span<const std::int64_t> span_of(const Column& column) { return {column.dat
 std::vector<std::int64_t> widened(const std::vector<std::int32_t>& numbers) { return {numbers.begin(), numbers.end()}; }
 
 void bind_closed_set(nb::module_& m) {
-  using tachk::certificates::ClosedSet;
+  using certificates::ClosedSet;
   nb::class_<ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
       .def(nb::new_([](const std::vector<std::int64_t>& image) {
-             tachk::Program program = tachk::decode_program(image);
+             program::Program program = program::decode_program(image);
              if (program.goals.empty()) throw std::invalid_argument("nothing to meet");
              return std::make_unique<ClosedSet>(std::move(program));
            }),
@@ -78,13 +82,13 @@ void bind_closed_set(nb::module_& m) {
 }  // namespace
 
 void bind_certificates(nb::module_& m) {
-  nb::class_<tachk::CoverParts>(m, "CoverParts", "Symbolic states, grouped by discrete state.")
-      .def("groups", &tachk::CoverParts::groups, "How many groups there are.")
-      .def("zones", &tachk::CoverParts::zones, "How many zones.")
+  nb::class_<CoverParts>(m, "CoverParts", "Symbolic states, grouped by discrete state.")
+      .def("groups", &CoverParts::groups, "How many groups there are.")
+      .def("zones", &CoverParts::zones, "How many zones.")
       .def(
           "part",
-          [](tachk::CoverParts& self, std::size_t first, std::size_t zones) {
-            tachk::CoverPart part = self.part(first, zones);
+          [](CoverParts& self, std::size_t first, std::size_t zones) {
+            reachability::CoverPart part = self.part(first, zones);
             return nb::make_tuple(as_array(widened(part.discretes)), as_array(std::move(part.zones)),
                                   as_array(std::move(part.ranks)), as_array(std::move(part.constraints)),
                                   as_array(std::move(part.places)), as_array(std::move(part.bounds)));
@@ -92,24 +96,26 @@ void bind_certificates(nb::module_& m) {
           nb::arg("first"), nb::arg("zones"),
           "The groups from `first` on with about so many zones: discrete states, numbers of zones, ranks, numbers of "
           "constraints, left * (clocks + 1) + right, raw bounds.");
-  nb::class_<tachk::CoverSearch>(m, "CoverSearch", "The search for a small closed set of symbolic states.")
-      .def(nb::new_([](const std::vector<std::int64_t>& image, const tachk::Options& options,
-                       const tachk::Limits& limits, bool hulls) {
-             return std::make_unique<tachk::CoverSearch>(tachk::decode_program(image), options, limits, hulls);
+  nb::class_<CoverSearch>(m, "CoverSearch", "The search for a small closed set of symbolic states.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image, const reachability::Options& options,
+                       const reachability::Limits& limits, bool hulls) {
+             return std::make_unique<CoverSearch>(program::decode_program(image), options, limits, hulls);
            }),
            nb::arg("image"), nb::arg("options"), nb::arg("limits"), nb::kw_only(), nb::arg("hulls"))
-      .def("run", &run_patiently<tachk::CoverSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+      .def("run", &run_patiently<CoverSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
            nb::arg("look") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
-      .def("reached", &tachk::CoverSearch::reached, "Whether a goal is reached, and there is no such set.")
+      .def("reached", &CoverSearch::reached, "Whether a goal is reached, and there is no such set.")
       .def(
           "statistics",
-          [](const tachk::CoverSearch& self) {
-            const tachk::Statistics s = self.statistics();
+          [](const CoverSearch& self) {
+            const reachability::Statistics s = self.statistics();
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
-      .def("cover", &tachk::CoverSearch::cover, nb::rv_policy::reference_internal,
+      .def("cover", &CoverSearch::cover, nb::rv_policy::reference_internal,
            "What covers all that can be reached, of a finished search.");
   bind_closed_set(m);
 }
+
+}  // namespace tachk::bind

@@ -18,42 +18,46 @@
 #include "arrays.hpp"
 #include "csv/csv_reader.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using csv::CsvReader;
 
 namespace {
 
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
-using FaultTuple = std::tuple<tachk::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
+using FaultTuple = std::tuple<csv::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
-std::unique_ptr<tachk::CsvReader> make_reader(
-    char separator, char point, std::uint32_t cells, std::uint32_t time, const std::vector<std::uint32_t>& columns,
-    const std::vector<std::uint32_t>& texts, const std::vector<std::uint32_t>& arrivals,
-    const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line, std::uint32_t decimals,
-    std::uint32_t most_decimals, std::uint32_t usual_decimals, bool binary, bool rounding) {
-  return std::make_unique<tachk::CsvReader>(
-      tachk::CsvOptions{separator,
-                        point,
-                        cells,
-                        time,
-                        columns,
-                        texts,
-                        arrivals,
-                        unread,
-                        dates,
-                        first_line,
-                        {decimals, most_decimals, usual_decimals, binary, rounding}});
+std::unique_ptr<CsvReader> make_reader(char separator, char point, std::uint32_t cells, std::uint32_t time,
+                                       const std::vector<std::uint32_t>& columns,
+                                       const std::vector<std::uint32_t>& texts,
+                                       const std::vector<std::uint32_t>& arrivals,
+                                       const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line,
+                                       std::uint32_t decimals, std::uint32_t most_decimals,
+                                       std::uint32_t usual_decimals, bool binary, bool rounding) {
+  return std::make_unique<CsvReader>(csv::CsvOptions{separator,
+                                                     point,
+                                                     cells,
+                                                     time,
+                                                     columns,
+                                                     texts,
+                                                     arrivals,
+                                                     unread,
+                                                     dates,
+                                                     first_line,
+                                                     {decimals, most_decimals, usual_decimals, binary, rounding}});
 }
 
-nb::list take_arrivals(tachk::CsvReader& self) {
+nb::list take_arrivals(CsvReader& self) {
   nb::list taken;
   for (auto& flags : self.take_arrivals()) taken.append(as_array(std::move(flags)));
   return taken;
 }
 
-nb::tuple take_rows(tachk::CsvReader& self) {
+nb::tuple take_rows(CsvReader& self) {
   nb::list columns;
   nb::list labels;
-  for (tachk::CsvColumn& column : self.take_columns()) {
+  for (csv::CsvColumn& column : self.take_columns()) {
     columns.append(column.is_number ? as_array(std::move(column.numbers)) : as_array(std::move(column.truths)));
     nb::list texts;
     for (const std::string& text : column.labels) texts.append(nb::bytes(text.data(), text.size()));
@@ -65,7 +69,7 @@ nb::tuple take_rows(tachk::CsvReader& self) {
 }  // namespace
 
 void bind_csv(nb::module_& m) {
-  using Kind = tachk::CsvFaultKind;
+  using Kind = csv::CsvFaultKind;
   nb::enum_<Kind>(m, "CsvFaultKind")
       .value("NOT_A_NUMBER", Kind::not_a_number)
       .value("NOT_FINITE", Kind::not_finite)
@@ -80,38 +84,37 @@ void bind_csv(nb::module_& m) {
       .value("OPEN_QUOTE", Kind::open_quote)
       .value("MIXED_COLUMN", Kind::mixed_column)
       .value("LINE_TOO_LONG", Kind::line_too_long);
-  nb::class_<tachk::CsvReader>(m, "CsvReader")
+  nb::class_<CsvReader>(m, "CsvReader")
       .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("point"), nb::arg("cells"),
            nb::arg("time"), nb::arg("columns"), nb::arg("texts"), nb::arg("arrivals"), nb::arg("unread"),
            nb::arg("dates"), nb::arg("first_line"), nb::arg("decimals"), nb::arg("most_decimals"),
            nb::arg("usual_decimals"), nb::arg("binary"), nb::arg("rounding"))
       .def(
           "feed",
-          [](tachk::CsvReader& self, const nb::bytes& piece) {
+          [](CsvReader& self, const nb::bytes& piece) {
             const std::string_view text(piece.c_str(), piece.size());
             nb::gil_scoped_release released;
             return self.feed(text);
           },
           nb::arg("piece"), "Reads the lines that are complete with this piece; False after a fault.")
-      .def("finish", &tachk::CsvReader::finish, nb::arg("whole") = true,
+      .def("finish", &CsvReader::finish, nb::arg("whole") = true,
            "Reads the last line, or forgets it if the file is not there to its end; False after a fault.")
-      .def("is_cut_off", &tachk::CsvReader::is_cut_off, "The fault is in a last line without a line break.")
-      .def("reserve", &tachk::CsvReader::reserve, nb::arg("rows"), "Makes room for this many rows.")
+      .def("is_cut_off", &CsvReader::is_cut_off, "The fault is in a last line without a line break.")
+      .def("reserve", &CsvReader::reserve, nb::arg("rows"), "Makes room for this many rows.")
       .def(
-          "rows", [](const tachk::CsvReader& self) { return self.times().size(); }, "How many rows wait to be taken.")
-      .def("any_row", &tachk::CsvReader::any_row, "Whether a row has been read.")
+          "rows", [](const CsvReader& self) { return self.times().size(); }, "How many rows wait to be taken.")
+      .def("any_row", &CsvReader::any_row, "Whether a row has been read.")
       .def(
-          "decimals", [](const tachk::CsvReader& self) { return self.times().decimals(); },
+          "decimals", [](const CsvReader& self) { return self.times().decimals(); },
           "Times are counted in units of 10 to the minus this.")
       .def(
-          "rounded", [](const tachk::CsvReader& self) { return self.times().rounded(); },
-          "Whether some time was rounded.")
+          "rounded", [](const CsvReader& self) { return self.times().rounded(); }, "Whether some time was rounded.")
       .def("take_arrivals", &take_arrivals, "Of the columns that tell it, whether each row had a value; before `take`.")
       .def("take", &take_rows,
            "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
       .def(
           "fault",
-          [](const tachk::CsvReader& self) -> std::optional<FaultTuple> {
+          [](const CsvReader& self) -> std::optional<FaultTuple> {
             const auto& fault = self.fault();
             if (!fault) return std::nullopt;
             return FaultTuple{fault->kind,   fault->line, fault->offset,
@@ -119,3 +122,5 @@ void bind_csv(nb::module_& m) {
           },
           "(kind, line, offset, length, cell, line text), or None.");
 }
+
+}  // namespace tachk::bind

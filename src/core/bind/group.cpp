@@ -26,12 +26,15 @@
 #include "monitoring/online/monitor_group.hpp"
 #include "monitoring/ticks.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using monitoring::online::MonitorGroup;
 
 namespace {
 
-using tachk::int128;
-using tachk::RowFault;
+using monitoring::int128;
+using monitoring::online::RowFault;
 
 nb::object python_int(int128 number) {
   const auto high = static_cast<std::int64_t>(number >> 62);
@@ -40,8 +43,8 @@ nb::object python_int(int128 number) {
 }
 
 struct Group {
-  Group(std::vector<tachk::MonitorGroup::Watched> watched, const std::vector<std::string>& columns, bool quantitative,
-        bool all_violations, const tachk::TickScale& scale_, std::int64_t reach, std::size_t most_kept,
+  Group(std::vector<MonitorGroup::Watched> watched, const std::vector<std::string>& columns, bool quantitative,
+        bool all_violations, const monitoring::TickScale& scale_, std::int64_t reach, std::size_t most_kept,
         nb::object exact_, nb::object truths_)
       : scale(scale_),
         group(std::move(watched), columns.size(), quantitative, all_violations, scale_, reach, most_kept),
@@ -145,7 +148,7 @@ struct Group {
       if (nb::try_cast(nb::handle(value), numbers, false)) {
         length = numbers.shape(0);
         views[n] = {numbers.data(), nullptr};
-        if (!tachk::all_finite(numbers.data(), length) &&
+        if (!monitoring::all_finite(numbers.data(), length) &&
             std::any_of(numbers.data(), numbers.data() + length, [](double number) { return std::isnan(number); }))
           return told(RowFault::not_a_value);
       } else if (nb::try_cast(nb::handle(value), bytes, false)) {
@@ -183,11 +186,11 @@ struct Group {
     return told(group.finish(at));
   }
 
-  tachk::TickScale scale;
-  tachk::MonitorGroup group;
+  monitoring::TickScale scale;
+  MonitorGroup group;
   std::vector<nb::object> names;
   std::vector<double> row;
-  std::vector<tachk::Column> views;
+  std::vector<monitoring::Column> views;
   nb::object exact;  // counts times that are neither int nor float
   nb::object truths[3];
   RowFault fault = RowFault::none;
@@ -198,9 +201,9 @@ struct Group {
 std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const std::vector<std::string>& columns,
                                   bool quantitative, bool all_violations, int decimals, std::int64_t parts,
                                   std::int64_t reach, std::size_t most_kept, nb::object exact, nb::object truths) {
-  std::vector<tachk::MonitorGroup::Watched> watched;
+  std::vector<MonitorGroup::Watched> watched;
   for (const nb::object& program : programs) {
-    tachk::MonitorGroup::Watched each{monitor_program_from(program), {}};
+    MonitorGroup::Watched each{monitor_program_from(program), {}};
     for (const auto& name : nb::cast<std::vector<std::string>>(program.attr("columns"))) {
       const auto found = std::find(columns.begin(), columns.end(), name);
       if (found == columns.end()) throw std::invalid_argument("a program reads a column that is not there");
@@ -209,7 +212,7 @@ std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const
     watched.push_back(std::move(each));
   }
   return std::make_unique<Group>(std::move(watched), columns, quantitative, all_violations,
-                                 tachk::TickScale(decimals, parts), reach, most_kept, std::move(exact),
+                                 monitoring::TickScale(decimals, parts), reach, most_kept, std::move(exact),
                                  std::move(truths));
 }
 
@@ -220,10 +223,10 @@ std::optional<std::pair<std::int64_t, std::int64_t>> violation_of(const Group& s
   return std::make_pair(violation->cells.first, violation->cells.end);
 }
 
-std::vector<std::pair<std::int64_t, std::int64_t>> pairs_of(const std::vector<tachk::Span>& spans) {
+std::vector<std::pair<std::int64_t, std::int64_t>> pairs_of(const std::vector<monitoring::online::Span>& spans) {
   std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
   pairs.reserve(spans.size());
-  for (const tachk::Span& span : spans) pairs.emplace_back(span.first, span.end);
+  for (const monitoring::online::Span& span : spans) pairs.emplace_back(span.first, span.end);
   return pairs;
 }
 
@@ -240,10 +243,10 @@ using WrittenTicks = nb::ndarray<std::int64_t, nb::ndim<1>, nb::c_contig, nb::de
 
 nb::tuple count_times(const Times& times, int usual, const WrittenTicks& ticks) {
   if (ticks.shape(0) != times.shape(0)) throw std::invalid_argument("every time has a tick");
-  tachk::CountedTimes found;
+  monitoring::CountedTimes found;
   {
     nb::gil_scoped_release released;
-    found = tachk::counted({times.data(), times.shape(0)}, usual, ticks.data());
+    found = monitoring::counted({times.data(), times.shape(0)}, usual, ticks.data());
   }
   return nb::make_tuple(found.first, found.decimals, static_cast<int>(found.fault), found.row, found.rounded);
 }
@@ -314,19 +317,21 @@ void bind_group(nb::module_& m) {
       [](const Times& times, int decimals, std::int64_t first, std::int64_t factor, const WrittenTicks& ticks) {
         if (ticks.shape(0) != times.shape(0)) throw std::invalid_argument("every time has a tick");
         if (times.shape(0) == 0) return true;
-        return tachk::CountedAs::wrong != tachk::counted_as({times.data(), times.shape(0)}, times.data()[0], decimals,
-                                                            first, factor, ticks.data());
+        return monitoring::CountedAs::wrong != monitoring::counted_as({times.data(), times.shape(0)}, times.data()[0],
+                                                                      decimals, first, factor, ticks.data());
       },
       nb::arg("times"), nb::arg("decimals"), nb::arg("first"), nb::arg("factor"), nb::arg("ticks"),
       "Writes ticks of times that are whole in units of 10^-decimals; false if they are not, or decrease.");
   m.def(
       "first_backwards",
       [](const TickArray& times) -> std::optional<std::size_t> {
-        const std::size_t row = tachk::first_backwards(times.data(), times.shape(0));
+        const std::size_t row = monitoring::first_backwards(times.data(), times.shape(0));
         return row == times.shape(0) ? std::nullopt : std::optional(row);
       },
       nb::arg("times"), "The first row with an earlier time than the row before.");
   m.def(
-      "all_finite", [](const Times& values) { return tachk::all_finite(values.data(), values.shape(0)); },
+      "all_finite", [](const Times& values) { return monitoring::all_finite(values.data(), values.shape(0)); },
       nb::arg("values"));
 }
+
+}  // namespace tachk::bind

@@ -17,16 +17,19 @@
 #include "monitor_results.hpp"
 #include "monitoring/linear/linear_monitor.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using monitoring::linear::RobustnessKind;
 
 void bind_linear(nb::module_& m) {
-  using Monitor = tachk::LinearMonitor;
-  nb::enum_<tachk::RobustnessKind>(m, "Measure")
-      .value("SPACE", tachk::RobustnessKind::space)
-      .value("AHEAD", tachk::RobustnessKind::ahead)
-      .value("BEHIND", tachk::RobustnessKind::behind);
+  using Monitor = monitoring::linear::LinearMonitor;
+  nb::enum_<RobustnessKind>(m, "Measure")
+      .value("SPACE", RobustnessKind::space)
+      .value("AHEAD", RobustnessKind::ahead)
+      .value("BEHIND", RobustnessKind::behind);
   nb::class_<Monitor>(m, "LinearMonitor", "Columns that are linear between samples; robustness in time.")
-      .def(nb::new_([](nb::handle program, tachk::RobustnessKind measure) {
+      .def(nb::new_([](nb::handle program, RobustnessKind measure) {
              return std::make_unique<Monitor>(monitor_program_from(program), measure);
            }),
            nb::arg("program"), nb::kw_only(), nb::arg("measure"))
@@ -52,7 +55,7 @@ void bind_linear(nb::module_& m) {
             std::vector<double> before;
             {
               nb::gil_scoped_release released;
-              for (const tachk::LinearPiece& piece : self.robustness(node, high)) {
+              for (const monitoring::linear::LinearPiece& piece : self.robustness(node, high)) {
                 starts.push_back(piece.start);
                 at.push_back(piece.at);
                 after.push_back(piece.after);
@@ -80,7 +83,7 @@ void bind_linear(nb::module_& m) {
           "truth_signal",
           [](const Monitor& self, std::size_t node) {
             if (node >= self.nodes()) throw std::invalid_argument("there is no such node");
-            tachk::Signal<tachk::Truth> signal;
+            monitoring::offline::Signal<monitoring::offline::Truth> signal;
             {
               nb::gil_scoped_release released;
               signal = self.truth_signal(node);
@@ -90,3 +93,5 @@ void bind_linear(nb::module_& m) {
           nb::arg("node"), "(first cells of the pieces, lower bounds, upper bounds)")
       .def("refinement", &Monitor::refinement, "Into how many parts ticks are divided for truth.");
 }
+
+}  // namespace tachk::bind

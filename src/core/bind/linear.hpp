@@ -3,4 +3,8 @@
 
 #include <nanobind/nanobind.h>
 
+namespace tachk::bind {
+
 void bind_linear(nanobind::module_& m);
+
+}  // namespace tachk::bind

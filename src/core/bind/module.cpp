@@ -28,55 +28,63 @@
 #include "searching/patiently.hpp"
 #include "simulated/simulation.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using machine::FaultKind;
+using order::SearchOrder;
+using reachability::Explorer;
+using reachability::Limits;
+using reachability::Status;
+using symbolic::Extrapolation;
+using zones::Width;
 
 namespace {
 
-using FaultTuple =
-    std::tuple<tachk::FaultKind, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
+using FaultTuple = std::tuple<FaultKind, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
 
-using FailureTuple = std::tuple<tachk::FaultKind, int, tachk::Path>;
+using FailureTuple = std::tuple<FaultKind, int, symbolic::Path>;
 
 // The members have the names of those in tachk.engine.options and tachk.model.fault; the numbers are nobody's
 // business.
 void bind_enumerations(nb::module_& m) {
-  nb::enum_<tachk::SearchOrder>(m, "SearchOrder")
-      .value("AUTO", tachk::SearchOrder::automatic)
-      .value("BFS", tachk::SearchOrder::breadth_first)
-      .value("DFS", tachk::SearchOrder::depth_first)
-      .value("RANDOM_DFS", tachk::SearchOrder::random_depth_first)
-      .value("PROGRESS", tachk::SearchOrder::progress);
-  nb::enum_<tachk::Extrapolation>(m, "Extrapolation")
-      .value("NONE", tachk::Extrapolation::none)
-      .value("MAX", tachk::Extrapolation::max)
-      .value("LU", tachk::Extrapolation::lu);
-  nb::enum_<tachk::BoundScope>(m, "BoundScope")
-      .value("LOCAL", tachk::BoundScope::local)
-      .value("GLOBAL", tachk::BoundScope::global);
-  nb::enum_<tachk::Width>(m, "Width")  // a number of bits: here the numbers are the names
-      .value("NARROW", tachk::Width::narrow)
-      .value("WIDE", tachk::Width::wide)
-      .value("WIDEST", tachk::Width::widest);
-  nb::enum_<tachk::Status>(m, "Status")
-      .value("RUNNING", tachk::Status::running)
-      .value("FINISHED", tachk::Status::finished)
-      .value("STATE_LIMIT", tachk::Status::state_limit)
-      .value("MEMORY_LIMIT", tachk::Status::memory_limit)
-      .value("DEPTH_LIMIT", tachk::Status::depth_limit)
-      .value("TIME_LIMIT", tachk::Status::time_limit)
-      .value("FAULT", tachk::Status::fault)
-      .value("CONSTANT_LIMIT", tachk::Status::constant_limit);
-  nb::enum_<tachk::FaultKind>(m, "FaultKind")
-      .value("RANGE", tachk::FaultKind::range)
-      .value("INDEX", tachk::FaultKind::index)
-      .value("DIVISION", tachk::FaultKind::division)
-      .value("NEGATIVE_CLOCK", tachk::FaultKind::negative_clock)
-      .value("SHIFT", tachk::FaultKind::shift)
-      .value("NEGATIVE_EXPONENT", tachk::FaultKind::negative_exponent)
-      .value("ASSERT", tachk::FaultKind::assertion)
-      .value("LOOP", tachk::FaultKind::loop)
-      .value("NOT_FINITE", tachk::FaultKind::not_finite)
-      .value("BOUND", tachk::FaultKind::bound);
+  nb::enum_<SearchOrder>(m, "SearchOrder")
+      .value("AUTO", SearchOrder::automatic)
+      .value("BFS", SearchOrder::breadth_first)
+      .value("DFS", SearchOrder::depth_first)
+      .value("RANDOM_DFS", SearchOrder::random_depth_first)
+      .value("PROGRESS", SearchOrder::progress);
+  nb::enum_<Extrapolation>(m, "Extrapolation")
+      .value("NONE", Extrapolation::none)
+      .value("MAX", Extrapolation::max)
+      .value("LU", Extrapolation::lu);
+  nb::enum_<symbolic::BoundScope>(m, "BoundScope")
+      .value("LOCAL", symbolic::BoundScope::local)
+      .value("GLOBAL", symbolic::BoundScope::global);
+  nb::enum_<Width>(m, "Width")  // a number of bits: here the numbers are the names
+      .value("NARROW", Width::narrow)
+      .value("WIDE", Width::wide)
+      .value("WIDEST", Width::widest);
+  nb::enum_<Status>(m, "Status")
+      .value("RUNNING", Status::running)
+      .value("FINISHED", Status::finished)
+      .value("STATE_LIMIT", Status::state_limit)
+      .value("MEMORY_LIMIT", Status::memory_limit)
+      .value("DEPTH_LIMIT", Status::depth_limit)
+      .value("TIME_LIMIT", Status::time_limit)
+      .value("FAULT", Status::fault)
+      .value("CONSTANT_LIMIT", Status::constant_limit);
+  nb::enum_<FaultKind>(m, "FaultKind")
+      .value("RANGE", FaultKind::range)
+      .value("INDEX", FaultKind::index)
+      .value("DIVISION", FaultKind::division)
+      .value("NEGATIVE_CLOCK", FaultKind::negative_clock)
+      .value("SHIFT", FaultKind::shift)
+      .value("NEGATIVE_EXPONENT", FaultKind::negative_exponent)
+      .value("ASSERT", FaultKind::assertion)
+      .value("LOOP", FaultKind::loop)
+      .value("NOT_FINITE", FaultKind::not_finite)
+      .value("BOUND", FaultKind::bound);
 }
 
 void give_back_memory() {
@@ -87,7 +95,7 @@ void give_back_memory() {
 
 // Each option of tachk.engine.options that is a field here is handed over, by its name.
 void bind_options(nb::module_& m) {
-  using tachk::Options;
+  using reachability::Options;
   nb::class_<Options>(m, "Options")
       .def(nb::init<>())
       .def_rw("order", &Options::order)
@@ -111,29 +119,29 @@ void bind_options(nb::module_& m) {
       .def_rw("attempts", &Options::attempts)
       .def_rw("chunk_words", &Options::chunk_words)
       .def_rw("rows_after", &Options::rows_after);
-  nb::class_<tachk::Limits>(m, "Limits")
+  nb::class_<Limits>(m, "Limits")
       .def(nb::init<>())
-      .def_rw("states", &tachk::Limits::states)
-      .def_rw("memory_bytes", &tachk::Limits::memory_bytes)
-      .def_rw("depth", &tachk::Limits::depth);
+      .def_rw("states", &Limits::states)
+      .def_rw("memory_bytes", &Limits::memory_bytes)
+      .def_rw("depth", &Limits::depth);
   m.def("give_back_memory", &give_back_memory, "Gives the system back what the allocator keeps but nobody uses.");
 }
 
-std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& image, const tachk::Options& options,
-                                               const tachk::Limits& limits) {
-  return std::make_unique<tachk::Explorer>(tachk::decode_program(image), options, limits);
+std::unique_ptr<Explorer> make_explorer(const std::vector<std::int64_t>& image, const reachability::Options& options,
+                                        const Limits& limits) {
+  return std::make_unique<Explorer>(program::decode_program(image), options, limits);
 }
 
-std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
+std::optional<FaultTuple> fault_of(Explorer& explorer) {
   if (!explorer.fault()) return std::nullopt;
   std::vector<std::vector<std::uint32_t>> path;
-  const tachk::FaultReport told = explorer.told_fault(path);
+  const reachability::FaultReport told = explorer.told_fault(path);
   path.insert(path.end(), told.passed.begin(), told.passed.end());
   return FaultTuple{told.kind, told.position, std::move(path), told.edges};
 }
 
-std::optional<FailureTuple> failure_of(tachk::Explorer& explorer, std::size_t goal) {
-  const std::optional<tachk::GoalFailure>& failure = explorer.failure(goal);
+std::optional<FailureTuple> failure_of(Explorer& explorer, std::size_t goal) {
+  const std::optional<reachability::GoalFailure>& failure = explorer.failure(goal);
   if (!failure) return std::nullopt;
   return FailureTuple{failure->fault.kind, failure->fault.position, explorer.path_to_goal(goal)};
 }
@@ -144,46 +152,46 @@ NB_MODULE(_core, m) {
   m.doc() = "The C++ core: the exploration engine, the monitors and the reader of tables.";
   bind_enumerations(m);
   bind_options(m);
-  nb::class_<tachk::Explorer>(m, "Explorer")
+  nb::class_<Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
-      .def("run", &run_patiently<tachk::Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+      .def("run", &run_patiently<Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
            nb::arg("look") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",
-          [](const tachk::Explorer& self) {
-            const tachk::Statistics s = self.statistics();
+          [](const Explorer& self) {
+            const reachability::Statistics s = self.statistics();
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
-      .def("threads", &tachk::Explorer::threads, "The most threads that have worked for this search at the same time.")
-      .def("discrete_states", &tachk::Explorer::discrete_states, "How many discrete states have been seen.")
-      .def("reduced_states", &tachk::Explorer::reduced_states, "How many states were expanded with some actions only.")
-      .def("has_merged", &tachk::Explorer::has_merged, "Whether zones have been united.")
-      .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
-      .def("taken", &tachk::Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")
+      .def("threads", &Explorer::threads, "The most threads that have worked for this search at the same time.")
+      .def("discrete_states", &Explorer::discrete_states, "How many discrete states have been seen.")
+      .def("reduced_states", &Explorer::reduced_states, "How many states were expanded with some actions only.")
+      .def("has_merged", &Explorer::has_merged, "Whether zones have been united.")
+      .def("reached", &Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
+      .def("taken", &Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")
       .def(
           "extreme",
-          [](const tachk::Explorer& self, std::size_t measure) {
+          [](const Explorer& self, std::size_t measure) {
             const auto found = self.extreme(measure);
             using Found = std::tuple<std::optional<std::int64_t>, bool, std::uint32_t>;
             if (!found) return std::optional<Found>();
-            const bool limited = found->value != tachk::unbounded_entry;
+            const bool limited = found->value != zones::unbounded_entry;
             return std::optional(
                 Found{limited ? std::optional(found->value) : std::nullopt, found->strict, found->node});
           },
           nb::arg("measure"), "(value or None for no limit, strict, node) of the extreme value; None if there is none.")
-      .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
-      .def("path_to_goal", &tachk::Explorer::path_to_goal, nb::arg("goal"),
+      .def("path", &Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
+      .def("path_to_goal", &Explorer::path_to_goal, nb::arg("goal"),
            "The edge numbers of each action on the way to where a goal was reached, or failed.")
-      .def("any_failure", &tachk::Explorer::any_failure, "Whether a predicate of some goal was a run-time error.")
+      .def("any_failure", &Explorer::any_failure, "Whether a predicate of some goal was a run-time error.")
       .def("failure", &failure_of, nb::arg("goal"),
            "(kind, code position, path) of a run-time error in a predicate of a goal, or None.")
-      .def("leads_to", &tachk::Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
+      .def("leads_to", &Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
            "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")
       .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.")
       .def(
-          "kernel", [](const tachk::Explorer& self) { return std::string(self.operations().name); },
+          "kernel", [](const Explorer& self) { return std::string(self.operations().name); },
           "Which implementation of the zone operations is in use.");
 
   bind_certificates(m);
@@ -200,3 +208,5 @@ NB_MODULE(_core, m) {
   bind_splitting(m);
   bind_course(m);
 }
+
+}  // namespace tachk::bind

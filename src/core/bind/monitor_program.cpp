@@ -4,17 +4,19 @@
 
 #include <stdexcept>
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
 
 namespace {
 
-std::vector<tachk::ValueInstruction> read_code(nb::handle code) {
-  std::vector<tachk::ValueInstruction> result;
+std::vector<monitoring::ValueInstruction> read_code(nb::handle code) {
+  std::vector<monitoring::ValueInstruction> result;
   for (nb::handle instruction : code) {
-    tachk::ValueInstruction read;
-    read.operation = static_cast<tachk::ValueOperator>(nb::cast<int>(instruction.attr("operator")));
+    monitoring::ValueInstruction read;
+    read.operation = static_cast<monitoring::ValueOperator>(nb::cast<int>(instruction.attr("operator")));
     const double operand = nb::cast<double>(instruction.attr("operand"));
-    if (read.operation == tachk::ValueOperator::column) {
+    if (read.operation == monitoring::ValueOperator::column) {
       read.column = static_cast<std::size_t>(operand);
     } else {
       read.number = operand;
@@ -26,15 +28,15 @@ std::vector<tachk::ValueInstruction> read_code(nb::handle code) {
 
 }  // namespace
 
-tachk::MonitorProgram monitor_program_from(nb::handle program) {
-  tachk::MonitorProgram result;
+monitoring::MonitorProgram monitor_program_from(nb::handle program) {
+  monitoring::MonitorProgram result;
   result.columns = nb::len(nb::object(program.attr("columns")));
   for (nb::handle atom : program.attr("atoms"))
-    result.atoms.push_back({static_cast<tachk::Relation>(nb::cast<int>(atom.attr("relation"))),
+    result.atoms.push_back({static_cast<monitoring::Relation>(nb::cast<int>(atom.attr("relation"))),
                             read_code(atom.attr("left")), read_code(atom.attr("right"))});
   for (nb::handle node : program.attr("nodes")) {
-    tachk::MonitorNode read;
-    read.kind = static_cast<tachk::NodeKind>(nb::cast<int>(node.attr("kind")));
+    monitoring::MonitorNode read;
+    read.kind = static_cast<monitoring::NodeKind>(nb::cast<int>(node.attr("kind")));
     read.operands = nb::cast<std::vector<std::size_t>>(node.attr("operands"));
     const int atom = nb::cast<int>(node.attr("atom"));
     read.atom = atom < 0 ? 0 : static_cast<std::size_t>(atom);
@@ -44,7 +46,7 @@ tachk::MonitorProgram monitor_program_from(nb::handle program) {
     read.upper_closed = nb::cast<bool>(node.attr("upper_closed"));
     result.nodes.push_back(std::move(read));
   }
-  tachk::validate(result);
+  monitoring::validate(result);
   return result;
 }
 
@@ -74,3 +76,5 @@ SampleView::SampleView(const std::int64_t* ticks, std::size_t count, const nb::s
   }
   samples_ = {ticks, columns_.data(), count};
 }
+
+}  // namespace tachk::bind

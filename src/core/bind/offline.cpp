@@ -17,25 +17,27 @@
 #include "monitor_results.hpp"
 #include "monitoring/offline/offline_monitor.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
 
 namespace {
 
 template <class Value>
-std::unique_ptr<tachk::OfflineMonitor<Value>> make_monitor(nb::handle program, bool verdict,
-                                                           const std::vector<std::size_t>& signals) {
-  tachk::MonitorProgram read = monitor_program_from(program);
-  tachk::Requests requests;
+std::unique_ptr<monitoring::offline::OfflineMonitor<Value>> make_monitor(nb::handle program, bool verdict,
+                                                                         const std::vector<std::size_t>& signals) {
+  monitoring::MonitorProgram read = monitor_program_from(program);
+  monitoring::offline::Requests requests;
   requests.verdict = verdict;
   requests.signals = signals;
   for (const std::size_t node : signals)
     if (node >= read.nodes.size()) throw std::invalid_argument("there is no such node");
-  return std::make_unique<tachk::OfflineMonitor<Value>>(std::move(read), std::move(requests));
+  return std::make_unique<monitoring::offline::OfflineMonitor<Value>>(std::move(read), std::move(requests));
 }
 
 template <class Value>
 void bind_values_of(nb::module_& m, const char* name, const char* description) {
-  using Monitor = tachk::OfflineMonitor<Value>;
+  using Monitor = monitoring::offline::OfflineMonitor<Value>;
   nb::class_<Monitor>(m, name, description)
       .def(nb::new_(&make_monitor<Value>), nb::arg("program"), nb::kw_only(), nb::arg("verdict"), nb::arg("signals"))
       .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),
@@ -68,6 +70,8 @@ void bind_values_of(nb::module_& m, const char* name, const char* description) {
 }  // namespace
 
 void bind_offline(nb::module_& m) {
-  bind_values_of<tachk::Truth>(m, "OfflineTruth", "Is a formula true on a trace?");
-  bind_values_of<tachk::Robustness>(m, "OfflineRobustness", "How robustly is a formula true on a trace?");
+  bind_values_of<monitoring::offline::Truth>(m, "OfflineTruth", "Is a formula true on a trace?");
+  bind_values_of<monitoring::offline::Robustness>(m, "OfflineRobustness", "How robustly is a formula true on a trace?");
 }
+
+}  // namespace tachk::bind

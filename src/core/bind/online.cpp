@@ -16,13 +16,15 @@
 #include "monitor_program.hpp"
 #include "monitoring/online/online_monitor.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
 
 namespace {
 
 // The monitor with room for one sample, so that single samples need no allocation.
 struct Monitor {
-  Monitor(tachk::MonitorProgram program, bool quantitative)
+  Monitor(monitoring::MonitorProgram program, bool quantitative)
       : columns(program.columns), numbers(columns), row(columns), monitor(std::move(program), quantitative) {
     for (std::size_t n = 0; n < columns; ++n) row[n].numbers = &numbers[n];
   }
@@ -50,13 +52,13 @@ struct Monitor {
 
   std::size_t columns;
   std::vector<double> numbers;
-  std::vector<tachk::Column> row;
-  tachk::OnlineMonitor monitor;
+  std::vector<monitoring::Column> row;
+  monitoring::online::OnlineMonitor monitor;
 };
 
 // First cell, cell after the last, settled.
 std::optional<std::tuple<std::int64_t, std::int64_t, bool>> violation_of(const Monitor& self) {
-  const std::optional<tachk::ViolatedSpan>& violation = self.monitor.violation();
+  const std::optional<monitoring::online::ViolatedSpan>& violation = self.monitor.violation();
   if (!violation) return std::nullopt;
   return std::make_tuple(violation->cells.first, violation->cells.end, violation->settled);
 }
@@ -101,3 +103,5 @@ void bind_online(nb::module_& m) {
       .def("finished", [](const Monitor& self) { return self.monitor.finished(); })
       .def("bytes", [](const Monitor& self) { return self.monitor.bytes(); });
 }
+
+}  // namespace tachk::bind

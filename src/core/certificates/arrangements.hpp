@@ -20,11 +20,11 @@ class Arrangements final {
  public:
   using Slots = std::vector<std::int32_t>;
 
-  explicit Arrangements(const std::vector<Interchangeable>& groups) : groups_(groups) {
-    for (const Interchangeable& group : groups) {
+  explicit Arrangements(const std::vector<program::Interchangeable>& groups) : groups_(groups) {
+    for (const program::Interchangeable& group : groups) {
       if (!group.cyclic) ways_ = 2;
       Tables& own = tables_.emplace_back(group.slots.front().size());
-      for (const Interchangeable::Name& name : group.names)
+      for (const program::Interchangeable::Name& name : group.names)
         for (std::size_t role = 0; role < own.size(); ++role)
           if (group.slots.front()[role] == name.slot) own[role].push_back(name.table);
     }
@@ -63,7 +63,7 @@ class Arrangements final {
     return order;
   }
 
-  static void place(const Interchangeable& group, const Order& order, Slots& slots, Zone& zone) {
+  static void place(const program::Interchangeable& group, const Order& order, Slots& slots, Zone& zone) {
     const Slots before = slots;
     std::vector<std::size_t> source(zone.n);
     std::iota(source.begin(), source.end(), std::size_t{0});
@@ -73,7 +73,7 @@ class Arrangements final {
       for (std::size_t role = 0; role < group.clocks[place].size(); ++role)
         source[group.clocks[place][role]] = group.clocks[order[place]][role];
     }
-    for (const Interchangeable::Name& name : group.names) {
+    for (const program::Interchangeable::Name& name : group.names) {
       const std::vector<std::int32_t>& table = group.tables[name.table];
       const auto named =
           static_cast<std::size_t>(std::find(table.begin(), table.end(), slots[name.slot]) - table.begin());
@@ -90,7 +90,7 @@ class Arrangements final {
   static constexpr std::int64_t behind = std::int64_t{1} << 40;  // larger than all numbers in states
 
   Order sorted(std::size_t number, const Slots& slots, const Zone& zone, bool columns_first) const {
-    const Interchangeable& group = groups_[number];
+    const program::Interchangeable& group = groups_[number];
     std::vector<Facts> facts(group.slots.size());
     for (std::size_t member = 0; member < facts.size(); ++member) facts[member] = plain(number, member, slots);
     for (std::size_t member = 0; member < facts.size(); ++member) {
@@ -112,9 +112,9 @@ class Arrangements final {
     return facts;
   }
   // Which slot outside of the members names one first.
-  static std::int64_t first_named(const Interchangeable& group, std::size_t member, const Slots& slots) {
+  static std::int64_t first_named(const program::Interchangeable& group, std::size_t member, const Slots& slots) {
     std::int64_t place = 0;
-    for (const Interchangeable::Name& name : group.names) {
+    for (const program::Interchangeable::Name& name : group.names) {
       const auto holds = [&](const auto& own) { return std::find(own.begin(), own.end(), name.slot) != own.end(); };
       if (std::any_of(group.slots.begin(), group.slots.end(), holds)) continue;
       if (slots[name.slot] == group.tables[name.table][member]) return place;
@@ -124,7 +124,7 @@ class Arrangements final {
   }
   // Whom a member names: itself, another one, nobody.
   void add_names(std::size_t number, std::size_t member, const Slots& slots, Facts& facts) const {
-    const Interchangeable& group = groups_[number];
+    const program::Interchangeable& group = groups_[number];
     for (std::size_t role = tables_[number].size(); role-- > 0;) {
       if (tables_[number][role].empty()) continue;
       std::int64_t held = slots[group.slots[member][role]];
@@ -149,7 +149,7 @@ class Arrangements final {
     facts.push_back(columns_first ? row : column);
   }
 
-  const std::vector<Interchangeable>& groups_;
+  const std::vector<program::Interchangeable>& groups_;
   int ways_ = 1;  // in which members are sorted
   std::vector<Tables> tables_;
 };

@@ -39,14 +39,15 @@ struct Block {
 
 class ClosedSet final {
  public:
-  explicit ClosedSet(Program program) : network_(std::move(program)), initial_(network_.initial()) {}
+  explicit ClosedSet(program::Program program) : network_(std::move(program)), initial_(network_.initial()) {}
 
   // Throws std::invalid_argument for what is no state of the program.
   void add(const Block& block) {
     const std::size_t n = network_.n, width = program_.state_slots;
     for (auto from = block.bounds.begin(); from < block.bounds.end(); from += n * n) {
       const Constraints told = Zone{n, {from, from + n * n}}.constraints();
-      for (const Atom& atom : told) expect(std::abs(atom.raw) < Raw{1} << 42, "a constraint that cannot be");
+      for (const zones::Atom& atom : told)
+        expect(std::abs(atom.raw) < zones::Raw{1} << 42, "a constraint that cannot be");
       shapes_.push_back({told, Zone::universe(n).within(told)});
     }
     for (std::size_t group = 0, e = 0; group < block.zones.size(); ++group) {
@@ -74,7 +75,7 @@ class ClosedSet final {
         next_ == 0 ? check_initial() : check_state(next_ - 1);
       } catch (const char* reason) {
         object(reason);
-      } catch (const ModelFault&) {
+      } catch (const machine::ModelFault&) {
         object("something in the model cannot be evaluated");
       }
     return objection_ || next_ > states_.size();
@@ -125,8 +126,8 @@ class ClosedSet final {
   }
 
   // Up to where something is asked of what waits in elements, and of what they lead to.
-  const Goal& goal(std::int64_t rank) const {
-    static const Goal never;
+  const program::Goal& goal(std::int64_t rank) const {
+    static const program::Goal never;
     return rank > 0 ? program_.goals[0] : never;
   }
 
@@ -169,8 +170,8 @@ class ClosedSet final {
   void check_initial() {
     here_.slots = initial_;
     network_.describe(here_);
-    Zone zone = Zone::filled(network_.n, raw_zero);
-    for (const ClockReset& start : program_.starts) zone.reset(start);
+    Zone zone = Zone::filled(network_.n, zones::raw_zero);
+    for (const zones::ClockReset& start : program_.starts) zone.reset(start);
     zone.tighten(here_.limits);
     const std::int64_t below = program_.goals.size() > 1 ? 0 : any_rank;
     if (here_.possible) require(here_, zone, below, "the initial state is not in the set");
@@ -194,7 +195,7 @@ class ClosedSet final {
   }
 
   Network network_;
-  const Program& program_ = network_.program;
+  const program::Program& program_ = network_.program;
   const Arrangements arrangements_{program_.interchangeable};
   const std::vector<std::int32_t> initial_;
   std::vector<Shape> shapes_;

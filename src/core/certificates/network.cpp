@@ -4,15 +4,21 @@
 #include <cstdlib>
 
 namespace tachk::certificates {
+
+using program::Channel;
+using program::Edge;
+using program::Location;
+using program::no_code;
+using zones::Raw;
 namespace {
 
 constexpr Raw largest_constant = Raw{1} << 40;
 
 }  // namespace
 
-Network::Network(Program given)
+Network::Network(program::Program given)
     : program(std::move(given)), n(static_cast<std::size_t>(program.dimension())), machine_(program, largest_constant) {
-  for (const Process& process : program.processes) leaving_.emplace_back(process.locations.size());
+  for (const program::Process& process : program.processes) leaving_.emplace_back(process.locations.size());
   for (std::uint32_t number = 0; number < program.edges.size(); ++number)
     leaving_[program.edges[number].process][static_cast<std::size_t>(program.edges[number].source)].push_back(number);
   listeners_.resize(program.channels.size());
@@ -34,21 +40,21 @@ const std::vector<std::uint32_t>& Network::leaving(std::size_t process, const Sl
   return leaving_[process][static_cast<std::size_t>(slots[process])];
 }
 // Whether the integer part of a condition holds; then its clock constraints are appended.
-bool Network::holds(const Condition& condition, Slots& slots, Constraints& constraints) {
-  for (const Test& test : condition.tests)
+bool Network::holds(const program::Condition& condition, Slots& slots, Constraints& constraints) {
+  for (const program::Test& test : condition.tests)
     if (!test.holds(slots.data())) return false;
   if (condition.code != no_code && machine_.value(condition.code, slots.data()) == 0) return false;
   constraints.insert(constraints.end(), condition.atoms.begin(), condition.atoms.end());
   const auto number = [&](std::int32_t code, std::int64_t given) {
     return code == no_code ? given : machine_.value(code, slots.data());
   };
-  for (const ComputedConstraint& each : condition.computed) {
+  for (const program::ComputedConstraint& each : condition.computed) {
     if (number(each.condition, 1) == 0) continue;
     const auto left = static_cast<std::uint16_t>(number(each.left_code, each.left));
     const auto right = static_cast<std::uint16_t>(number(each.right_code, each.right));
     const std::int64_t bound = number(each.bound_code, each.bound);
-    if (std::abs(bound) > largest_constant) throw ModelFault(FaultKind::bound, each.bound_code);
-    constraints.push_back({left, right, raw_bound(bound, each.strict)});
+    if (std::abs(bound) > largest_constant) throw machine::ModelFault(machine::FaultKind::bound, each.bound_code);
+    constraints.push_back({left, right, zones::raw_bound(bound, each.strict)});
   }
   return true;
 }
@@ -73,7 +79,7 @@ bool Network::hears(const Edge& edge, std::int32_t used, Slots& slots) {
 
 Network::Slots Network::initial() const {
   Slots slots;
-  for (const Slot& slot : program.slots) slots.push_back(slot.initial);
+  for (const program::Slot& slot : program.slots) slots.push_back(slot.initial);
   return slots;
 }
 
@@ -205,10 +211,10 @@ void Network::add_step(const Slots& slots, const Zone& guarded, std::int32_t use
   step.resets.clear();
   Slots& target = step.target.slots;
   target = slots;
-  SlotSet ignored;
+  program::SlotSet ignored;
   for (const std::uint32_t number : taking_part) {
-    const Update& update = program.edges[number].update;
-    for (const Update::Store& store : update.stores) target[store.slot] = store.value;
+    const program::Update& update = program.edges[number].update;
+    for (const program::Update::Store& store : update.stores) target[store.slot] = store.value;
     step.resets.insert(step.resets.end(), update.resets.begin(), update.resets.end());
     if (update.code != no_code) machine_.update(update.code, target.data(), ignored, step.resets);
   }
@@ -238,7 +244,7 @@ void Network::hold_back_lower_priorities() {
 
 Zone Step::possible() const {
   Zone zone = guarded;
-  for (Atom atom : target.limits) {
+  for (zones::Atom atom : target.limits) {
     // What the constraint asks before the clocks are set, the last one first.
     for (auto reset = resets.rbegin(); reset != resets.rend(); ++reset) {
       if (atom.left == reset->clock) atom = {reset->source, atom.right, atom.raw - 2 * Raw{reset->value}};
@@ -249,23 +255,23 @@ Zone Step::possible() const {
   return zone;
 }
 Zone& Step::reach() {
-  for (const ClockReset& reset : resets) guarded.reset(reset);
+  for (const zones::ClockReset& reset : resets) guarded.reset(reset);
   guarded.tighten(target.limits);
   return guarded;
 }
 
 // ---- predicates -----------------------------------------------------------------------------------------------------
 
-Zones Network::where(const Goal& goal, Situation& here, const Zone& zone, bool widely) {
+Zones Network::where(const program::Goal& goal, Situation& here, const Zone& zone, bool widely) {
   Zones found;
-  for (const Disjunct& disjunct : goal.disjuncts) {
+  for (const program::Disjunct& disjunct : goal.disjuncts) {
     Constraints constraints;
     if (!holds(disjunct.condition, here.slots, constraints)) continue;
     const Zone met = zone.within(constraints);
     if (met.empty()) continue;
     Zones parts{met};
-    if (disjunct.deadlock == DeadlockLiteral::required) parts = stuck(here, met, widely);
-    if (disjunct.deadlock == DeadlockLiteral::forbidden) parts = without(parts, stuck(here, met, !widely));
+    if (disjunct.deadlock == program::DeadlockLiteral::required) parts = stuck(here, met, widely);
+    if (disjunct.deadlock == program::DeadlockLiteral::forbidden) parts = without(parts, stuck(here, met, !widely));
     found.insert(found.end(), parts.begin(), parts.end());
   }
   return found;
@@ -287,7 +293,7 @@ Zones Network::stuck(Situation& here, const Zone& zone, bool widely) {
 
 // A valuation that lies before a met zone, on its way through time, may go on until it enters that zone; one behind all
 // of it, and one that never meets it, may go on for ever. If clocks are stopped, only the met zones are left out.
-Zones Network::avoiding(const Goal& goal, Situation& here, const Zone& zone) {
+Zones Network::avoiding(const program::Goal& goal, Situation& here, const Zone& zone) {
   Zones all;
   all.push_back(later(here, zone));
   const Zones met = where(goal, here, all.front(), false);

@@ -29,7 +29,7 @@ struct Step {
   std::vector<std::uint32_t> edges;
   Zone guarded;  // where the guards hold
   Situation target;
-  std::vector<ClockReset> resets;
+  std::vector<zones::ClockReset> resets;
   std::pair<std::int32_t, std::int32_t> priority;
 
   Zone possible() const;  // where in the source it is: its resets lead into the invariant of the target
@@ -54,7 +54,7 @@ class Steps {
 
 class Network final {
  public:
-  explicit Network(Program given);
+  explicit Network(program::Program given);
 
   std::vector<std::int32_t> initial() const;
   // Makes a situation of its slots.
@@ -65,13 +65,13 @@ class Network final {
   std::span<Step> steps(Situation& here, const Zone& zone, Steps& room);
   // The parts of a zone where a goal holds. Where `deadlock` is asked for and clocks are stopped, it is perhaps more
   // than that, or less if not `widely`.
-  Zones where(const Goal& goal, Situation& here, const Zone& zone, bool widely);
+  Zones where(const program::Goal& goal, Situation& here, const Zone& zone, bool widely);
   // From where in a zone no step is possible, now or later; likewise.
   Zones stuck(Situation& here, const Zone& zone, bool widely);
   // What is reached by waiting in a zone as long as a goal does not hold.
-  Zones avoiding(const Goal& goal, Situation& here, const Zone& zone);
+  Zones avoiding(const program::Goal& goal, Situation& here, const Zone& zone);
 
-  const Program program;
+  const program::Program program;
   const std::size_t n;                     // clocks, the reference clock included
   std::vector<std::uint32_t> taking_part;  // the edges of the step under construction
 
@@ -82,12 +82,12 @@ class Network final {
     Zone zone;
   };
 
-  const Location& location(std::size_t process, const Slots& slots) const;
+  const program::Location& location(std::size_t process, const Slots& slots) const;
   const std::vector<std::uint32_t>& leaving(std::size_t process, const Slots& slots) const;
-  bool holds(const Condition& condition, Slots& slots, Constraints& constraints);
-  const Zone* where(const Edge& edge, Slots& slots, const Zone& zone, Part& room);
-  std::int32_t channel(const Edge& edge, Slots& slots);
-  bool hears(const Edge& edge, std::int32_t used, Slots& slots);
+  bool holds(const program::Condition& condition, Slots& slots, Constraints& constraints);
+  const Zone* where(const program::Edge& edge, Slots& slots, const Zone& zone, Part& room);
+  std::int32_t channel(const program::Edge& edge, Slots& slots);
+  bool hears(const program::Edge& edge, std::int32_t used, Slots& slots);
   bool is_urgent(Slots& slots);
   void find_steps(Situation& here, const Zone& zone);
   void add_partner(Slots& slots, std::int32_t used, const Zone& zone, bool free);
@@ -95,7 +95,7 @@ class Network final {
   void add_step(const Slots& slots, const Zone& guarded, std::int32_t used);
   void hold_back_lower_priorities();
 
-  Machine machine_;
+  machine::Machine machine_;
   std::vector<std::vector<std::vector<std::uint32_t>>> leaving_;  // of each process and location, the edges
   std::vector<std::vector<std::uint32_t>> listeners_;             // of each channel, the processes that may receive
   std::vector<std::uint32_t> metas_;

@@ -10,41 +10,43 @@
 
 namespace tachk::certificates {
 
-inline constexpr Raw unbounded = Raw{1} << 60;
+inline constexpr zones::Raw unbounded = zones::Raw{1} << 60;
 
-inline Raw sum(Raw a, Raw b) { return a >= unbounded || b >= unbounded ? unbounded : a + b - ((a | b) & 1); }
+inline zones::Raw sum(zones::Raw a, zones::Raw b) {
+  return a >= unbounded || b >= unbounded ? unbounded : a + b - ((a | b) & 1);
+}
 
-using Constraints = std::vector<Atom>;
+using Constraints = std::vector<zones::Atom>;
 
 // A canonical difference bound matrix over `n` clocks, or no valuation at all (no entries).
 struct Zone {
   std::size_t n = 0;
-  std::vector<Raw> entries;
+  std::vector<zones::Raw> entries;
 
-  static Zone filled(std::size_t n, Raw raw) { return {n, std::vector<Raw>(n * n, raw)}; }
+  static Zone filled(std::size_t n, zones::Raw raw) { return {n, std::vector<zones::Raw>(n * n, raw)}; }
   static Zone universe(std::size_t n) {
     Zone zone = filled(n, unbounded);
-    for (std::size_t i = 0; i < n; ++i) zone.at(0, i) = zone.at(i, i) = raw_zero;
+    for (std::size_t i = 0; i < n; ++i) zone.at(0, i) = zone.at(i, i) = zones::raw_zero;
     return zone;
   }
   bool empty() const { return entries.empty(); }
-  Raw& at(std::size_t i, std::size_t j) { return entries[i * n + j]; }
-  Raw at(std::size_t i, std::size_t j) const { return entries[i * n + j]; }
+  zones::Raw& at(std::size_t i, std::size_t j) { return entries[i * n + j]; }
+  zones::Raw at(std::size_t i, std::size_t j) const { return entries[i * n + j]; }
   bool lies_in(const Constraints& constraints) const {
     return std::all_of(constraints.begin(), constraints.end(),
-                       [&](const Atom& atom) { return at(atom.left, atom.right) <= atom.raw; });
+                       [&](const zones::Atom& atom) { return at(atom.left, atom.right) <= atom.raw; });
   }
 
   // Entries that are longer than the way over the new one become that way. No entry that is read on it changes.
-  void tighten(const Atom& atom) {
+  void tighten(const zones::Atom& atom) {
     if (empty() || atom.raw >= at(atom.left, atom.right)) return;
-    if (sum(atom.raw, at(atom.right, atom.left)) < raw_zero) return entries.clear();
+    if (sum(atom.raw, at(atom.right, atom.left)) < zones::raw_zero) return entries.clear();
     for (std::size_t i = 0; i < n; ++i)
-      if (const Raw there = sum(at(i, atom.left), atom.raw); there < unbounded)
+      if (const zones::Raw there = sum(at(i, atom.left), atom.raw); there < unbounded)
         for (std::size_t j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), sum(there, at(atom.right, j)));
   }
   void tighten(const Constraints& constraints) {
-    for (const Atom& atom : constraints) tighten(atom);
+    for (const zones::Atom& atom : constraints) tighten(atom);
   }
   Zone within(const Constraints& constraints) const {
     Zone part = *this;
@@ -58,12 +60,12 @@ struct Zone {
         found.push_back({static_cast<std::uint16_t>(k / n), static_cast<std::uint16_t>(k % n), entries[k]});
     return found;
   }
-  void reset(const ClockReset& reset) {
+  void reset(const zones::ClockReset& reset) {
     const std::size_t x = reset.clock;
     const std::size_t y = reset.source;
-    for (std::size_t j = 0; j < n; ++j) at(x, j) = sum(raw_bound(reset.value, false), at(y, j));
-    for (std::size_t j = 0; j < n; ++j) at(j, x) = sum(at(j, y), raw_bound(-Raw{reset.value}, false));
-    at(x, x) = raw_zero;
+    for (std::size_t j = 0; j < n; ++j) at(x, j) = sum(zones::raw_bound(reset.value, false), at(y, j));
+    for (std::size_t j = 0; j < n; ++j) at(j, x) = sum(at(j, y), zones::raw_bound(-zones::Raw{reset.value}, false));
+    at(x, x) = zones::raw_zero;
   }
   void close() {  // Floyd and Warshall
     for (std::size_t k = 0; k < n; ++k)
@@ -79,7 +81,7 @@ struct Zone {
   }
   // From where the zone is reached when time passes.
   void go_back() {
-    for (std::size_t j = 0; j < n; ++j) at(0, j) = raw_zero;
+    for (std::size_t j = 0; j < n; ++j) at(0, j) = zones::raw_zero;
     close();
   }
 };
@@ -93,7 +95,8 @@ inline Zones without(const Zones& zones, const Constraints& constraints) {
     if (zone.lies_in(constraints)) continue;
     Zone rest = zone;
     for (std::size_t k = 0; k < constraints.size() && !rest.empty(); ++k) {
-      if (Zone outside = rest.within({negated(constraints[k])}); !outside.empty()) pieces.push_back(std::move(outside));
+      if (Zone outside = rest.within({zones::negated(constraints[k])}); !outside.empty())
+        pieces.push_back(std::move(outside));
       rest.tighten(constraints[k]);
     }
   }

@@ -14,7 +14,7 @@
 
 #include "csv/date_text.hpp"
 
-namespace tachk {
+namespace tachk::csv {
 
 namespace {
 
@@ -515,4 +515,4 @@ void CsvReader::forget_partial_row() {
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::csv

@@ -15,7 +15,7 @@
 
 #include "csv/csv_times.hpp"
 
-namespace tachk {
+namespace tachk::csv {
 
 enum class CsvFaultKind {
   not_a_number,
@@ -134,4 +134,4 @@ class CsvReader {
   std::optional<CsvFault> fault_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::csv

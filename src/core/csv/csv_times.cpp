@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace tachk {
+namespace tachk::csv {
 
 namespace {
 
@@ -114,4 +114,4 @@ std::optional<CsvTimeFault> CsvTimes::put(Decimal time) {
   return std::nullopt;
 }
 
-}  // namespace tachk
+}  // namespace tachk::csv

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace tachk {
+namespace tachk::csv {
 
 // A decimal number as mantissa * 10^exponent. `exact` is false where the mantissa has more digits than fit, `large`
 // says that some of them stand before the point.
@@ -64,4 +64,4 @@ class CsvTimes {
   std::vector<std::int64_t> ticks_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::csv

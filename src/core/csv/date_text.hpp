@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tachk {
+namespace tachk::csv {
 
 struct DateText {
   static constexpr std::int64_t most_decimals = 18;
@@ -113,4 +113,4 @@ struct DateText {
   }
 };
 
-}  // namespace tachk
+}  // namespace tachk::csv

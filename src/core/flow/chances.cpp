@@ -5,7 +5,9 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace tachk {
+namespace tachk::flow {
+
+using program::Program;
 namespace {
 
 class ChancesDecoder {
@@ -14,7 +16,7 @@ class ChancesDecoder {
 
   Chances decode() {
     Chances chances;
-    for (const Process& process : program_.processes) {
+    for (const program::Process& process : program_.processes) {
       std::vector<Number>& rates = chances.rates.emplace_back();
       for (std::size_t n = 0; n < process.locations.size(); ++n) rates.push_back(number());
     }
@@ -37,7 +39,7 @@ class ChancesDecoder {
     for (std::size_t left = below(program_.slots.size() + 1); left > 0; --left)
       chances.hybrid.push_back(static_cast<std::uint32_t>(below(program_.state_slots - 1)));
     if (chances.hybrid.empty()) return;
-    for (const Process& process : program_.processes) {
+    for (const program::Process& process : program_.processes) {
       std::vector<std::vector<FlowRate>>& rates = chances.flow_rates.emplace_back(process.locations.size());
       for (std::vector<FlowRate>& of_location : rates)
         for (std::size_t left = below(image_.size()); left > 0; --left) {
@@ -64,7 +66,7 @@ class ChancesDecoder {
     const std::int64_t kind = next();
     const std::int64_t given = next();
     if (kind < 0 || kind > 4) throw std::invalid_argument("bad kind of number in image");
-    const Number constant{static_cast<Number::Kind>(kind), std::bit_cast<double>(given), no_code};
+    const Number constant{static_cast<Number::Kind>(kind), std::bit_cast<double>(given), program::no_code};
     if (constant.is_constant()) return constant;
     const std::size_t limit = kind == 3 ? program_.slots.size() : program_.code.size();
     if (given < 0 || static_cast<std::size_t>(given) >= limit)
@@ -79,15 +81,15 @@ class ChancesDecoder {
 
 }  // namespace
 
-double Number::value(Machine& machine, std::int32_t* slots) const {
+double Number::value(machine::Machine& machine, std::int32_t* slots) const {
   if (is_constant()) return constant;
   if (kind == Kind::slot) return static_cast<double>(slots[code]);
   const std::int64_t result = machine.value(code, slots);
-  return kind == Kind::integer_code ? static_cast<double>(result) : double_at(slots + result);
+  return kind == Kind::integer_code ? static_cast<double>(result) : machine::double_at(slots + result);
 }
 
 Chances decode_chances(std::span<const std::int64_t> image, const Program& program) {
   return ChancesDecoder(image, program).decode();
 }
 
-}  // namespace tachk
+}  // namespace tachk::flow

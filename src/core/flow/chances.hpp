@@ -8,7 +8,7 @@
 #include "machine/machine.hpp"
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::flow {
 
 // A number that is known, computed by code from the discrete state, or in a slot of it.
 struct Number {
@@ -16,12 +16,12 @@ struct Number {
 
   Kind kind = Kind::integer_constant;
   double constant = 1.0;
-  std::int32_t code = no_code;  // or the number of the slot
+  std::int32_t code = program::no_code;  // or the number of the slot
 
   bool is_constant() const { return kind == Kind::floating_constant || kind == Kind::integer_constant; }
   bool integer() const { return kind != Kind::floating_constant && kind != Kind::floating_code; }
   // Throws ModelFault.
-  double value(Machine& machine, std::int32_t* slots) const;
+  double value(machine::Machine& machine, std::int32_t* slots) const;
 };
 
 // How fast a hybrid clock changes in a location.
@@ -40,11 +40,11 @@ struct Chances {
   std::vector<Number> observed;                                // what is recorded
   std::vector<std::uint32_t> hybrid;                           // the first slot of each hybrid clock
   std::vector<std::vector<std::vector<FlowRate>>> flow_rates;  // of each location of each process
-  SlotSet flow_reads;                                          // what these rates depend on
+  program::SlotSet flow_reads;                                 // what these rates depend on
 };
 
 // Reads the flat form that tachk.engine.simulation.simulator writes. Throws std::invalid_argument if the numbers do
 // not fit the program.
-Chances decode_chances(std::span<const std::int64_t> image, const Program& program);
+Chances decode_chances(std::span<const std::int64_t> image, const program::Program& program);
 
-}  // namespace tachk
+}  // namespace tachk::flow

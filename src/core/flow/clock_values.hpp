@@ -11,7 +11,7 @@
 #include "program/program.hpp"
 #include "zones/bound.hpp"
 
-namespace tachk {
+namespace tachk::flow {
 
 using Ticks = std::int64_t;
 
@@ -53,8 +53,9 @@ class ClockValues {
   }
 
   // Narrows the window to the moments at which x_left - x_right is within the bound, if clocks go on as they do.
-  void narrow(std::uint16_t left, std::uint16_t right, Raw raw, Window& window) const {
-    const Ticks room = raw_value(raw) * ticks_per_unit_ - ((raw & 1) == 0 ? 1 : 0) - offsets_[left] + offsets_[right];
+  void narrow(std::uint16_t left, std::uint16_t right, zones::Raw raw, Window& window) const {
+    const Ticks room =
+        zones::raw_value(raw) * ticks_per_unit_ - ((raw & 1) == 0 ? 1 : 0) - offsets_[left] + offsets_[right];
     switch (running_[left] - running_[right]) {
       case 1:
         if (room < window.last) window.last = room;
@@ -73,4 +74,4 @@ class ClockValues {
   std::vector<std::int8_t> running_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::flow

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tachk {
+namespace tachk::flow {
+
+using program::FlowTest;
 namespace {
 
 using Kind = FlowTest::Kind;
@@ -20,8 +22,8 @@ Ticks ticks(double number) {
 }  // namespace
 
 Crossings::Sides Crossings::sides(const FlowTest& test) {
-  double left = double_at(slots_ + machine_.value(test.left, slots_));
-  double right = double_at(slots_ + machine_.value(test.right, slots_));
+  double left = machine::double_at(slots_ + machine_.value(test.left, slots_));
+  double right = machine::double_at(slots_ + machine_.value(test.right, slots_));
   if (test.kind == Kind::greater || test.kind == Kind::greater_equal) std::swap(left, right);
   return {left - right, std::max({1.0, std::fabs(left), std::fabs(right)})};
 }
@@ -179,4 +181,4 @@ Crossings::Found Crossings::ending(std::span<const FlowTest> tests, Ticks from, 
   return {never, std::max(before, from)};
 }
 
-}  // namespace tachk
+}  // namespace tachk::flow

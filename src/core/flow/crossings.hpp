@@ -13,7 +13,7 @@
 #include "machine/machine.hpp"
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::flow {
 
 // How far apart moments are at which conditions are looked at.
 constexpr Ticks flow_sample(Ticks ticks_per_unit) { return ticks_per_unit / 100; }
@@ -21,10 +21,11 @@ constexpr Ticks flow_sample(Ticks ticks_per_unit) { return ticks_per_unit / 100;
 class Crossings {
  public:
   // What it is given must outlive it. Questions about other moments leave the values of those in the slots.
-  Crossings(Flow& flow, Machine& machine, std::int32_t* slots) : flow_(flow), machine_(machine), slots_(slots) {}
+  Crossings(Flow& flow, machine::Machine& machine, std::int32_t* slots)
+      : flow_(flow), machine_(machine), slots_(slots) {}
 
   // Whether all hold with the values in the slots, where what is not strict may be missed by a millionth.
-  bool hold(std::span<const FlowTest> tests);
+  bool hold(std::span<const program::FlowTest> tests);
 
   struct Found {
     Ticks moment = never;  // never: not up to `seen`
@@ -32,9 +33,9 @@ class Crossings {
   };
   // The first moment of [from, last] at which all hold. Looks at least up to `sight` if conditions have to be looked
   // at.
-  Found opening(std::span<const FlowTest> tests, Ticks from, Ticks last, Ticks sight);
+  Found opening(std::span<const program::FlowTest> tests, Ticks from, Ticks last, Ticks sight);
   // The last moment up to which all hold, from `from` on, where they do.
-  Found ending(std::span<const FlowTest> tests, Ticks from, Ticks sight);
+  Found ending(std::span<const program::FlowTest> tests, Ticks from, Ticks sight);
 
  private:
   // The sides of a comparison, turned so that it says that the difference is negative, or zero.
@@ -49,25 +50,25 @@ class Crossings {
     bool positive;
   };
 
-  Sides sides(const FlowTest& test);
-  Look look(const FlowTest& test);
-  Look look_at(const FlowTest& test, Ticks moment) {
+  Sides sides(const program::FlowTest& test);
+  Look look(const program::FlowTest& test);
+  Look look_at(const program::FlowTest& test, Ticks moment) {
     flow_.show(moment, machine_, slots_);
     return look(test);
   }
   Ticks sample() const { return flow_sample(flow_.ticks_per_unit()); }
-  bool solvable(std::span<const FlowTest> tests) const;
-  Window solved(const FlowTest& test, Ticks from);
-  Window solved(std::span<const FlowTest> tests, Ticks from);
+  bool solvable(std::span<const program::FlowTest> tests) const;
+  Window solved(const program::FlowTest& test, Ticks from);
+  Window solved(std::span<const program::FlowTest> tests, Ticks from);
   template <class Differs>
-  Ticks first_different(const FlowTest& test, Ticks before, Ticks after, Differs differs);
-  void crossings(std::span<const FlowTest> tests, Ticks before, Ticks after);
+  Ticks first_different(const program::FlowTest& test, Ticks before, Ticks after, Differs differs);
+  void crossings(std::span<const program::FlowTest> tests, Ticks before, Ticks after);
 
   Flow& flow_;
-  Machine& machine_;
+  machine::Machine& machine_;
   std::int32_t* slots_;
   std::vector<Look> looks_;
   std::vector<Ticks> candidates_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::flow

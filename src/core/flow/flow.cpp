@@ -4,7 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tachk {
+namespace tachk::flow {
+
+using machine::Machine;
+using machine::ModelFault;
+using machine::store_double;
 namespace {
 
 constexpr double longest_step = 0.1;  // units of time
@@ -49,7 +53,7 @@ void Flow::start(Ticks now, Machine& machine, std::int32_t* slots) {
   fault_.reset();
   steps_.clear();
   first_.clear();
-  for (const std::uint32_t slot : chances_->hybrid) first_.push_back(double_at(slots + slot));
+  for (const std::uint32_t slot : chances_->hybrid) first_.push_back(machine::double_at(slots + slot));
   active_.assign(clocks(), nullptr);
   linear_ = true;
   for (std::size_t p = 0; p < chances_->flow_rates.size(); ++p)
@@ -142,7 +146,7 @@ void Flow::advance(Machine& machine, std::int32_t* slots) {
   const std::size_t count = clocks();
   Step step{known(), length, Numbers(5 * count)};
   for (std::size_t n = 0; n < count; ++n) {
-    if (!std::isfinite(tried_[n])) throw ModelFault(FaultKind::not_finite, no_code);
+    if (!std::isfinite(tried_[n])) throw ModelFault(machine::FaultKind::not_finite, program::no_code);
     const double change = tried_[n] - last_[n];
     const double bent = length * stages_[0][n] - change;
     double last = 0;
@@ -157,4 +161,4 @@ void Flow::advance(Machine& machine, std::int32_t* slots) {
   length_ = std::clamp(length * std::clamp(growth, 0.2, 5.0), shortest_step, longest_step);
 }
 
-}  // namespace tachk
+}  // namespace tachk::flow

@@ -14,7 +14,7 @@
 #include "flow/clock_values.hpp"
 #include "machine/machine.hpp"
 
-namespace tachk {
+namespace tachk::flow {
 
 class Flow {
  public:
@@ -25,14 +25,14 @@ class Flow {
   Ticks ticks_per_unit() const { return ticks_per_unit_; }
 
   // The clocks have the values that are in the slots now, and change as the locations there say.
-  void start(Ticks now, Machine& machine, std::int32_t* slots);
+  void start(Ticks now, machine::Machine& machine, std::int32_t* slots);
 
   // The last moment up to `wanted` for which there is a solution: rates that have no value end it. Changes slots.
-  Ticks known_up_to(Ticks wanted, Machine& machine, std::int32_t* slots);
+  Ticks known_up_to(Ticks wanted, machine::Machine& machine, std::int32_t* slots);
 
   // Writes the values of a moment, which is not before the start, to the slots. Throws the ModelFault of a rate that
   // has no value before.
-  void show(Ticks moment, Machine& machine, std::int32_t* slots);
+  void show(Ticks moment, machine::Machine& machine, std::int32_t* slots);
 
  private:
   using Numbers = std::vector<double>;
@@ -47,11 +47,11 @@ class Flow {
     return static_cast<double>(moment - begin_) / static_cast<double>(ticks_per_unit_);
   }
   void write(const Numbers& values, std::int32_t* slots) const;
-  void rates(const Numbers& values, Numbers& result, Machine& machine, std::int32_t* slots) const;
-  void advance(Machine& machine, std::int32_t* slots);
-  double error_of(double length, Machine& machine, std::int32_t* slots);
-  double attempt(double length, Machine& machine, std::int32_t* slots);
-  void extend(double wanted, Machine& machine, std::int32_t* slots);
+  void rates(const Numbers& values, Numbers& result, machine::Machine& machine, std::int32_t* slots) const;
+  void advance(machine::Machine& machine, std::int32_t* slots);
+  double error_of(double length, machine::Machine& machine, std::int32_t* slots);
+  double attempt(double length, machine::Machine& machine, std::int32_t* slots);
+  void extend(double wanted, machine::Machine& machine, std::int32_t* slots);
   double known() const { return steps_.empty() ? 0 : steps_.back().begin + steps_.back().length; }
 
   const Chances* chances_;
@@ -62,7 +62,7 @@ class Flow {
   Numbers slopes_;                       // rates there
   std::vector<const FlowRate*> active_;  // of each clock; null: 1
   std::vector<Step> steps_;
-  std::optional<ModelFault> fault_;  // why there is no more
+  std::optional<machine::ModelFault> fault_;  // why there is no more
   // Of the integration: the last values and rates, the stages, and how long the next step should be.
   Numbers last_;
   Numbers stages_[7];
@@ -70,4 +70,4 @@ class Flow {
   double length_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::flow

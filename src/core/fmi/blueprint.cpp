@@ -10,6 +10,9 @@
 #include <stdexcept>
 
 namespace tachk::fmi {
+
+using flow::latest_end;
+using flow::Ticks;
 namespace {
 
 constexpr std::int64_t magic = 0x0A31'2E6B'6863'6174;  // "tachk.1\n"
@@ -105,8 +108,8 @@ Blueprint::Blueprint(Numbers numbers)
       scale(numbers.time_scale()),
       nudge(numbers.next()),
       variables(numbers.variables()),
-      program(decode_program(numbers.sequence())),
-      chances(decode_chances(numbers.sequence(), program)),
+      program(program::decode_program(numbers.sequence())),
+      chances(flow::decode_chances(numbers.sequence(), program)),
       tables(program, chances) {
   const auto within = [](std::int64_t number, std::size_t count) {
     return number >= 0 && static_cast<std::size_t>(number) < count;

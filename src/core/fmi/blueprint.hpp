@@ -48,11 +48,11 @@ class TimeScale {
   bool holds(double seconds) const;
 
   // The nearest double.
-  double seconds(Ticks ticks) const;
+  double seconds(flow::Ticks ticks) const;
   // The nearest tick. Throws std::invalid_argument for a time that is too large, or none.
-  Ticks ticks(double seconds) const;
+  flow::Ticks ticks(double seconds) const;
   // How many ticks a time may be off because it is a double.
-  Ticks slack(double seconds) const;
+  flow::Ticks slack(double seconds) const;
 
  private:
   std::int64_t numerator_ = 1;
@@ -69,9 +69,9 @@ struct Blueprint {
   TimeScale scale;     // of the finest ticks
   std::int64_t nudge;  // the edge by which the surroundings write without sending; -1 if they never do
   std::vector<Variable> variables;
-  Program program;
-  Chances chances;
-  Tables tables;
+  program::Program program;
+  flow::Chances chances;
+  simulation::Tables tables;
 
   std::string token() const;  // of the fingerprint
   bool open() const { return nudge >= 0; }

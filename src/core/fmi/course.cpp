@@ -6,6 +6,10 @@
 #include <utility>
 
 namespace tachk::fmi {
+
+using flow::Ticks;
+using simulation::Ending;
+using simulation::Policy;
 namespace {
 
 // Reads what `save` has written.
@@ -59,7 +63,7 @@ Course::Course(std::shared_ptr<const Blueprint> blueprint)
 Course::Course(const Course& other)
     : blueprint_(other.blueprint_),
       parameters_(other.parameters_),
-      simulator_(other.simulator_ ? std::make_unique<Simulator>(*other.simulator_) : nullptr),
+      simulator_(other.simulator_ ? std::make_unique<simulation::Simulator>(*other.simulator_) : nullptr),
       scale_(other.scale_),
       ticks_per_unit_(other.ticks_per_unit_),
       start_(other.start_),
@@ -85,7 +89,7 @@ double Course::real(std::uint32_t reference) {
   const Variable& wanted = variable(reference, Type::real);
   if (wanted.role == Role::time) return scale_.seconds(start_ + now_);
   begin();
-  const Number& number = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
+  const flow::Number& number = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
   return number.value(simulator_->machine(), simulator_->slots());
 }
 
@@ -111,7 +115,7 @@ std::int64_t Course::number(std::uint32_t reference, Type type) {
       break;
   }
   begin();
-  const Number& found = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
+  const flow::Number& found = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
   return static_cast<std::int64_t>(found.value(simulator_->machine(), simulator_->slots()));
 }
 
@@ -152,7 +156,7 @@ void Course::choose(Role parameter, std::int64_t value) {
 
 void Course::set_input(std::uint32_t place, std::int64_t value) {
   const Variable& input = blueprint_->variables[place];
-  const Slot& slot = blueprint_->program.slots[static_cast<std::size_t>(input.number)];
+  const program::Slot& slot = blueprint_->program.slots[static_cast<std::size_t>(input.number)];
   if (value < slot.low || value > slot.high) throw std::invalid_argument("the value is outside the variable's range");
   begin();
   outside_.changed |= input.target >= 0 && simulator_->slots()[input.target] != value;
@@ -189,7 +193,7 @@ bool Course::ticking() const {
 
 void Course::start_at(double start, std::optional<double> stop) {
   TimeScale scale = blueprint_->scale;
-  for (Ticks ticks = finest_ticks; ticks >= coarsest_ticks; ticks /= 10, scale = scale.coarser())
+  for (Ticks ticks = flow::finest_ticks; ticks >= flow::coarsest_ticks; ticks /= 10, scale = scale.coarser())
     if (scale.holds(start) && (!stop || (scale.holds(*stop) && scale.holds(*stop - start)))) {
       scale_ = scale;
       ticks_per_unit_ = ticks;
@@ -200,20 +204,20 @@ void Course::start_at(double start, std::optional<double> stop) {
 
 void Course::begin() {
   if (simulator_) return;
-  auto simulator = std::make_unique<Simulator>(blueprint_->program, blueprint_->chances, blueprint_->tables,
-                                               parameters_.policy, ticks_per_unit_);
+  auto simulator = std::make_unique<simulation::Simulator>(blueprint_->program, blueprint_->chances, blueprint_->tables,
+                                                           parameters_.policy, ticks_per_unit_);
   if (!simulator->begin(parameters_.seed, parameters_.run))
     throw std::invalid_argument("the initial state of the network violates an invariant");
   simulator_ = std::move(simulator);
 }
 
 Ticks Course::next_event() {
-  if (ending_) return never;
+  if (ending_) return flow::never;
   if (outside_.changed ||
       std::any_of(outside_.pending.begin(), outside_.pending.end(), [](std::int64_t count) { return count > 0; }))
     return now_;
   const Ticks next = simulator_->next_moment();
-  return next <= latest_end ? std::max(next, now_) : never;
+  return next <= flow::latest_end ? std::max(next, now_) : flow::never;
 }
 
 void Course::wait_until(Ticks moment) {
@@ -253,7 +257,7 @@ void Course::take(const Intake& intake) {
 
 bool Course::transition() {
   if (settled_) return false;
-  RunLimits limits;
+  simulation::RunLimits limits;
   limits.until = now_;
   const std::optional<Ending> ending = simulator_->step(limits);
   if (!ending) {
@@ -326,7 +330,7 @@ Course Course::restore(std::shared_ptr<const Blueprint> blueprint, std::span<con
   result.parameters_.policy = static_cast<Policy>(policy);
   const bool begun = saved.truth();
   const Ticks ticks_per_unit = saved.next();
-  while (result.ticks_per_unit_ > std::max(ticks_per_unit, coarsest_ticks)) {
+  while (result.ticks_per_unit_ > std::max(ticks_per_unit, flow::coarsest_ticks)) {
     result.ticks_per_unit_ /= 10;
     result.scale_ = result.scale_.coarser();
   }
@@ -364,7 +368,7 @@ Course Course::restore(std::shared_ptr<const Blueprint> blueprint, std::span<con
 
 // The network on its own up to what the surroundings did.
 void Course::go_through(const Intake& intake) {
-  RunLimits limits;
+  simulation::RunLimits limits;
   while (transitions_ < intake.transitions) {
     if (simulator_->step(limits)) throw std::invalid_argument("the saved state is not one of this network");
     ++transitions_;

@@ -34,16 +34,16 @@ class Course {
   // ticks, they are coarser. Throws std::invalid_argument.
   void start_at(double start, std::optional<double> stop);
   const TimeScale& scale() const { return scale_; }
-  Ticks start() const { return start_; }
-  Ticks now() const { return now_; }
+  flow::Ticks start() const { return start_; }
+  flow::Ticks now() const { return now_; }
   // When something may happen next; `never` if nothing does by itself. Nothing happens before.
-  Ticks next_event();
+  flow::Ticks next_event();
   // To a moment that is not behind `next_event`.
-  void wait_until(Ticks moment);
+  void wait_until(flow::Ticks moment);
   // What happens at this moment: what the surroundings have done, or else one transition. False if nothing does.
   bool react();
   // Why nothing can happen any more.
-  std::optional<Ending> ending() const { return ending_; }
+  std::optional<simulation::Ending> ending() const { return ending_; }
 
   // ---- as numbers
   std::vector<std::int64_t> save() const;
@@ -54,7 +54,7 @@ class Course {
   // What the surroundings did, and when.
   struct Intake {
     std::uint64_t transitions;  // of the network before it
-    Ticks moment;
+    flow::Ticks moment;
     bool settled;  // whether the network had been asked to act at that moment, and did not
     std::uint32_t edge;
     std::vector<std::int32_t> inputs;
@@ -62,7 +62,7 @@ class Course {
   struct Parameters {
     std::uint64_t seed = 0;
     std::uint64_t run = 0;
-    Policy policy = Policy::stochastic;
+    simulation::Policy policy = simulation::Policy::stochastic;
   };
 
   // What is known of those who run the network together with others.
@@ -86,17 +86,17 @@ class Course {
 
   std::shared_ptr<const Blueprint> blueprint_;
   Parameters parameters_;
-  std::unique_ptr<Simulator> simulator_;  // null before the run has begun
+  std::unique_ptr<simulation::Simulator> simulator_;  // null before the run has begun
   TimeScale scale_;
-  Ticks ticks_per_unit_ = finest_ticks;
-  Ticks start_ = 0;  // of the run, in the time of the surroundings
-  Ticks now_ = 0;    // since the start
+  flow::Ticks ticks_per_unit_ = flow::finest_ticks;
+  flow::Ticks start_ = 0;  // of the run, in the time of the surroundings
+  flow::Ticks now_ = 0;    // since the start
   std::uint64_t transitions_ = 0;
   std::uint64_t at_once_ = 0;  // transitions without time between them
-  Ticks last_ = 0;             // when the last one was
+  flow::Ticks last_ = 0;       // when the last one was
   bool settled_ = false;       // the network has been asked to act at this moment, and did not
   bool fresh_ = false;         // what happened last is the last transition of the network
-  std::optional<Ending> ending_;
+  std::optional<simulation::Ending> ending_;
   Surroundings outside_;
 };
 

@@ -7,6 +7,8 @@
 
 namespace tachk::fmi {
 
+using flow::Ticks;
+
 std::vector<std::byte> Snapshot::bytes() const {
   std::vector<std::int64_t> numbers = course.save();
   numbers.push_back(static_cast<std::int64_t>(mode));

@@ -26,7 +26,7 @@ struct Snapshot {
 
 // How far a step came, and why no further.
 struct Advance {
-  Ticks end;
+  flow::Ticks end;
   bool event;  // something happens at the end that has not been handled
   bool over;   // nothing can happen any more
 };
@@ -74,7 +74,7 @@ Status guarded(void* instance, Status fine, Status failed, Body body) {
   try {
     body(*unit);
     return fine;
-  } catch (const ModelFault& fault) {
+  } catch (const machine::ModelFault& fault) {
     unit->log(
         ("a run-time error of the model, at position " + std::to_string(fault.position) + " of its code").c_str());
   } catch (const std::exception& error) {

@@ -2,19 +2,23 @@
 
 #include <utility>
 
-namespace tachk {
+namespace tachk::liveness {
 
-void constraints_beyond(const ZoneOperations& operations, int dimension, ConstZoneRef zone, ConstZoneRef other,
+using symbolic::Delay;
+using zones::Atom;
+using zones::ConstZoneRef;
+
+void constraints_beyond(const zones::ZoneOperations& operations, int dimension, ConstZoneRef zone, ConstZoneRef other,
                         std::vector<Atom>& atoms) {
   for (int j = 0; j < dimension; ++j)
     for (int i = 0; i < dimension; ++i) {
-      const Raw raw = operations.entry(zone, dimension, i, j);
+      const zones::Raw raw = operations.entry(zone, dimension, i, j);
       if (i != j && raw < operations.entry(other, dimension, i, j))
         atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
     }
 }
 
-Avoidance::Avoidance(Semantics& semantics, const ZoneOperations& operations)
+Avoidance::Avoidance(symbolic::Semantics& semantics, const zones::ZoneOperations& operations)
     : semantics_(semantics),
       operations_(operations),
       dimension_(semantics.program().dimension()),
@@ -25,9 +29,9 @@ Avoidance::Avoidance(Semantics& semantics, const ZoneOperations& operations)
       part_(operations, dimension_),
       other_(operations, dimension_) {}
 
-const Federation& Avoidance::after_delay(std::int32_t* slots, ConstZoneRef entry, const std::vector<Atom>& invariant,
-                                         const Predicate& avoided) {
-  const Delay delay = delay_in(semantics_, slots);
+const zones::Federation& Avoidance::after_delay(std::int32_t* slots, ConstZoneRef entry,
+                                                const std::vector<Atom>& invariant, const Predicate& avoided) {
+  const Delay delay = symbolic::delay_in(semantics_, slots);
   result_.clear();
   if (delay != Delay::free) {
     result_.add(entry);
@@ -92,8 +96,8 @@ void Avoidance::meet() {
   std::swap(result_, other_);
 }
 
-const Federation& Avoidance::never_met(ConstZoneRef zone, const std::vector<Atom>& invariant, Delay delay,
-                                       const Predicate& avoided) {
+const zones::Federation& Avoidance::never_met(ConstZoneRef zone, const std::vector<Atom>& invariant, Delay delay,
+                                              const Predicate& avoided) {
   result_.clear();
   scratch_.assign(zone);
   if (!operations_.intersect(scratch_.get(), dimension_, invariant.data(), invariant.size())) return result_;
@@ -113,4 +117,4 @@ const Federation& Avoidance::never_met(ConstZoneRef zone, const std::vector<Atom
   return result_;
 }
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tachk {
+namespace tachk::liveness {
 
 class Components final {
  public:
@@ -78,4 +78,4 @@ class Components final {
   std::uint32_t count_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -2,16 +2,22 @@
 
 #include <utility>
 
-namespace tachk {
+namespace tachk::liveness {
+
+using states::PassedList;
+using symbolic::Successor;
+using symbolic::SymbolicState;
 
 // Notes the stored states that cover the successors in which the predicate can be false.
 struct CoveredGraph::Stepping {
   CoveredGraph& search;
 
   PassedList& states() const { return search.reachable_.states(); }
-  void possible(ConstZoneRef guarded, const Effect& effect) const { search.ends_.pass(guarded, effect); }
-  void expect(const Effect& effect) const { states().announce(effect.slots.data(), effect.written); }
-  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+  void possible(zones::ConstZoneRef guarded, const symbolic::Effect& effect) const {
+    search.ends_.pass(guarded, effect);
+  }
+  void expect(const symbolic::Effect& effect) const { states().announce(effect.slots.data(), effect.written); }
+  bool enters(const Successor& entry, const std::vector<zones::Atom>& invariant) const {
     ++search.transitions_;
     if (!search.reachable_.is_restricted())
       return search.restriction_.avoided().in(entry.slots, entry.zone) != TruthInZone::always;
@@ -24,7 +30,7 @@ struct CoveredGraph::Stepping {
   bool covered(const Successor& successor) const {
     const std::uint32_t discrete = states().locate();
     const State state = states().coverer(discrete, search.graph_.packed(successor.slots, successor.zone));
-    if (state == no_node) return false;
+    if (state == states::no_node) return false;
     search.colours_.resize(states().size(), Colour::white);
     if (search.colours_[state] == Colour::grey) search.open_ = true;
     if (search.colours_[state] == Colour::white) search.steps_.push_back(state);
@@ -80,4 +86,4 @@ bool CoveredGraph::visit(State state, SymbolicState& source) {
   return !ends_.end();
 }
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -15,7 +15,7 @@
 #include "liveness/restriction.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 class CoveredGraph final {
  public:
@@ -27,11 +27,12 @@ class CoveredGraph final {
 
   // `reachable` has gone through all states, of the restricted graph if its own restriction is this one. `begins`: the
   // states where runs begin; without it those are the initial ones.
-  CoveredGraph(ZoneGraph& graph, Restriction& restriction, Ends& ends, Reachable& reachable, Predicate* begins)
+  CoveredGraph(symbolic::ZoneGraph& graph, Restriction& restriction, Ends& ends, Reachable& reachable,
+               Predicate* begins)
       : graph_(graph), restriction_(restriction), ends_(ends), reachable_(reachable), begins_(begins) {}
 
   // Looks at one more state. Throws ModelFault, ConstantOverflow; then too the question is open.
-  Answer advance(SymbolicState& source);
+  Answer advance(symbolic::SymbolicState& source);
 
   std::uint64_t explored() const { return explored_; }
   std::uint64_t transitions() const { return transitions_; }
@@ -47,10 +48,10 @@ class CoveredGraph final {
   };
   struct Stepping;
 
-  bool begin(SymbolicState& source);
-  bool visit(State state, SymbolicState& source);
+  bool begin(symbolic::SymbolicState& source);
+  bool visit(State state, symbolic::SymbolicState& source);
 
-  ZoneGraph& graph_;
+  symbolic::ZoneGraph& graph_;
   Restriction& restriction_;
   Ends& ends_;
   Reachable& reachable_;
@@ -64,4 +65,4 @@ class CoveredGraph final {
   std::uint64_t transitions_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

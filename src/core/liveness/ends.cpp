@@ -2,9 +2,12 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::liveness {
 
-Ends::Ends(ZoneGraph& graph)
+using symbolic::Delay;
+using zones::ConstZoneRef;
+
+Ends::Ends(symbolic::ZoneGraph& graph)
     : semantics_(graph.semantics()),
       operations_(graph.operations()),
       dimension_(graph.program().dimension()),
@@ -14,23 +17,23 @@ Ends::Ends(ZoneGraph& graph)
 
 // Bounds on the difference of two running clocks do not change while time passes.
 bool Ends::may_idle(Delay delay, const std::uint8_t* stopped) const {
-  return delay != Delay::none && std::none_of(invariant_.begin(), invariant_.end(), [&](const Atom& atom) {
+  return delay != Delay::none && std::none_of(invariant_.begin(), invariant_.end(), [&](const zones::Atom& atom) {
            return atom.left != 0 && atom.right == 0 && (stopped == nullptr || stopped[atom.left] == 0);
          });
 }
 
-void Ends::begin(SymbolicState& source, Predicate& avoided) {
+void Ends::begin(symbolic::SymbolicState& source, Predicate& avoided) {
   std::int32_t* slots = slots_ = source.slots.data();
   invariant_.clear();
   semantics_.invariant(slots, invariant_);
-  const Delay delay = delay_in(semantics_, slots);
+  const Delay delay = symbolic::delay_in(semantics_, slots);
   avoided.in(slots, source.zone.get());
   never_ = &avoidance_.never_met(source.zone.get(), invariant_, delay, avoided);
   idle_ = !never_->empty() && may_idle(delay, semantics_.stopped_clocks(slots));
   finder_.begin(source.zone.get(), invariant_, delay, false);
 }
 
-void Ends::pass(ConstZoneRef guarded, const Effect& effect) {
+void Ends::pass(ConstZoneRef guarded, const symbolic::Effect& effect) {
   if (idle_ || never_->empty() || !finder_.open()) return;
   atoms_.clear();
   if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
@@ -44,8 +47,8 @@ std::optional<EndKind> Ends::end() {
 }
 
 // Whether some valuation of a zone is dead.
-bool Ends::may_be_stuck(ConstZoneRef zone, const Federation& dead) {
-  ZoneBuffer common(operations_);
+bool Ends::may_be_stuck(ConstZoneRef zone, const zones::Federation& dead) {
+  zones::ZoneBuffer common(operations_);
   for (std::size_t part = 0; part < dead.size(); ++part) {
     common.assign(zone);
     atoms_.clear();
@@ -61,4 +64,4 @@ bool Ends::is_stuck(ConstZoneRef zone) {
   return may_be_stuck(zone, dead_.dead());
 }
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -12,7 +12,7 @@
 #include "symbolic/deadlock.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 enum class EndKind {
   idle,   // time passes for ever
@@ -21,33 +21,33 @@ enum class EndKind {
 
 class Ends final {
  public:
-  explicit Ends(ZoneGraph& graph);
+  explicit Ends(symbolic::ZoneGraph& graph);
 
   // `avoided` is looked at in the state. Throws ModelFault.
-  void begin(SymbolicState& source, Predicate& avoided);
+  void begin(symbolic::SymbolicState& source, Predicate& avoided);
   // Whether time can pass for ever, which is known from the beginning.
   bool idle() const { return idle_; }
-  void pass(ConstZoneRef guarded, const Effect& effect);
+  void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
   // An end in the state, if there is one. With bounds that widen zones in one direction only (LU) a valuation may seem
   // stuck that stands for true ones that are not; an idle one stands for idle ones. Throws ModelFault.
   std::optional<EndKind> end();
 
  private:
-  bool may_idle(Delay delay, const std::uint8_t* stopped) const;
-  bool may_be_stuck(ConstZoneRef zone, const Federation& dead);
-  bool is_stuck(ConstZoneRef zone);
+  bool may_idle(symbolic::Delay delay, const std::uint8_t* stopped) const;
+  bool may_be_stuck(zones::ConstZoneRef zone, const zones::Federation& dead);
+  bool is_stuck(zones::ConstZoneRef zone);
 
-  Semantics& semantics_;
-  ZoneOperations operations_;
+  symbolic::Semantics& semantics_;
+  zones::ZoneOperations operations_;
   int dimension_;
   Avoidance avoidance_;
-  DeadlockFinder finder_;
-  DeadStates dead_;
+  symbolic::DeadlockFinder finder_;
+  symbolic::DeadStates dead_;
   std::int32_t* slots_ = nullptr;
-  std::vector<Atom> invariant_;
-  std::vector<Atom> atoms_;
-  const Federation* never_ = nullptr;  // from where the predicate is not met
+  std::vector<zones::Atom> invariant_;
+  std::vector<zones::Atom> atoms_;
+  const zones::Federation* never_ = nullptr;  // from where the predicate is not met
   bool idle_ = false;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

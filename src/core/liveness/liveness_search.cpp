@@ -7,20 +7,34 @@
 
 #include "reachability/paths.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
+
+using machine::ModelFault;
+using program::Goal;
+using reachability::Status;
+using states::no_node;
+using symbolic::ConstantOverflow;
+using symbolic::Edges;
+using symbolic::Effect;
+using symbolic::Path;
+using symbolic::Successor;
+using symbolic::SymbolicState;
+using zones::Atom;
+using zones::ConstZoneRef;
 
 namespace {
 
 bool asks_for_deadlock(const std::vector<Goal>& goals) {
   for (const Goal& goal : goals)
-    for (const Disjunct& disjunct : goal.disjuncts)
-      if (disjunct.deadlock != DeadlockLiteral::absent) return true;
+    for (const program::Disjunct& disjunct : goal.disjuncts)
+      if (disjunct.deadlock != program::DeadlockLiteral::absent) return true;
   return false;
 }
 
 }  // namespace
 
-LivenessSearch::LivenessSearch(Program program, const Options& options, const Limits& limits)
+LivenessSearch::LivenessSearch(program::Program program, const reachability::Options& options,
+                               const reachability::Limits& limits)
     : options_(options),
       limits_(limits),
       graph_(std::move(program), options_),
@@ -134,7 +148,7 @@ void LivenessSearch::note_beginning() {
     Predicate& predicate = *overview_.begins;
     overview_.met = predicate.in(source_.slots.data(), source_.zone.get()) == TruthInZone::always;
     for (std::size_t number = 0; number < predicate.size() && !overview_.met; ++number) {
-      ZoneBuffer part(source_.zone);
+      zones::ZoneBuffer part(source_.zone);
       const std::vector<Atom>& atoms = predicate[number];
       const int dimension = graph_.program().dimension();
       overview_.met = graph_.operations().intersect(part.get(), dimension, atoms.data(), atoms.size());
@@ -199,7 +213,7 @@ void LivenessSearch::expand() {
 void LivenessSearch::push(const Successor& successor) {
   if (closing_) return;
   const std::uint32_t discrete = passed_.locate();
-  const ZoneView zone = graph_.packed(successor.slots, successor.zone);
+  const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
   if (passed_.contains(discrete, zone, options_.subsumption)) return;
   const std::uint32_t open = stack_.find_below(discrete, zone, options_.subsumption);
   if (open == no_node) return stack_.push(discrete, zone);
@@ -227,13 +241,13 @@ bool LivenessSearch::start() {
 }
 
 bool LivenessSearch::start_from(std::uint32_t number) {
-  PassedList& states = overview_.reachable.states();
+  states::PassedList& states = overview_.reachable.states();
   if (states.covered(number)) return false;
   overview_.begun = number;
   states.unpack(number, source_.slots.data());
   graph_.unpack(states, number, source_);
   restriction_.beginnings(*overview_.begins, source_, [&](const Successor& part) {
-    passed_.announce(part.slots, SlotSet::all());
+    passed_.announce(part.slots, program::SlotSet::all());
     push(part);
   });
   return true;
@@ -248,7 +262,7 @@ struct LivenessSearch::Finding {
   Edges& edges;
 
   void possible(ConstZoneRef, const Effect&) const {}
-  void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), SlotSet::all()); }
+  void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), program::SlotSet::all()); }
   bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
     return edges.empty() &&
            search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
@@ -256,7 +270,7 @@ struct LivenessSearch::Finding {
   bool wants(const Successor&) const { return search.passed_.locate() == search.stack_[sought].discrete; }
   void take(const Successor& successor) const {
     if (!edges.empty() || !wants(successor)) return;
-    const ZoneView zone = search.graph_.packed(successor.slots, successor.zone);
+    const states::ZoneView zone = search.graph_.packed(successor.slots, successor.zone);
     if (search.stack_.holds(sought, zone)) edges.assign(successor.edges.begin(), successor.edges.end());
   }
 };
@@ -281,7 +295,7 @@ Path LivenessSearch::path_so_far() {
     Reachable& reachable = overview_.reachable;
     const bool reaching = overview_.stage == Stage::reaching && !overview_.attempts;
     const std::uint32_t node = reaching ? reachable.node() : overview_.begun;
-    if (node != no_node) path = path_to(graph_, reachable.states(), 0, node);
+    if (node != no_node) path = reachability::path_to(graph_, reachable.states(), 0, node);
     if (reaching) return path;
   }
   const std::vector<std::uint32_t> open = stack_.path();
@@ -305,10 +319,10 @@ void LivenessSearch::found(ViolationKind kind) {
   violation_->stem = std::move(stem);
 }
 
-CoverParts& LivenessSearch::cover() {
+reachability::CoverParts& LivenessSearch::cover() {
   if (!parts_.empty()) return parts_;
   if (overview_.begins) {
-    PassedList& states = overview_.reachable.states();
+    states::PassedList& states = overview_.reachable.states();
     for (std::uint32_t node = 0; node < states.size(); ++node)
       if (!states.covered(node)) parts_.add(states, node, 0);
   }
@@ -322,7 +336,7 @@ namespace {
 
 // Keeps what an action leads to, or all there is where no action has been taken yet.
 struct Following {
-  const ZoneGraph& graph;
+  const symbolic::ZoneGraph& graph;
   Restriction* restriction;  // none where q may hold
   const Edges* edges;
   std::vector<SymbolicState>& states;
@@ -391,10 +405,11 @@ std::uint64_t LivenessSearch::stored() const {
   return overview_.reachable.states().stored() + passed_.stored() + stack_.depth();
 }
 
-Statistics LivenessSearch::statistics() const {
+reachability::Statistics LivenessSearch::statistics() const {
   const Reachable& reachable = overview_.reachable;
-  Statistics sum{done_.explored + reachable.explored(), stored(), done_.transitions + reachable.transitions(),
-                 passed_.bytes() + stack_.bytes() + reachable.bytes()};
+  reachability::Statistics sum{done_.explored + reachable.explored(), stored(),
+                               done_.transitions + reachable.transitions(),
+                               passed_.bytes() + stack_.bytes() + reachable.bytes()};
   if (overview_.proof) {
     sum.explored += overview_.proof->explored();
     sum.transitions += overview_.proof->transitions();
@@ -403,4 +418,4 @@ Statistics LivenessSearch::statistics() const {
   return sum;
 }
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -34,20 +34,21 @@
 #include "symbolic/zone_graph.hpp"
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 class LivenessSearch final {
  public:
   // The first goal of the program is q, the second, if there is one, p.
-  LivenessSearch(Program program, const Options& options, const Limits& limits = {});
+  LivenessSearch(program::Program program, const reachability::Options& options,
+                 const reachability::Limits& limits = {});
   LivenessSearch(const LivenessSearch&) = delete;
   LivenessSearch& operator=(const LivenessSearch&) = delete;
 
   // Takes so many steps of the search. `running` asks for another call, `finished` without a violation says that there
   // is none.
-  Status run(std::uint64_t steps);
+  reachability::Status run(std::uint64_t steps);
 
-  Statistics statistics() const;
+  reachability::Statistics statistics() const;
   const std::optional<Violation>& violation() const { return violation_; }
   const std::optional<LivenessFault>& fault() const { return fault_; }
   // Of p --> q: whether p holds in some state that has been reached. True where there is no p.
@@ -55,10 +56,10 @@ class LivenessSearch final {
   // Of a finished search without a violation: the finished states, whose ranks tell the order in which they finished,
   // and of p --> q all that are reachable, with the rank 0. It needs zones that are stored whole and not reclaimed,
   // and no search for another proof.
-  CoverParts& cover();
+  reachability::CoverParts& cover();
   // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. Asked of a
   // search without extrapolation that has not run; false also if clock values become too large on the way.
-  bool gets_stuck(const Path& actions, std::size_t begins);
+  bool gets_stuck(const symbolic::Path& actions, std::size_t begins);
 
  private:
   struct Descending;
@@ -71,21 +72,21 @@ class LivenessSearch final {
     Reachable reachable;
     std::optional<CoveredGraph> proof;  // being looked for
     Stage stage;
-    bool proves;                    // whether a proof is still to be looked for
-    std::uint32_t begun = no_node;  // the reached state in which the path begins
-    std::uint32_t next = 0;         // the next one that is looked at
-    bool attempts = false;          // reaching: whether the step at hand is one depth first
-    bool met = false;               // whether p holds in one of the reached states
-    InPieces pieces = {};
+    bool proves;                            // whether a proof is still to be looked for
+    std::uint32_t begun = states::no_node;  // the reached state in which the path begins
+    std::uint32_t next = 0;                 // the next one that is looked at
+    bool attempts = false;                  // reaching: whether the step at hand is one depth first
+    bool met = false;                       // whether p holds in one of the reached states
+    zones::InPieces pieces = {};
   };
   // An action that leads back to an open state.
   struct Closing {
     std::uint32_t state;
-    Edges edges;
+    symbolic::Edges edges;
   };
 
   Overview overview();
-  Status search(std::uint64_t steps);
+  reachability::Status search(std::uint64_t steps);
   std::uint64_t stored() const;
   bool advance();
   bool is_time_for_attempt() const;
@@ -96,27 +97,27 @@ class LivenessSearch final {
   bool start();
   bool start_from(std::uint32_t node);
   void expand();
-  void push(const Successor& successor);
+  void push(const symbolic::Successor& successor);
   void unpack(std::uint32_t number);
   void found(ViolationKind kind);
-  Edges edges_between(std::uint32_t from, std::uint32_t to);
-  Path path_so_far();
+  symbolic::Edges edges_between(std::uint32_t from, std::uint32_t to);
+  symbolic::Path path_so_far();
 
-  Options options_;
-  Limits limits_;
-  ZoneGraph graph_;
+  reachability::Options options_;
+  reachability::Limits limits_;
+  symbolic::ZoneGraph graph_;
   Restriction restriction_;
   Ends ends_;
   Overview overview_;
-  PassedList passed_;  // finished states; the later one has finished, the larger is its number
+  states::PassedList passed_;  // finished states; the later one has finished, the larger is its number
   SearchStack stack_;
-  SymbolicState source_;
+  symbolic::SymbolicState source_;
   std::optional<Closing> closing_;  // of the state being expanded
-  Statistics done_;                 // without what `overview_` counts
+  reachability::Statistics done_;   // without what `overview_` counts
   bool complete_ = true;
   std::optional<Violation> violation_;
   std::optional<LivenessFault> fault_;
-  CoverParts parts_;
+  reachability::CoverParts parts_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -12,32 +12,32 @@
 #include "symbolic/successor.hpp"
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 enum class TruthInZone { never, always, by_clocks };
 
 class Predicate final {
  public:
-  Predicate(const Goal& goal, Semantics& semantics, const ZoneOperations& operations);
+  Predicate(const program::Goal& goal, symbolic::Semantics& semantics, const zones::ZoneOperations& operations);
 
   // Whether the predicate holds in a discrete state. Where it asks for deadlock it is a matter of clocks, and only what
   // it says of a zone and of all that delays lead to from there is right. Throws ModelFault.
-  TruthInZone in(std::int32_t* slots, ConstZoneRef zone);
+  TruthInZone in(std::int32_t* slots, zones::ConstZoneRef zone);
 
   // By clocks: the zones of the state looked at last in whose union it holds.
   std::size_t size() const { return count_; }
-  const std::vector<Atom>& operator[](std::size_t number) const { return zones_[number]; }
+  const std::vector<zones::Atom>& operator[](std::size_t number) const { return zones_[number]; }
 
  private:
-  std::vector<Atom>& add_zone();
-  void add_deadlock(const Disjunct& disjunct, std::int32_t* slots, ConstZoneRef zone);
+  std::vector<zones::Atom>& add_zone();
+  void add_deadlock(const program::Disjunct& disjunct, std::int32_t* slots, zones::ConstZoneRef zone);
 
-  const Goal& goal_;
-  Semantics& semantics_;
-  ZoneOperations operations_;
-  std::optional<DeadStates> dead_;
-  std::vector<std::vector<Atom>> zones_;  // the first count_ are in use
+  const program::Goal& goal_;
+  symbolic::Semantics& semantics_;
+  zones::ZoneOperations operations_;
+  std::optional<symbolic::DeadStates> dead_;
+  std::vector<std::vector<zones::Atom>> zones_;  // the first count_ are in use
   std::size_t count_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -9,19 +9,20 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 class Reachable final {
  public:
   // `restriction` may be null.
-  Reachable(ZoneGraph& graph, Restriction* restriction, const Options& options, const Limits& limits);
+  Reachable(symbolic::ZoneGraph& graph, Restriction* restriction, const reachability::Options& options,
+            const reachability::Limits& limits);
 
   // Expands one state; false if none is left. Throws ModelFault, ConstantOverflow.
-  bool advance(SymbolicState& source);
+  bool advance(symbolic::SymbolicState& source);
 
   bool is_restricted() const { return restriction_ != nullptr; }
-  PassedList& states() { return passed_; }
-  const PassedList& states() const { return passed_; }
+  states::PassedList& states() { return passed_; }
+  const states::PassedList& states() const { return passed_; }
   // The state being expanded; no_node before the first.
   std::uint32_t node() const { return node_; }
   // Whether the limit on depth has left nothing out.
@@ -33,15 +34,15 @@ class Reachable final {
  private:
   struct Storing;
 
-  ZoneGraph& graph_;
+  symbolic::ZoneGraph& graph_;
   Restriction* restriction_;
   bool subsumption_;
-  PassedList passed_;
-  Waiting waiting_;
-  std::uint32_t node_ = no_node;
+  states::PassedList passed_;
+  order::Waiting waiting_;
+  std::uint32_t node_ = states::no_node;
   std::uint64_t explored_ = 0;
   std::uint64_t transitions_ = 0;
   bool started_ = false;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

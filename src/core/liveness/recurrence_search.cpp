@@ -6,9 +6,18 @@
 
 #include "reachability/paths.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
-RecurrenceSearch::RecurrenceSearch(Program program, bool begins, const Options& options, const Limits& limits)
+using reachability::path_to;
+using reachability::Status;
+using states::no_node;
+using states::ZoneView;
+using symbolic::Effect;
+using symbolic::Path;
+using symbolic::Successor;
+
+RecurrenceSearch::RecurrenceSearch(program::Program program, bool begins, const reachability::Options& options,
+                                   const reachability::Limits& limits)
     : options_(options),
       limits_(limits),
       graph_(std::move(program), options_),
@@ -18,7 +27,7 @@ RecurrenceSearch::RecurrenceSearch(Program program, bool begins, const Options& 
       beginnings_{Reachable(graph_, nullptr, options_, limits_), begins, 0, no_node, {}},
       states_(graph_.program(), graph_.operations(), options_, graph_.smaller_operations()),
       source_(graph_.blank()) {
-  const std::vector<Goal>& goals = graph_.program().goals;
+  const std::vector<program::Goal>& goals = graph_.program().goals;
   const auto predicate = [&](std::size_t goal) {
     return Predicate(goals.at(goal), graph_.semantics(), graph_.operations());
   };
@@ -36,15 +45,15 @@ struct RecurrenceSearch::Exploring {
   RecurrenceSearch& search;
   bool watches_ends;
 
-  void possible(ConstZoneRef guarded, const Effect& effect) const {
+  void possible(zones::ConstZoneRef guarded, const Effect& effect) const {
     if (watches_ends) search.ends_.pass(guarded, effect);
   }
   void expect(const Effect& effect) const { search.states_.announce(effect.slots.data(), effect.written); }
-  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+  bool enters(const Successor& entry, const std::vector<zones::Atom>& invariant) const {
     search.done_.transitions += !entry.edges.empty();
     try {
       return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
-    } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
+    } catch (const machine::ModelFault& fault) {  // of the new state, not of the action that leads there
       throw StateFault(fault, entry.edges);
     }
   }
@@ -123,8 +132,8 @@ void RecurrenceSearch::close() {
 
 void RecurrenceSearch::retire(State state) {
   const std::uint32_t discrete = states_.discrete(state);
-  ZoneBuffer buffer(graph_.operations());
-  ZoneBuffer of_other(graph_.operations());
+  zones::ZoneBuffer buffer(graph_.operations());
+  zones::ZoneBuffer of_other(graph_.operations());
   const ZoneView zone = states_.zone(state, buffer);
   if (is_hopeless(discrete, zone)) return;
   if (hopeless_.size() <= discrete) hopeless_.resize(discrete + 1);
@@ -159,7 +168,7 @@ RecurrenceSearch::Marks RecurrenceSearch::marks_of(const Successor& successor) {
   return marks;
 }
 
-void RecurrenceSearch::unpack(State state, SymbolicState& into) {
+void RecurrenceSearch::unpack(State state, symbolic::SymbolicState& into) {
   states_.unpack(state, into.slots.data());
   graph_.unpack(states_, state, into);
 }
@@ -172,14 +181,14 @@ bool RecurrenceSearch::start() {
     graph_.start(exploring);
     return true;
   }
-  PassedList& reached = beginnings_.reachable.states();
+  states::PassedList& reached = beginnings_.reachable.states();
   for (; beginnings_.next < reached.size(); ++beginnings_.next) {
     if (reached.covered(beginnings_.next)) continue;
     reached.unpack(beginnings_.next, source_.slots.data());
     graph_.unpack(reached, beginnings_.next, source_);
     beginnings_.origin = beginnings_.next++;
     restriction_.beginnings(*question_.begins, source_, [&](const Successor& part) {
-      states_.announce(part.slots, SlotSet::all());
+      states_.announce(part.slots, program::SlotSet::all());
       push(part);
     });
     beginnings_.origin = no_node;
@@ -195,9 +204,9 @@ struct RecurrenceSearch::Listing {
   RecurrenceSearch& search;
   std::vector<Step>& steps;
 
-  void possible(ConstZoneRef, const Effect&) const {}
-  void expect(const Effect& effect) const { search.states_.announce(effect.slots.data(), SlotSet::all()); }
-  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+  void possible(zones::ConstZoneRef, const Effect&) const {}
+  void expect(const Effect& effect) const { search.states_.announce(effect.slots.data(), program::SlotSet::all()); }
+  bool enters(const Successor& entry, const std::vector<zones::Atom>& invariant) const {
     return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
   }
   bool wants(const Successor&) const { return true; }
@@ -213,9 +222,9 @@ std::vector<RecurrenceSearch::Step> RecurrenceSearch::steps_from(State state) {
   unpack(state, source_);
   try {
     graph_.expand(source_, Listing{*this, steps});
-  } catch (const ModelFault&) {
+  } catch (const machine::ModelFault&) {
     // The search stopped at this fault, in an action behind the one looked for.
-  } catch (const ConstantOverflow&) {
+  } catch (const symbolic::ConstantOverflow&) {
     // As above.
   }
   return steps;
@@ -224,7 +233,7 @@ std::vector<RecurrenceSearch::Step> RecurrenceSearch::steps_from(State state) {
 RecurrenceSearch::State RecurrenceSearch::go(State from, Marks wanted, State target, Path& path) {
   struct Coming {
     State from;
-    Edges edges;
+    symbolic::Edges edges;
   };
   std::unordered_map<State, Coming> came;
   std::vector<State> waiting{from};
@@ -306,11 +315,11 @@ std::uint64_t RecurrenceSearch::stored() const {
   return std::uint64_t{states_.stored()} + beginnings_.reachable.states().stored();
 }
 
-Statistics RecurrenceSearch::statistics() const {
+reachability::Statistics RecurrenceSearch::statistics() const {
   return {done_.explored + beginnings_.reachable.explored(), stored(),
           done_.transitions + beginnings_.reachable.transitions(),
           states_.bytes() + components_.bytes() + way_.steps.capacity() * sizeof(State) +
               way_.path.capacity() * sizeof(Visit) + beginnings_.reachable.bytes()};
 }
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -25,22 +25,23 @@
 #include "symbolic/zone_graph.hpp"
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 class RecurrenceSearch final {
  public:
   // The goals of the program are q; where a run may end; if `begins`, where it may begin to avoid q, else that is the
   // initial state; and what it meets again and again, which are predicates without clocks, as is the second one. Zones
   // must not be widened in one direction only, lest a run seem stuck that is not.
-  RecurrenceSearch(Program program, bool begins, const Options& options, const Limits& limits = {});
+  RecurrenceSearch(program::Program program, bool begins, const reachability::Options& options,
+                   const reachability::Limits& limits = {});
   RecurrenceSearch(const RecurrenceSearch&) = delete;
   RecurrenceSearch& operator=(const RecurrenceSearch&) = delete;
 
   // Takes so many steps of the search. `running` asks for another call, `finished` without a violation says that there
   // is no such run.
-  Status run(std::uint64_t steps);
+  reachability::Status run(std::uint64_t steps);
 
-  Statistics statistics() const;
+  reachability::Statistics statistics() const;
   const std::optional<Violation>& violation() const { return violation_; }
   const std::optional<LivenessFault>& fault() const { return fault_; }
   // Whether runs can begin in some state that has been reached.
@@ -61,7 +62,7 @@ class RecurrenceSearch final {
     Reachable reachable;
     bool reaching;
     State next = 0;                                    // the next reached state that is looked at
-    std::uint32_t origin = no_node;                    // the one whose parts are being added
+    std::uint32_t origin = states::no_node;            // the one whose parts are being added
     std::unordered_map<State, std::uint32_t> origins;  // the reached state that a state is a part of
   };
   // On the path: a state, and the steps from it that have not been taken: those from `first` to the next one's.
@@ -72,18 +73,18 @@ class RecurrenceSearch final {
   struct Way {
     std::vector<Visit> path;
     std::vector<State> steps;
-    State expanded = no_node;  // the state that is being expanded
-    bool complete = true;      // whether the limit on depth has left nothing out
-    InPieces pieces = {};
+    State expanded = states::no_node;  // the state that is being expanded
+    bool complete = true;              // whether the limit on depth has left nothing out
+    zones::InPieces pieces = {};
   };
   struct Step {
     State state;
-    Edges edges;
+    symbolic::Edges edges;
   };
   struct Exploring;
   struct Listing;
 
-  Status search(std::uint64_t steps);
+  reachability::Status search(std::uint64_t steps);
   std::uint64_t stored() const;
   bool advance();
   void reach();
@@ -94,12 +95,12 @@ class RecurrenceSearch final {
   void close();
   void join(State state);
   void retire(State state);
-  bool is_hopeless(std::uint32_t discrete, ZoneView zone) const;
-  void push(const Successor& successor);
-  void add(const Successor& successor);
+  bool is_hopeless(std::uint32_t discrete, states::ZoneView zone) const;
+  void push(const symbolic::Successor& successor);
+  void add(const symbolic::Successor& successor);
   Marks all_marks() const;
-  Marks marks_of(const Successor& successor);
-  void unpack(State state, SymbolicState& into);
+  Marks marks_of(const symbolic::Successor& successor);
+  void unpack(State state, symbolic::SymbolicState& into);
 
   void found_end(EndKind ending);
   void found_loop(State entrance);
@@ -107,25 +108,25 @@ class RecurrenceSearch final {
   std::vector<Step> steps_from(State state);
   // Appends the actions of a short way within the newest component, of at least one step, to a state with some of these
   // marks; without marks to `target`. The state at its end.
-  State go(State from, Marks wanted, State target, Path& path);
-  Path path_to_state(State state, std::size_t& begins);
-  Path path_so_far();
+  State go(State from, Marks wanted, State target, symbolic::Path& path);
+  symbolic::Path path_to_state(State state, std::size_t& begins);
+  symbolic::Path path_so_far();
 
-  Options options_;
-  Limits limits_;
-  ZoneGraph graph_;
+  reachability::Options options_;
+  reachability::Limits limits_;
+  symbolic::ZoneGraph graph_;
   Restriction restriction_;
   Ends ends_;
   Question question_;
   Beginnings beginnings_;
-  PassedList states_;
+  states::PassedList states_;
   Components components_;
   std::vector<std::vector<State>> hopeless_;  // for each discrete part: states of finished components, the largest
   Way way_;
-  SymbolicState source_;
-  Statistics done_;  // without what is reached first
+  symbolic::SymbolicState source_;
+  reachability::Statistics done_;  // without what is reached first
   std::optional<Violation> violation_;
   std::optional<LivenessFault> fault_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

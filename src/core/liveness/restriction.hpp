@@ -9,11 +9,11 @@
 #include "symbolic/zone_graph.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 class Restriction final {
  public:
-  Restriction(ZoneGraph& graph, const Goal& avoided)
+  Restriction(symbolic::ZoneGraph& graph, const program::Goal& avoided)
       : graph_(graph),
         avoided_(avoided, graph.semantics(), graph.operations()),
         avoidance_(graph.semantics(), graph.operations()) {}
@@ -24,7 +24,7 @@ class Restriction final {
   // step goes on as always. Else calls take(successor) for each part of what the step leads to. Throws ModelFault,
   // ConstantOverflow.
   template <class Take>
-  bool lets_through(const Successor& entry, const std::vector<Atom>& invariant, Take&& take) {
+  bool lets_through(const symbolic::Successor& entry, const std::vector<zones::Atom>& invariant, Take&& take) {
     switch (avoided_.in(entry.slots, entry.zone)) {
       case TruthInZone::never:
         return true;
@@ -40,43 +40,44 @@ class Restriction final {
   // Calls take(successor) for each part of what an entry becomes by delays that avoid the predicate, which has been
   // looked at in this discrete state. Throws ModelFault, ConstantOverflow.
   template <class Take>
-  void parts(const Successor& entry, const std::vector<Atom>& invariant, Take&& take) {
-    const Federation& pieces = avoidance_.after_delay(entry.slots, entry.zone, invariant, avoided_);
+  void parts(const symbolic::Successor& entry, const std::vector<zones::Atom>& invariant, Take&& take) {
+    const zones::Federation& pieces = avoidance_.after_delay(entry.slots, entry.zone, invariant, avoided_);
     for (std::size_t number = 0; number < pieces.size(); ++number) {
-      ZoneBuffer piece(graph_.operations());
+      zones::ZoneBuffer piece(graph_.operations());
       piece.assign(pieces[number]);
-      graph_.abstract(entry.slots, piece, [&](ConstZoneRef zone) { take(Successor{entry.edges, entry.slots, zone}); });
+      graph_.abstract(entry.slots, piece,
+                      [&](zones::ConstZoneRef zone) { take(symbolic::Successor{entry.edges, entry.slots, zone}); });
     }
   }
 
   // Calls take(successor) for each part of a reached state in which `begins` holds and the predicate does not, with the
   // delays that avoid the predicate. Throws ModelFault, ConstantOverflow.
   template <class Take>
-  void beginnings(Predicate& begins, SymbolicState& state, Take&& take) {
+  void beginnings(Predicate& begins, symbolic::SymbolicState& state, Take&& take) {
     std::int32_t* slots = state.slots.data();
     const TruthInZone begun = begins.in(slots, state.zone.get());
     if (begun == TruthInZone::never) return;
     const TruthInZone avoided = avoided_.in(slots, state.zone.get());
     if (avoided == TruthInZone::always) return;
     if (begun == TruthInZone::always && avoided == TruthInZone::never)
-      return take(Successor{{}, slots, state.zone.get()});
+      return take(symbolic::Successor{{}, slots, state.zone.get()});
     const int dimension = graph_.program().dimension();
-    std::vector<Atom> invariant;
+    std::vector<zones::Atom> invariant;
     graph_.semantics().invariant(slots, invariant);
     const std::size_t count = begun == TruthInZone::always ? 1 : begins.size();
     for (std::size_t number = 0; number < count; ++number) {
-      ZoneBuffer entry(state.zone);
-      std::vector<Atom> atoms(invariant);
+      zones::ZoneBuffer entry(state.zone);
+      std::vector<zones::Atom> atoms(invariant);
       if (begun == TruthInZone::by_clocks) atoms.insert(atoms.end(), begins[number].begin(), begins[number].end());
       if (!graph_.operations().intersect(entry.get(), dimension, atoms.data(), atoms.size())) continue;
-      parts(Successor{{}, slots, entry.get()}, invariant, take);
+      parts(symbolic::Successor{{}, slots, entry.get()}, invariant, take);
     }
   }
 
  private:
-  ZoneGraph& graph_;
+  symbolic::ZoneGraph& graph_;
   Predicate avoided_;
   Avoidance avoidance_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -2,7 +2,10 @@
 
 #include <cstring>
 
-namespace tachk {
+namespace tachk::liveness {
+
+using states::no_node;
+using states::ZoneView;
 namespace {
 
 // Of a record that holds zones of fewer clocks, too, whose rows may be read in larger vectors than those of the others.
@@ -10,7 +13,7 @@ std::size_t aligned(std::size_t bytes) { return (bytes + 31) / 32 * 32; }
 
 }  // namespace
 
-SearchStack::SearchStack(const ZoneGraph& graph)
+SearchStack::SearchStack(const symbolic::ZoneGraph& graph)
     : operations_(graph.operations()),
       smaller_(graph.smaller_operations()),
       dimension_(graph.program().dimension()),
@@ -55,9 +58,9 @@ bool SearchStack::holds(std::uint32_t number, ZoneView zone) const {
 
 std::uint32_t SearchStack::find_below(std::uint32_t discrete, ZoneView zone, bool subsumption) const {
   if (discrete >= newest_.size()) return no_node;
-  const ZoneOperations& its = operations(zone.dimension);
+  const zones::ZoneOperations& its = operations(zone.dimension);
   for (std::uint32_t number = newest_[discrete]; number != no_node; number = states_[number].below) {
-    const ConstZoneRef held{zones_[number]};
+    const zones::ConstZoneRef held{zones_[number]};
     const bool inside = subsumption ? its.includes(zone.data, held, zone.dimension)
                                     : std::memcmp(zone.data.bytes, held.bytes, its.bytes) == 0;
     if (inside) return number;
@@ -65,4 +68,4 @@ std::uint32_t SearchStack::find_below(std::uint32_t discrete, ZoneView zone, boo
   return no_node;
 }
 
-}  // namespace tachk
+}  // namespace tachk::liveness

@@ -11,7 +11,7 @@
 #include "states/zone_store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::liveness {
 
 class SearchStack final {
  public:
@@ -22,45 +22,45 @@ class SearchStack final {
     bool open;
   };
 
-  explicit SearchStack(const ZoneGraph& graph);
+  explicit SearchStack(const symbolic::ZoneGraph& graph);
 
   bool empty() const { return states_.empty(); }
   std::uint32_t size() const { return static_cast<std::uint32_t>(states_.size()); }
   const State& operator[](std::uint32_t number) const { return states_[number]; }
   const State& top() const { return states_.back(); }
-  ZoneView zone(std::uint32_t number) const { return {zones_[number], states_[number].dimension}; }
-  ZoneView top_zone() const { return zone(size() - 1); }
+  states::ZoneView zone(std::uint32_t number) const { return {zones_[number], states_[number].dimension}; }
+  states::ZoneView top_zone() const { return zone(size() - 1); }
   // The open states, from the bottom.
   std::vector<std::uint32_t> path() const;
   std::uint32_t depth() const { return depth_; }
 
-  void push(std::uint32_t discrete, ZoneView zone);
+  void push(std::uint32_t discrete, states::ZoneView zone);
   void pop();
   // From now on the state on top is part of the path.
   void open_top();
 
   // An open state with this discrete part and a zone inside of this one (without subsumption: equal); else `no_node`.
-  std::uint32_t find_below(std::uint32_t discrete, ZoneView zone, bool subsumption) const;
+  std::uint32_t find_below(std::uint32_t discrete, states::ZoneView zone, bool subsumption) const;
 
   // Whether a state has this zone.
-  bool holds(std::uint32_t number, ZoneView zone) const;
+  bool holds(std::uint32_t number, states::ZoneView zone) const;
 
   std::size_t bytes() const {
     return zones_.bytes() + states_.capacity() * sizeof(State) + newest_.capacity() * sizeof(std::uint32_t);
   }
 
  private:
-  const ZoneOperations& operations(int dimension) const {
+  const zones::ZoneOperations& operations(int dimension) const {
     return dimension == dimension_ ? operations_ : smaller_[static_cast<std::size_t>(dimension)];
   }
 
-  ZoneOperations operations_;
-  std::vector<ZoneOperations> smaller_;
+  zones::ZoneOperations operations_;
+  std::vector<zones::ZoneOperations> smaller_;
   int dimension_;
   std::vector<State> states_;
-  RecordPool zones_;                   // of the states, at the same numbers
+  states::RecordPool zones_;           // of the states, at the same numbers
   std::vector<std::uint32_t> newest_;  // of each discrete part, the open state nearest to the top
   std::uint32_t depth_ = 0;            // how many are open
 };
 
-}  // namespace tachk
+}  // namespace tachk::liveness

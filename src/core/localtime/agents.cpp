@@ -6,7 +6,10 @@
 
 #include "machine/code_accesses.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
+
+using program::Edge;
+using program::Program;
 namespace {
 
 using Members = std::vector<std::uint32_t>;  // in ascending order
@@ -50,10 +53,10 @@ const char* global_obstacle(const Program& program) {
   if (program.copies_clocks) return "clocks are set to the values of others";
   if (!program.diagonals.empty()) return "clocks are compared with one another";
   if (!program.measures.empty()) return "values are measured";
-  for (const Process& process : program.processes)
-    for (const Location& location : process.locations)
+  for (const program::Process& process : program.processes)
+    for (const program::Location& location : process.locations)
       if (location.committed) return "there are committed locations";
-  for (const Channel& channel : program.channels) {
+  for (const program::Channel& channel : program.channels) {
     if (channel.urgent) return "there are urgent channels";
     if (channel.broadcast) return "there are broadcast channels";
   }
@@ -82,7 +85,7 @@ struct Resources {
 Resources find_resources(const Program& program) {
   Resources found{std::vector<Resource>(program.state_slots),
                   std::vector<Resource>(static_cast<std::size_t>(program.dimension()))};
-  CodeAccesses accesses(program);
+  machine::CodeAccesses accesses(program);
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
     const Edge& edge = program.edges[number];
     const Members participants = participants_of(program, edge);
@@ -101,7 +104,7 @@ Resources find_resources(const Program& program) {
         found.clocks[clock].add_edge(number, participants);
   }
   for (std::uint32_t process = 0; process < program.processes.size(); ++process)
-    for (const Location& location : program.processes[process].locations) {
+    for (const program::Location& location : program.processes[process].locations) {
       accesses.clear();
       accesses.add(location.invariant);
       for (std::size_t slot = 0; slot < found.slots.size(); ++slot)
@@ -157,4 +160,4 @@ Agents find_agents(const Program& program) {
   return agents;
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

@@ -8,7 +8,7 @@
 
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 struct Agents {
   // Why the program cannot be searched with local times; nullptr if it can.
@@ -27,6 +27,6 @@ struct Agents {
 // take part: no committed location, urgent channel, broadcast, priority or stopwatch, no clocks compared with one
 // another. An invariant may only speak of clocks and variables that no other process touches without this one taking
 // part (Govind, Herbreteau, Srivathsan, Walukiewicz 2019, section 2).
-Agents find_agents(const Program& program);
+Agents find_agents(const program::Program& program);
 
-}  // namespace tachk
+}  // namespace tachk::localtime

@@ -7,9 +7,13 @@
 #include "localtime/local_paths.hpp"
 #include "localtime/order_of_time.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
-void ActionsTaken::add(const Edges& action) {
+using reachability::Status;
+using states::no_node;
+using symbolic::Path;
+
+void ActionsTaken::add(const symbolic::Edges& action) {
   const auto [place, fresh] = known_.try_emplace(action, static_cast<std::uint32_t>(actions_.size()));
   if (fresh) actions_.push_back(&place->first);
   numbers_.push_back(place->second);
@@ -26,7 +30,8 @@ std::vector<LocalEntry> WaitingZones::take(std::uint32_t node) {
   return std::exchange(zones_[node], {});
 }
 
-LocalExplorer::LocalExplorer(Program program, const Options& options, const Limits& limits)
+LocalExplorer::LocalExplorer(program::Program program, const reachability::Options& options,
+                             const reachability::Limits& limits)
     : limits_(limits),
       subsumption_(options.subsumption),
       graph_(std::move(program), options),
@@ -38,7 +43,8 @@ LocalExplorer::LocalExplorer(Program program, const Options& options, const Limi
       exact_(graph_.ordinary().operations()) {
   if (options.shortest || limits.depth != UINT32_MAX) throw std::invalid_argument("steps are counted");
   if (!asks_for_deadlock(graph_.program())) return;
-  if (options.extrapolation == Extrapolation::lu) throw std::invalid_argument("deadlock is asked for with LU bounds");
+  if (options.extrapolation == symbolic::Extrapolation::lu)
+    throw std::invalid_argument("deadlock is asked for with LU bounds");
   stuck_.emplace(graph_.program(), graph_.ordinary().operations(), goals_);
 }
 
@@ -48,9 +54,9 @@ Status LocalExplorer::run(std::uint64_t expansions) {
   return in_pieces_([&] {
     try {
       return search(expansions);
-    } catch (const ModelFault&) {
+    } catch (const machine::ModelFault&) {
       return Status::fault;
-    } catch (const ConstantOverflow&) {
+    } catch (const symbolic::ConstantOverflow&) {
       return Status::constant_limit;
     }
   });
@@ -89,7 +95,7 @@ void LocalExplorer::expand(std::uint32_t node) {
   ++explored_;
   graph_.expand(
       slots_.data(), zones_.take(node),
-      [&](const Effect& effect) { passed_.announce(effect.slots.data(), effect.written); },
+      [&](const symbolic::Effect& effect) { passed_.announce(effect.slots.data(), effect.written); },
       [&](const LocalSuccessor& successor) {
         ++transitions_;
         store(successor, node);
@@ -98,12 +104,12 @@ void LocalExplorer::expand(std::uint32_t node) {
 }
 
 void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent) {
-  ZoneGraph& ordinary = graph_.ordinary();
+  symbolic::ZoneGraph& ordinary = graph_.ordinary();
   std::int32_t* slots = successor.effect.slots.data();
   const std::uint32_t discrete = passed_.locate();
   if (subsumption_ && passed_.covers(discrete, ordinary.packed(slots, successor.synchronised.get()))) return;
   exact_.assign(successor.synchronised.get());
-  ordinary.abstract(slots, successor.synchronised, [&](ConstZoneRef zone) {
+  ordinary.abstract(slots, successor.synchronised, [&](zones::ConstZoneRef zone) {
     const std::uint32_t node = passed_.add(discrete, ordinary.packed(slots, zone), parent, subsumption_);
     if (node == no_node) return;
     waiting_.add(node, parent, slots, passed_.covered_last());
@@ -117,7 +123,7 @@ void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent)
 
 // ---- what is asked of it --------------------------------------------------------------------------------------------
 
-Statistics LocalExplorer::statistics() const {
+reachability::Statistics LocalExplorer::statistics() const {
   const std::size_t bytes = passed_.bytes() + waiting_.bytes() + zones_.bytes() + actions_.bytes();
   return {explored_, passed_.stored(), transitions_, bytes};
 }
@@ -129,17 +135,17 @@ std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
     actions.push_back(actions_.of(node));
   std::reverse(actions.begin(), actions.end());
   if (graph_.symmetry().active()) actions = unsorted_path(graph_, actions);
-  Semantics& semantics = graph_.ordinary().semantics();
-  for (const Disjunct& disjunct : graph_.program().goals[goal].disjuncts)
-    for (const Condition& end : ends(disjunct, actions))
+  symbolic::Semantics& semantics = graph_.ordinary().semantics();
+  for (const program::Disjunct& disjunct : graph_.program().goals[goal].disjuncts)
+    for (const program::Condition& end : ends(disjunct, actions))
       if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, end)) return ordered;
   throw std::logic_error("no times are right for a run over local times");
 }
 
-std::vector<Condition> LocalExplorer::ends(const Disjunct& disjunct, const Path& actions) {
-  if (disjunct.deadlock == DeadlockLiteral::absent) return {disjunct.condition};
+std::vector<program::Condition> LocalExplorer::ends(const program::Disjunct& disjunct, const Path& actions) {
+  if (disjunct.deadlock == program::DeadlockLiteral::absent) return {disjunct.condition};
   LocalState last = state_after(graph_, actions);
   return stuck_->conditions(disjunct, last.slots.data(), last.synchronised.get());
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

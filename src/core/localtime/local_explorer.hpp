@@ -21,19 +21,19 @@
 #include "states/store.hpp"
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 // The action that led to each node first.
 class ActionsTaken final {
  public:
   // Of the next node.
-  void add(const Edges& action);
-  const Edges& of(std::uint32_t node) const { return *actions_[numbers_[node]]; }
+  void add(const symbolic::Edges& action);
+  const symbolic::Edges& of(std::uint32_t node) const { return *actions_[numbers_[node]]; }
   std::size_t bytes() const { return numbers_.capacity() * sizeof(std::uint32_t); }
 
  private:
-  std::map<Edges, std::uint32_t> known_;
-  std::vector<const Edges*> actions_;
+  std::map<symbolic::Edges, std::uint32_t> known_;
+  std::vector<const symbolic::Edges*> actions_;
   std::vector<std::uint32_t> numbers_;
 };
 
@@ -58,45 +58,46 @@ class LocalExplorer final {
  public:
   // Throws std::invalid_argument where a LocalGraph does, for options and limits that count steps, and where goals ask
   // for deadlock but bounds are LU.
-  LocalExplorer(Program program, const Options& options, const Limits& limits = {});
+  LocalExplorer(program::Program program, const reachability::Options& options,
+                const reachability::Limits& limits = {});
   LocalExplorer(const LocalExplorer&) = delete;
   LocalExplorer& operator=(const LocalExplorer&) = delete;
 
   // Explores at most `expansions` stored states. `running` asks for another call. After a run-time error (`fault`) and
   // at a `constant_limit` nothing is known: an ordinary search has to tell.
-  Status run(std::uint64_t expansions);
+  reachability::Status run(std::uint64_t expansions);
 
-  Statistics statistics() const;
+  reachability::Statistics statistics() const;
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   // Whether interchangeable processes are exchanged, if there are any.
   bool exchanges() { return graph_.symmetry().active(); }
   // The actions of a run of the network to a goal that has been reached; none if it has not.
-  std::optional<Path> path_to_goal(std::size_t goal);
+  std::optional<symbolic::Path> path_to_goal(std::size_t goal);
 
  private:
-  Status search(std::uint64_t expansions);
+  reachability::Status search(std::uint64_t expansions);
   std::uint32_t next();
   void expand(std::uint32_t node);
   void store(const LocalSuccessor& successor, std::uint32_t parent);
   // What a path, without exchanges, has to end in to meet a disjunct.
-  std::vector<Condition> ends(const Disjunct& disjunct, const Path& actions);
+  std::vector<program::Condition> ends(const program::Disjunct& disjunct, const symbolic::Path& actions);
 
-  Limits limits_;
+  reachability::Limits limits_;
   bool subsumption_;
   LocalGraph graph_;
-  PassedList passed_;
-  Waiting waiting_;
+  states::PassedList passed_;
+  order::Waiting waiting_;
   WaitingZones zones_;
   ActionsTaken actions_;
-  GoalWatch goals_;
+  reachability::GoalWatch goals_;
   std::optional<StuckStates> stuck_;  // where goals ask for deadlock
   std::vector<std::int32_t> slots_;   // of the state being expanded
-  ZoneBuffer exact_;                  // of a successor, before it is abstracted
+  zones::ZoneBuffer exact_;           // of a successor, before it is abstracted
   std::uint64_t explored_ = 0;
   std::uint64_t transitions_ = 0;
   bool started_ = false;
-  InPieces in_pieces_;
+  zones::InPieces in_pieces_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::localtime

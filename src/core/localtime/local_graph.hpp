@@ -17,28 +17,28 @@
 #include "zones/patience.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 // A step to a state, valid during the call that tells of it.
 struct LocalSuccessor {
-  const Edges& edges;  // of the action; none for the initial state
-  Effect& effect;
+  const symbolic::Edges& edges;  // of the action; none for the initial state
+  symbolic::Effect& effect;
   const std::vector<LocalEntry>& zone;
-  ZoneBuffer& synchronised;  // the states of the network in it; to be used up
+  zones::ZoneBuffer& synchronised;  // the states of the network in it; to be used up
 };
 
 class LocalGraph final {
  public:
   // Throws std::invalid_argument where `find_agents` finds an obstacle, and without extrapolation.
-  LocalGraph(Program program, const Options& options);
+  LocalGraph(program::Program program, const reachability::Options& options);
   LocalGraph(const LocalGraph&) = delete;
   LocalGraph& operator=(const LocalGraph&) = delete;
 
-  const Program& program() const { return ordinary_.program(); }
+  const program::Program& program() const { return ordinary_.program(); }
   const Agents& agents() const { return agents_; }
   const LocalZones& zones() const { return zones_; }
   // That of the same network, to which the synchronised states belong.
-  ZoneGraph& ordinary() { return ordinary_; }
+  symbolic::ZoneGraph& ordinary() { return ordinary_; }
   // Where processes are interchangeable, successors are told with those sorted.
   LocalSymmetry& symmetry() { return symmetry_; }
 
@@ -55,17 +55,17 @@ class LocalGraph final {
   template <class Expect, class Take>
   void expand(std::int32_t* slots, const std::vector<LocalEntry>& zone, Expect&& expect, Take&& take) {
     // The guards of an action are looked at when its processes have met: here anything may hold.
-    Semantics& semantics = ordinary_.semantics();
-    semantics.for_each_action(slots, anything_.get(), [&](const Action& action, ConstZoneRef) {
+    symbolic::Semantics& semantics = ordinary_.semantics();
+    semantics.for_each_action(slots, anything_.get(), [&](const symbolic::Action& action, zones::ConstZoneRef) {
       target_ = zone;
-      Patience::check();  // an action takes the time of many looks
+      zones::Patience::check();  // an action takes the time of many looks
       if (!fire(action) || !semantics.apply(action.edges, slots, effect_)) return;
       const bool sorts = symmetry_.active();
       if (!sorts) expect(std::as_const(effect_));
       if (!enter() || !synchronise()) return;
       if (sorts) {
         symmetry_.sort(effect_.slots.data(), synchronised_, target_);
-        effect_.written = SlotSet::all();
+        effect_.written = program::SlotSet::all();
         expect(std::as_const(effect_));
       }
       take(LocalSuccessor{action.edges, effect_, target_, synchronised_});
@@ -75,24 +75,24 @@ class LocalGraph final {
  private:
   bool begin();
   // Brings the processes of an action together in `target_`, where its guard holds; false if nothing is left.
-  bool fire(const Action& action);
+  bool fire(const symbolic::Action& action);
   // Resets clocks and lets the times of those who have met pass, within the invariant; false if nothing is left.
   bool enter();
-  bool constrain(std::span<const Atom> atoms);
+  bool constrain(std::span<const zones::Atom> atoms);
   // Sets `synchronised_`; false if there is no time that all can have.
   bool synchronise();
 
-  ZoneGraph ordinary_;
+  symbolic::ZoneGraph ordinary_;
   Agents agents_;
   LocalZones zones_;
   LocalSymmetry symmetry_;
-  ZoneBuffer anything_;  // all values of the clocks
-  Edges no_edges_;
+  zones::ZoneBuffer anything_;  // all values of the clocks
+  symbolic::Edges no_edges_;
   std::vector<std::uint32_t> met_;  // the agents of the action
-  Effect effect_;
+  symbolic::Effect effect_;
   std::vector<LocalEntry> target_;
   std::vector<LocalEntry> clocks_;
-  ZoneBuffer synchronised_;
+  zones::ZoneBuffer synchronised_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::localtime

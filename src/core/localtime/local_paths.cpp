@@ -7,10 +7,13 @@
 #include <utility>
 #include <vector>
 
-namespace tachk {
+namespace tachk::localtime {
+
+using symbolic::Edges;
+using symbolic::Path;
 namespace {
 
-void ignore(const Effect&) {}
+void ignore(const symbolic::Effect&) {}
 
 LocalState copy(const LocalSuccessor& successor) {
   return {successor.effect.slots, successor.zone, successor.synchronised};
@@ -49,7 +52,7 @@ LocalState after(LocalGraph& graph, LocalState& state, const Edges& action) {
 class Walk {
  public:
   explicit Walk(LocalGraph& graph)
-      : graph_(graph), unsorted_(graph), sorted_(initial(graph)), kept_(sorted_), places_(inverse(sort())) {}
+      : graph_(graph), unsorted_(graph), sorted_(initial(graph)), kept_(sorted_), places_(symbolic::inverse(sort())) {}
 
   // Takes an action of the sorted state, and tells that of the state in which processes keep their places.
   Edges take(const Edges& action) {
@@ -59,12 +62,14 @@ class Walk {
     const Edges taken = action_to(target);
     sorted_ = std::move(next);
     kept_ = std::move(target);
-    places_ = composed(inverse(sort()), places_);
+    places_ = symbolic::composed(symbolic::inverse(sort()), places_);
     return taken;
   }
 
  private:
-  const Arrangement& sort() { return graph_.symmetry().sort(sorted_.slots.data(), sorted_.synchronised, sorted_.zone); }
+  const symbolic::Arrangement& sort() {
+    return graph_.symmetry().sort(sorted_.slots.data(), sorted_.synchronised, sorted_.zone);
+  }
 
   Edges action_to(const LocalState& target) {
     const std::size_t slots = graph_.program().state_slots;
@@ -83,7 +88,7 @@ class Walk {
   WithoutSorting unsorted_;
   LocalState sorted_;
   LocalState kept_;
-  Arrangement places_;  // which place of the sorted state each member has
+  symbolic::Arrangement places_;  // which place of the sorted state each member has
 };
 
 }  // namespace
@@ -102,4 +107,4 @@ LocalState state_after(LocalGraph& graph, const Path& actions) {
   return state;
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

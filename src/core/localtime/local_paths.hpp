@@ -10,19 +10,19 @@
 #include "symbolic/successor.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 // The same path without sorting: what the search calls the member at some place is another one whenever a state has
 // been sorted. Throws ModelFault, ConstantOverflow.
-Path unsorted_path(LocalGraph& graph, const Path& actions);
+symbolic::Path unsorted_path(LocalGraph& graph, const symbolic::Path& actions);
 
 struct LocalState {
   std::vector<std::int32_t> slots;
   std::vector<LocalEntry> zone;
-  ZoneBuffer synchronised;
+  zones::ZoneBuffer synchronised;
 };
 
 // Where a path leads to on which processes keep their places. Throws ModelFault, ConstantOverflow.
-LocalState state_after(LocalGraph& graph, const Path& actions);
+LocalState state_after(LocalGraph& graph, const symbolic::Path& actions);
 
-}  // namespace tachk
+}  // namespace tachk::localtime

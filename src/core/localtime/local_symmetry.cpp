@@ -5,10 +5,12 @@
 #include <tuple>
 #include <utility>
 
-namespace tachk {
+namespace tachk::localtime {
 
-LocalSymmetry::LocalSymmetry(Representatives& representatives, const Program& program, const Agents& agents,
-                             const LocalZones& zones)
+using symbolic::Arrangement;
+
+LocalSymmetry::LocalSymmetry(symbolic::Representatives& representatives, const program::Program& program,
+                             const Agents& agents, const LocalZones& zones)
     : representatives_(representatives), agents_(agents), zones_(zones), scratch_(zones.size()) {
   const std::vector<Arrangement> generators = representatives.generators();
   possible_ = representatives.active() &&
@@ -42,7 +44,7 @@ std::optional<std::vector<std::uint32_t>> LocalSymmetry::agent_sources(const Arr
   return one_each ? std::optional(sources) : std::nullopt;
 }
 
-bool LocalSymmetry::follows(const Program& program, const Arrangement& arrangement) const {
+bool LocalSymmetry::follows(const program::Program& program, const Arrangement& arrangement) const {
   const auto sources = agent_sources(arrangement);
   if (!sources) return false;
   using Kind = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::vector<std::uint32_t>>;
@@ -50,7 +52,7 @@ bool LocalSymmetry::follows(const Program& program, const Arrangement& arrangeme
   for (std::uint32_t agent = 0; agent < targets.size(); ++agent) targets[(*sources)[agent]] = agent;
   std::map<Kind, int> balance;  // of edges between the same locations that meet the same agents
   for (std::size_t number = 0; number < program.edges.size(); ++number) {
-    const Edge& edge = program.edges[number];
+    const program::Edge& edge = program.edges[number];
     std::vector<std::uint32_t> moved;
     for (const std::uint32_t agent : agents_.of_edge[number]) moved.push_back(targets[agent]);
     std::sort(moved.begin(), moved.end());
@@ -60,7 +62,8 @@ bool LocalSymmetry::follows(const Program& program, const Arrangement& arrangeme
   return std::all_of(balance.begin(), balance.end(), [](const auto& kind) { return kind.second == 0; });
 }
 
-const Arrangement& LocalSymmetry::sort(std::int32_t* slots, ZoneBuffer& synchronised, std::vector<LocalEntry>& zone) {
+const Arrangement& LocalSymmetry::sort(std::int32_t* slots, zones::ZoneBuffer& synchronised,
+                                       std::vector<LocalEntry>& zone) {
   if (representatives_.sort(slots, synchronised)) move(representatives_.arrangement(), zone);
   return representatives_.arrangement();
 }
@@ -75,4 +78,4 @@ void LocalSymmetry::move(const Arrangement& arrangement, std::vector<LocalEntry>
   std::swap(scratch_, zone);
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

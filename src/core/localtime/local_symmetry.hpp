@@ -10,13 +10,13 @@
 #include "symbolic/representative.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 // Agents are exchanged with the processes or variables that they stand for. Which process has a clock of several is
 // chosen by its number, so that it has to be looked at whether the agents of clocks and edges are exchanged with these.
 class LocalSymmetry final {
  public:
-  LocalSymmetry(Representatives& representatives, const Program& program, const Agents& agents,
+  LocalSymmetry(symbolic::Representatives& representatives, const program::Program& program, const Agents& agents,
                 const LocalZones& zones);
 
   bool active() const { return active_; }
@@ -24,16 +24,17 @@ class LocalSymmetry final {
   void activate(bool wanted) { active_ = wanted && possible_; }
 
   // Sorts the members of each group in a state, and tells how.
-  const Arrangement& sort(std::int32_t* slots, ZoneBuffer& synchronised, std::vector<LocalEntry>& zone);
-  void arrange(const Arrangement& arrangement, std::int32_t* slots, std::vector<LocalEntry>& zone);
+  const symbolic::Arrangement& sort(std::int32_t* slots, zones::ZoneBuffer& synchronised,
+                                    std::vector<LocalEntry>& zone);
+  void arrange(const symbolic::Arrangement& arrangement, std::int32_t* slots, std::vector<LocalEntry>& zone);
 
  private:
   // Of each agent which one takes its place; none if the agents do not follow an arrangement.
-  std::optional<std::vector<std::uint32_t>> agent_sources(const Arrangement& arrangement) const;
-  bool follows(const Program& program, const Arrangement& arrangement) const;
-  void move(const Arrangement& arrangement, std::vector<LocalEntry>& zone);
+  std::optional<std::vector<std::uint32_t>> agent_sources(const symbolic::Arrangement& arrangement) const;
+  bool follows(const program::Program& program, const symbolic::Arrangement& arrangement) const;
+  void move(const symbolic::Arrangement& arrangement, std::vector<LocalEntry>& zone);
 
-  Representatives& representatives_;
+  symbolic::Representatives& representatives_;
   const Agents& agents_;
   const LocalZones& zones_;
   bool possible_;
@@ -41,4 +42,4 @@ class LocalSymmetry final {
   std::vector<LocalEntry> scratch_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::localtime

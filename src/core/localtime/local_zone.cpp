@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-namespace tachk {
+namespace tachk::localtime {
 namespace {
 
-constexpr LocalEntry zero = raw_zero;
+constexpr LocalEntry zero = zones::raw_zero;
 
 LocalEntry sum(LocalEntry a, LocalEntry b) {
   if (a == LocalZones::infinity || b == LocalZones::infinity) return LocalZones::infinity;
@@ -75,7 +75,7 @@ void LocalZones::prepare(const LocalEntry* bounds, std::size_t count) {
   }
 }
 
-bool LocalZones::constrain(LocalEntry* zone, Atom atom) {
+bool LocalZones::constrain(LocalEntry* zone, zones::Atom atom) {
   const auto bound = static_cast<LocalEntry>(atom.raw);
   if (atom.left == atom.right) return bound >= zero;
   // x <= c is t - x <= c, x >= c is x - t <= -c: `raw` bounds left - right, where the reference clock is 0.
@@ -83,7 +83,7 @@ bool LocalZones::constrain(LocalEntry* zone, Atom atom) {
   return tighten(zone, row_of(atom.right), of_clock_[atom.right], bound);
 }
 
-void LocalZones::reset(LocalEntry* zone, ClockReset reset) const {
+void LocalZones::reset(LocalEntry* zone, zones::ClockReset reset) const {
   const std::size_t clock = row_of(reset.clock);
   const std::size_t time = of_clock_[reset.clock];
   const LocalEntry shift = 2 * reset.value;  // x := t - value
@@ -154,4 +154,4 @@ bool LocalZones::is_legal(const LocalEntry* zone) const {
   return illegal == 0;
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

@@ -11,7 +11,7 @@
 
 #include "zones/bound.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 using LocalEntry = std::int32_t;
 
@@ -19,7 +19,7 @@ using LocalEntry = std::int32_t;
 // agents come first.
 class LocalZones {
  public:
-  static constexpr LocalEntry infinity = BoundLimits<std::int32_t>::infinity;
+  static constexpr LocalEntry infinity = zones::BoundLimits<std::int32_t>::infinity;
   // Finite entries of zones that are gone on from lie below this.
   static constexpr LocalEntry legal = 1 << 26;
 
@@ -34,9 +34,9 @@ class LocalZones {
   // All these agents have the same time; false, and an unusable zone, if that leaves nothing.
   bool meet(LocalEntry* zone, std::span<const std::uint32_t> agents);
   // A constraint on the value of one clock, seen by its agent; false if that leaves nothing.
-  bool constrain(LocalEntry* zone, Atom atom);
+  bool constrain(LocalEntry* zone, zones::Atom atom);
   // Sets a clock, at the time of its agent.
-  void reset(LocalEntry* zone, ClockReset reset) const;
+  void reset(LocalEntry* zone, zones::ClockReset reset) const;
   // Lets the time of an agent pass.
   void elapse(LocalEntry* zone, std::uint32_t agent) const;
   // The values of the clocks where all agents have the same time, as an ordinary canonical zone: a row for the
@@ -64,4 +64,4 @@ class LocalZones {
   std::vector<LocalEntry> strict_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::localtime

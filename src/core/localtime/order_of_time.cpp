@@ -8,7 +8,13 @@
 #include <utility>
 #include <vector>
 
-namespace tachk {
+namespace tachk::localtime {
+
+using program::Condition;
+using symbolic::Path;
+using symbolic::Semantics;
+using zones::Raw;
+using zones::raw_zero;
 namespace {
 
 // A time, and how many times something arbitrarily small is added to it.
@@ -19,7 +25,9 @@ struct Instant {
   auto operator<=>(const Instant&) const = default;
 };
 
-Instant after(Instant instant, Raw raw) { return {instant.value + raw_value(raw), instant.margin - (1 - (raw & 1))}; }
+Instant after(Instant instant, Raw raw) {
+  return {instant.value + zones::raw_value(raw), instant.margin - (1 - (raw & 1))};
+}
 
 // time[later] - time[earlier] < or <= c.
 struct Difference {
@@ -36,11 +44,11 @@ class Timing {
         agents_(agents),
         last_(agents.count, 0),
         resets_(static_cast<std::size_t>(program_.dimension()), Reset{0, 0}) {
-    for (const Slot& slot : program_.slots) slots_.push_back(slot.initial);
-    for (const ClockReset& start : program_.starts) resets_[start.clock].value = start.value;
+    for (const program::Slot& slot : program_.slots) slots_.push_back(slot.initial);
+    for (const zones::ClockReset& start : program_.starts) resets_[start.clock].value = start.value;
   }
 
-  void take(const Edges& edges) {
+  void take(const symbolic::Edges& edges) {
     const std::size_t now = ++moment_;
     for (const std::uint32_t edge : edges) {
       for (const std::uint32_t agent : agents_.of_edge[edge]) differences_.push_back({last_[agent], now, raw_zero});
@@ -51,7 +59,7 @@ class Timing {
     }
     semantics_.apply(edges, slots_.data(), effect_);
     std::copy_n(effect_.slots.begin(), slots_.size(), slots_.begin());
-    for (const ClockReset& reset : effect_.resets) resets_[reset.clock] = {now, reset.value};
+    for (const zones::ClockReset& reset : effect_.resets) resets_[reset.clock] = {now, reset.value};
     for (const std::uint32_t edge : edges) {
       for (const std::uint32_t agent : agents_.of_edge[edge]) last_[agent] = now;
       invariant(program_.edges[edge].process, now);
@@ -101,7 +109,7 @@ class Timing {
 
   // What `atoms_` ask of the clocks at a moment.
   void require(std::size_t now) {
-    for (const Atom& atom : atoms_) {
+    for (const zones::Atom& atom : atoms_) {
       if (atom.left == atom.right) {
         if (atom.raw < raw_zero) differences_.push_back({now, now, atom.raw});
         continue;
@@ -125,15 +133,15 @@ class Timing {
   }
 
   Semantics& semantics_;
-  const Program& program_;
+  const program::Program& program_;
   const Agents& agents_;
   std::vector<std::int32_t> slots_;
   std::vector<std::size_t> last_;  // of each agent, the moment of its last action; the beginning is moment 0
   std::vector<Reset> resets_;      // of each clock, the last one
   std::size_t moment_ = 0;
   std::vector<Difference> differences_;
-  std::vector<Atom> atoms_;
-  Effect effect_;
+  std::vector<zones::Atom> atoms_;
+  symbolic::Effect effect_;
 };
 
 }  // namespace
@@ -141,7 +149,7 @@ class Timing {
 std::optional<Path> in_order_of_time(Semantics& semantics, const Agents& agents, const Path& actions,
                                      const Condition& end) {
   Timing timing(semantics, agents);
-  for (const Edges& edges : actions) timing.take(edges);
+  for (const symbolic::Edges& edges : actions) timing.take(edges);
   if (!timing.holds(end)) return std::nullopt;
   timing.end(end);
   const auto order = timing.order();
@@ -151,4 +159,4 @@ std::optional<Path> in_order_of_time(Semantics& semantics, const Agents& agents,
   return ordered;
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

@@ -7,14 +7,14 @@
 #include "program/program.hpp"
 #include "symbolic/successor.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
 // The actions of a run over local times, in an order in which they happen in a run of the network that ends where the
 // condition holds. None if no times are right for them. Throws ModelFault.
 //
 // The times of the actions are the unknowns of difference constraints: of guards and invariants, and of actions of the
 // same agent. They have a solution iff the run exists (Bellman, Ford), and each solution gives an order.
-std::optional<Path> in_order_of_time(Semantics& semantics, const Agents& agents, const Path& actions,
-                                     const Condition& end);
+std::optional<symbolic::Path> in_order_of_time(symbolic::Semantics& semantics, const Agents& agents,
+                                               const symbolic::Path& actions, const program::Condition& end);
 
-}  // namespace tachk
+}  // namespace tachk::localtime

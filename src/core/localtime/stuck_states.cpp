@@ -2,22 +2,27 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::localtime {
+
+using program::Condition;
+using program::Disjunct;
 namespace {
 
-bool asks(const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; }
+bool asks(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }
 
 }  // namespace
 
-bool asks_for_deadlock(const Program& program) {
-  return std::any_of(program.goals.begin(), program.goals.end(),
-                     [](const Goal& goal) { return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), asks); });
+bool asks_for_deadlock(const program::Program& program) {
+  return std::any_of(program.goals.begin(), program.goals.end(), [](const program::Goal& goal) {
+    return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), asks);
+  });
 }
 
-StuckStates::StuckStates(const Program& program, const ZoneOperations& operations, GoalWatch& goals)
+StuckStates::StuckStates(const program::Program& program, const zones::ZoneOperations& operations,
+                         reachability::GoalWatch& goals)
     : program_(program), operations_(operations), goals_(goals), dead_(program, operations) {}
 
-void StuckStates::check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone) {
+void StuckStates::check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone) {
   bool looked = false;
   open_ = goals_.open();
   for (const std::size_t goal : open_)
@@ -32,27 +37,28 @@ void StuckStates::check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zo
 }
 
 bool StuckStates::any_piece_meets(const Disjunct& disjunct, std::int32_t* slots) {
-  const Federation& found = pieces(disjunct);
+  const zones::Federation& found = pieces(disjunct);
   bool met = false;
   for (std::size_t piece = 0; piece < found.size() && !met; ++piece)
     met = goals_.meets(disjunct.condition, slots, found[piece]);
   return met;
 }
 
-std::vector<Condition> StuckStates::conditions(const Disjunct& disjunct, std::int32_t* slots, ConstZoneRef zone) {
+std::vector<Condition> StuckStates::conditions(const Disjunct& disjunct, std::int32_t* slots,
+                                               zones::ConstZoneRef zone) {
   dead_.look(slots, zone);
-  const Federation& found = pieces(disjunct);
+  const zones::Federation& found = pieces(disjunct);
   std::vector<Condition> result;
   for (std::size_t piece = 0; piece < found.size(); ++piece) {
     Condition& condition = result.emplace_back(disjunct.condition);
     for (int i = 0; i < program_.dimension(); ++i)
       for (int j = 0; j < program_.dimension(); ++j) {
-        const Raw raw = operations_.entry(found[piece], program_.dimension(), i, j);
-        if (i != j && raw != unbounded_entry)
+        const zones::Raw raw = operations_.entry(found[piece], program_.dimension(), i, j);
+        if (i != j && raw != zones::unbounded_entry)
           condition.atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
       }
   }
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::localtime

@@ -14,34 +14,35 @@
 #include "symbolic/dead_states.hpp"
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::localtime {
 
-bool asks_for_deadlock(const Program& program);
+bool asks_for_deadlock(const program::Program& program);
 
 class StuckStates final {
  public:
-  StuckStates(const Program& program, const ZoneOperations& operations, GoalWatch& goals);
+  StuckStates(const program::Program& program, const zones::ZoneOperations& operations, reachability::GoalWatch& goals);
 
   // Settles the open goals that some valuation of a new state meets that is stuck, or is not, as the goal asks. The
   // valuations are those that can be there at once, not abstracted. Throws ModelFault.
-  void check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
+  void check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone);
 
   // For a disjunct that asks for deadlock: the valuations of the state that meet it are those that meet one of these
   // conditions. Throws ModelFault.
-  std::vector<Condition> conditions(const Disjunct& disjunct, std::int32_t* slots, ConstZoneRef zone);
+  std::vector<program::Condition> conditions(const program::Disjunct& disjunct, std::int32_t* slots,
+                                             zones::ConstZoneRef zone);
 
  private:
   // Of the zone that was looked at.
-  const Federation& pieces(const Disjunct& disjunct) const {
-    return disjunct.deadlock == DeadlockLiteral::required ? dead_.dead() : dead_.live();
+  const zones::Federation& pieces(const program::Disjunct& disjunct) const {
+    return disjunct.deadlock == program::DeadlockLiteral::required ? dead_.dead() : dead_.live();
   }
-  bool any_piece_meets(const Disjunct& disjunct, std::int32_t* slots);
+  bool any_piece_meets(const program::Disjunct& disjunct, std::int32_t* slots);
 
-  const Program& program_;
-  ZoneOperations operations_;
-  GoalWatch& goals_;
-  DeadStates dead_;
+  const program::Program& program_;
+  zones::ZoneOperations operations_;
+  reachability::GoalWatch& goals_;
+  symbolic::DeadStates dead_;
   std::vector<std::size_t> open_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::localtime

@@ -4,9 +4,9 @@
 #include <map>
 #include <utility>
 
-namespace tachk {
+namespace tachk::machine {
 
-Cells::Cells(const Program& program)
+Cells::Cells(const program::Program& program)
     : program_(&program),
       words_((program.state_slots + static_cast<std::size_t>(program.dimension()) + std::size_t{63}) / 64) {}
 
@@ -75,7 +75,7 @@ struct CodeAccesses::Interpretation {
   }
   Interval content(std::int64_t slot) const {
     if (slot < found.program_.state_slots) {
-      const Slot& known = found.program_.slots[static_cast<std::size_t>(slot)];
+      const program::Slot& known = found.program_.slots[static_cast<std::size_t>(slot)];
       return {known.low, known.high};
     }
     const auto stored = frame.find(slot);
@@ -219,28 +219,28 @@ void CodeAccesses::Interpretation::step(std::int32_t position, Stack stack) {
 }
 
 void CodeAccesses::add(std::int32_t code) {
-  if (code != no_code) Interpretation{*this, {}, {}, {}}.run(code);
+  if (code != program::no_code) Interpretation{*this, {}, {}, {}}.run(code);
 }
 
-void CodeAccesses::add(const Condition& condition) {
-  for (const Test& test : condition.tests) reads.add_slots(test.slot, test.slot);
+void CodeAccesses::add(const program::Condition& condition) {
+  for (const program::Test& test : condition.tests) reads.add_slots(test.slot, test.slot);
   add(condition.code);
   const auto add_clock = [this](std::int32_t code, std::int64_t clock) {
     add(code);
-    if (code == no_code)
+    if (code == program::no_code)
       reads.add_clock(static_cast<std::size_t>(clock));
     else
       for (int any = 1; any <= program_.clocks; ++any) reads.add_clock(static_cast<std::size_t>(any));
   };
-  for (const Atom& atom : condition.atoms) {
+  for (const zones::Atom& atom : condition.atoms) {
     reads.add_clock(atom.left);
     reads.add_clock(atom.right);
   }
-  for (const FlowTest& test : condition.flow) {
+  for (const program::FlowTest& test : condition.flow) {
     add(test.left);
     add(test.right);
   }
-  for (const ComputedConstraint& constraint : condition.computed) {
+  for (const program::ComputedConstraint& constraint : condition.computed) {
     add(constraint.bound_code);
     add(constraint.condition);
     add_clock(constraint.left_code, constraint.left);
@@ -248,9 +248,9 @@ void CodeAccesses::add(const Condition& condition) {
   }
 }
 
-void CodeAccesses::add(const Update& update) {
-  for (const Update::Store& store : update.stores) writes.add_slots(store.slot, store.slot);
-  for (const ClockReset& reset : update.resets) {
+void CodeAccesses::add(const program::Update& update) {
+  for (const program::Update::Store& store : update.stores) writes.add_slots(store.slot, store.slot);
+  for (const zones::ClockReset& reset : update.resets) {
     reads.add_clock(reset.source);
     writes.add_clock(reset.clock);
   }
@@ -259,4 +259,4 @@ void CodeAccesses::add(const Update& update) {
 
 void CodeAccesses::clear() { reads = writes = Cells(program_); }
 
-}  // namespace tachk
+}  // namespace tachk::machine

@@ -9,12 +9,12 @@
 #include "machine/machine_code.hpp"
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::machine {
 
 // A set of slots of the state, but for metas, and of clocks.
 class Cells {
  public:
-  explicit Cells(const Program& program);
+  explicit Cells(const program::Program& program);
 
   void add_slots(std::int64_t first, std::int64_t last);
   void add_clock(std::size_t clock);
@@ -28,17 +28,18 @@ class Cells {
   bool has_bit(std::size_t bit) const { return (words_[bit / 64] >> bit % 64 & 1) != 0; }
   void add_bit(std::size_t bit) { words_[bit / 64] |= std::uint64_t{1} << bit % 64; }
 
-  const Program* program_;
+  const program::Program* program_;
   std::vector<std::uint64_t> words_;  // slots, then clocks
 };
 
 class CodeAccesses {
  public:
-  explicit CodeAccesses(const Program& program) : reads(program), writes(program), program_(program), code_(program) {}
+  explicit CodeAccesses(const program::Program& program)
+      : reads(program), writes(program), program_(program), code_(program) {}
 
   void add(std::int32_t code);
-  void add(const Condition& condition);
-  void add(const Update& update);
+  void add(const program::Condition& condition);
+  void add(const program::Update& update);
   // Forgets what has been read and written.
   void clear();
 
@@ -48,8 +49,8 @@ class CodeAccesses {
  private:
   struct Interpretation;
 
-  const Program& program_;
+  const program::Program& program_;
   MachineCode code_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::machine

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace tachk {
+namespace tachk::machine {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
@@ -125,4 +125,4 @@ double drawn(FloatingOperation operation, double left, double right, Dice& dice)
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::machine

@@ -4,9 +4,9 @@
 
 #include "machine/floating.hpp"
 
-namespace tachk {
+namespace tachk::machine {
 
 // By the operation, one of those that draw.
 double drawn(FloatingOperation operation, double left, double right, Dice& dice);
 
-}  // namespace tachk
+}  // namespace tachk::machine

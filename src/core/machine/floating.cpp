@@ -6,7 +6,7 @@
 
 #include "machine/distributions.hpp"
 
-namespace tachk {
+namespace tachk::machine {
 namespace {
 
 using Integers = std::numeric_limits<std::int32_t>;
@@ -124,4 +124,4 @@ std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t le
   return target;
 }
 
-}  // namespace tachk
+}  // namespace tachk::machine

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace tachk {
+namespace tachk::machine {
 
 // The numbers of src/tachk/model/floating.py; a test compares them.
 enum class FloatingOperation : std::int32_t {
@@ -90,4 +90,4 @@ constexpr bool draws(FloatingOperation operation) {
 std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t left, std::int32_t right,
                                     std::int32_t target, std::int32_t* memory, std::size_t slots, Dice* dice = nullptr);
 
-}  // namespace tachk
+}  // namespace tachk::machine

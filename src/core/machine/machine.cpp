@@ -6,7 +6,7 @@
 
 #include "machine/floating.hpp"
 
-namespace tachk {
+namespace tachk::machine {
 namespace {
 
 constexpr std::int32_t step_limit = 1 << 24;
@@ -29,12 +29,12 @@ std::int64_t Machine::in_units(std::int64_t time) const {
   return time / program_.time_unit;
 }
 
-std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vector<ClockReset>* resets) {
+std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vector<zones::ClockReset>* resets) {
   const std::int32_t entry = code_.entry(position);
   if (registers_.size() < code_.registers()) registers_.resize(code_.registers());
   const Instruction* const instructions = code_.instructions();
   const Instruction* instruction = instructions + entry;
-  const std::vector<Slot>& slots = program_.slots;
+  const std::vector<program::Slot>& slots = program_.slots;
   const std::int32_t* bases[] = {memory, registers_.data(), code_.constants()};  // by Place
   std::int32_t* registers = registers_.data();
   calls_.clear();
@@ -282,4 +282,4 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::machine

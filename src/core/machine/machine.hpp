@@ -11,7 +11,7 @@
 #include "program/program.hpp"
 #include "zones/bound.hpp"
 
-namespace tachk {
+namespace tachk::machine {
 
 // A run-time error of the model, at a code position.
 struct ModelFault : std::exception {
@@ -23,12 +23,12 @@ struct ModelFault : std::exception {
 };
 
 // What clocks may be set to in runs with exact times, in time units.
-inline constexpr Raw largest_exact_reset = INT32_MAX;
+inline constexpr zones::Raw largest_exact_reset = INT32_MAX;
 
 class Machine {
  public:
   // A clock set to more than `largest_reset` time units is a fault: the zones could not represent it.
-  Machine(const Program& program, Raw largest_reset)
+  Machine(const program::Program& program, zones::Raw largest_reset)
       : program_(program), largest_reset_(largest_reset), code_(program) {}
 
   // Where code draws random numbers from, as long as it is not told otherwise; nullptr: nowhere.
@@ -41,7 +41,8 @@ class Machine {
   std::int64_t time(std::int32_t code, std::int32_t* memory) { return in_units(run(code, memory, nullptr)); }
 
   // Runs an update: writes slots, of which it tells, and appends clock resets in order. Throws ModelFault.
-  std::int64_t update(std::int32_t code, std::int32_t* memory, SlotSet& written, std::vector<ClockReset>& resets) {
+  std::int64_t update(std::int32_t code, std::int32_t* memory, program::SlotSet& written,
+                      std::vector<zones::ClockReset>& resets) {
     written_ = {};
     const std::int64_t value = run(code, memory, &resets);
     written.add(written_);
@@ -50,21 +51,21 @@ class Machine {
 
  private:
   std::int64_t in_units(std::int64_t time) const;
-  std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets);
+  std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<zones::ClockReset>* resets);
 
   struct Frame {
     const Instruction* next;
     std::int32_t* registers;
   };
 
-  const Program& program_;
-  Raw largest_reset_;
+  const program::Program& program_;
+  zones::Raw largest_reset_;
   MachineCode code_;
-  SlotSet written_;
+  program::SlotSet written_;
   Dice* dice_ = nullptr;
   std::vector<std::int32_t> registers_;
   std::vector<Frame> calls_;          // those open, with what to go on with
   std::vector<std::int32_t> copied_;  // by the copy under way
 };
 
-}  // namespace tachk
+}  // namespace tachk::machine

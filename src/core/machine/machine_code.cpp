@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace tachk {
+namespace tachk::machine {
 
 StackEffect effect_of(Opcode opcode) {
   switch (opcode) {
@@ -521,7 +521,7 @@ class Translation {
   std::int32_t steps_ = 0;      // instructions of the stack code since the last label or jump
 };
 
-MachineCode::MachineCode(const Program& program) : program_(program), entries_(program.code.size(), -1) {}
+MachineCode::MachineCode(const program::Program& program) : program_(program), entries_(program.code.size(), -1) {}
 
 const MachineCode::Piece& MachineCode::translate(std::int32_t position) {
   const auto [known, fresh] = pieces_.try_emplace(position, Piece{-1, 0, 0});
@@ -541,4 +541,4 @@ Operand MachineCode::constant(std::int32_t value) {
   return {Place::constants, place->second};
 }
 
-}  // namespace tachk
+}  // namespace tachk::machine

@@ -10,7 +10,7 @@
 #include "machine/opcode.hpp"
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::machine {
 
 enum class Operation : std::uint8_t {
   move,          // target = left; targets are registers, or instructions to go on with
@@ -91,7 +91,7 @@ StackEffect effect_of(Opcode opcode);
 // Translates pieces of stack code when they are asked for.
 class MachineCode {
  public:
-  explicit MachineCode(const Program& program);
+  explicit MachineCode(const program::Program& program);
 
   // The number of the first instruction of the piece of code at this position of the stack code.
   std::int32_t entry(std::int32_t position) {
@@ -118,7 +118,7 @@ class MachineCode {
   const Piece& translate(std::int32_t position);
   Operand constant(std::int32_t value);
 
-  const Program& program_;
+  const program::Program& program_;
   std::vector<std::int32_t> entries_;  // by position of the stack code; -1: not translated
   std::map<std::int32_t, Piece> pieces_;
   std::vector<Instruction> instructions_;
@@ -127,4 +127,4 @@ class MachineCode {
   std::size_t registers_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::machine

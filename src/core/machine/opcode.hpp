@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace tachk {
+namespace tachk::machine {
 
 enum class Opcode : std::int32_t {
   end = 0,
@@ -70,4 +70,4 @@ enum class FaultKind {
   bound,
 };
 
-}  // namespace tachk
+}  // namespace tachk::machine

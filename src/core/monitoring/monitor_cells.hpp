@@ -7,7 +7,7 @@
 
 #include "monitoring/monitor_program.hpp"
 
-namespace tachk {
+namespace tachk::monitoring {
 
 using Cell = std::int64_t;
 
@@ -54,4 +54,4 @@ constexpr CellWindow future_window(const MonitorNode& node) {
 }
 constexpr CellWindow past_window(const MonitorNode& node) { return mirrored(future_window(node)); }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

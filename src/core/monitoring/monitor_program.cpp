@@ -4,7 +4,7 @@
 
 #include "monitoring/monitor_cells.hpp"
 
-namespace tachk {
+namespace tachk::monitoring {
 namespace {
 
 void require(bool condition, const char* message) {
@@ -81,4 +81,4 @@ void validate(const MonitorProgram& program) {
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

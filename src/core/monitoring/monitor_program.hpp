@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tachk {
+namespace tachk::monitoring {
 
 // Instructions of an arithmetic program in postfix order, over doubles.
 enum class ValueOperator : std::int32_t {
@@ -86,4 +86,4 @@ struct MonitorProgram {
 // one value, and no sum of bounds leaves the range of cells.
 void validate(const MonitorProgram& program);
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tachk {
+namespace tachk::monitoring {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -194,4 +194,4 @@ void AtomEvaluator::left_value(std::size_t atom, const Samples& samples, std::si
   std::copy_n(value(program_->atoms[atom].left, 0, samples, first, count), count, out);
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

@@ -7,7 +7,7 @@
 
 #include "monitoring/monitor_program.hpp"
 
-namespace tachk {
+namespace tachk::monitoring {
 
 // One column; exactly one of the pointers is set.
 struct Column {
@@ -49,4 +49,4 @@ class AtomEvaluator {
   std::vector<Block> stack_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace tachk {
+namespace tachk::monitoring {
 namespace {
 
 constexpr std::array<double, 19> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
@@ -297,4 +297,4 @@ CountedTimes counted(std::span<const double> times, int usual, std::int64_t* tic
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

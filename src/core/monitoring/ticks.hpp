@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-namespace tachk {
+namespace tachk::monitoring {
 
 __extension__ typedef __int128 int128;
 
@@ -61,4 +61,4 @@ bool scaled(const std::int64_t* times, std::size_t count, std::int64_t factor, s
 
 bool all_finite(const double* values, std::size_t count);
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

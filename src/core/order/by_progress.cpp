@@ -2,16 +2,17 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::order {
 
-ByProgress::ByProgress(const Program& program, PassedList& states, std::uint32_t first_waiting) : progress_(program) {
+ByProgress::ByProgress(const program::Program& program, states::PassedList& states, std::uint32_t first_waiting)
+    : progress_(program) {
   std::vector<std::int32_t> before(program.slots.size());
   std::vector<std::int32_t> after(program.slots.size());
   std::vector<std::uint32_t> far_of;  // of each state
   for (std::uint32_t number = 0; number < states.size(); ++number) {
     const std::uint32_t parent = states.parent(number);
     std::uint32_t far = 0;
-    if (parent != no_node) {
+    if (parent != states::no_node) {
       states.unpack(parent, before.data());
       states.unpack(number, after.data());
       far = beyond(far_of[parent], progress_.between(before.data(), after.data()));
@@ -40,7 +41,7 @@ std::uint32_t ByProgress::next() {
     }
     queues_.erase(first);
   }
-  return no_node;
+  return states::no_node;
 }
 
-}  // namespace tachk
+}  // namespace tachk::order

@@ -9,12 +9,12 @@
 #include "order/progress.hpp"
 #include "states/store.hpp"
 
-namespace tachk {
+namespace tachk::order {
 
 class ByProgress final {
  public:
   // Those with numbers from `first_waiting` on wait, unless they are covered.
-  ByProgress(const Program& program, PassedList& states, std::uint32_t first_waiting);
+  ByProgress(const program::Program& program, states::PassedList& states, std::uint32_t first_waiting);
 
   // The state taken last is going to be expanded; its slots.
   void begin(const std::int32_t* slots) { locations_.assign(slots, slots + progress_.processes()); }
@@ -51,4 +51,4 @@ class ByProgress final {
   std::vector<std::int32_t> locations_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::order

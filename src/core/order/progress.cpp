@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace tachk {
+namespace tachk::order {
 namespace {
 
 using Targets = std::vector<std::vector<std::uint32_t>>;
@@ -51,10 +51,10 @@ class Unrolled {
 
 }  // namespace
 
-Progress::Progress(const Program& program) {
+Progress::Progress(const program::Program& program) {
   for (std::size_t p = 0; p < program.processes.size(); ++p) {
     Targets targets(program.processes[p].locations.size());
-    for (const Edge& edge : program.edges)
+    for (const program::Edge& edge : program.edges)
       if (edge.process == p)
         targets[static_cast<std::size_t>(edge.source)].push_back(static_cast<std::uint32_t>(edge.target));
     const Unrolled unrolled(targets, static_cast<std::uint32_t>(program.slots[p].initial));
@@ -79,4 +79,4 @@ std::uint32_t Progress::between(const std::int32_t* from, const std::int32_t* to
   return std::max(sum, std::uint32_t{1});
 }
 
-}  // namespace tachk
+}  // namespace tachk::order

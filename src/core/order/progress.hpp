@@ -12,11 +12,11 @@
 
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::order {
 
 class Progress final {
  public:
-  explicit Progress(const Program& program);
+  explicit Progress(const program::Program& program);
 
   // How far it is from these locations, of a state, to those of one that follows: at least 1.
   std::uint32_t between(const std::int32_t* from, const std::int32_t* to) const;
@@ -32,4 +32,4 @@ class Progress final {
   std::vector<Layered> processes_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::order

@@ -11,7 +11,7 @@
 #include "order/by_progress.hpp"
 #include "states/store.hpp"
 
-namespace tachk {
+namespace tachk::order {
 
 // `automatic`: breadth first, and by progress once that turns out to explore most states in vain.
 enum class SearchOrder { automatic, breadth_first, depth_first, random_depth_first, progress };
@@ -26,7 +26,7 @@ class Waiting final {
   // A new state, one step behind its parent, and those that it covers.
   void add(std::uint32_t node, std::uint32_t parent, const std::int32_t* slots,
            const std::vector<std::uint32_t>& covered) {
-    if (depth_limit_ != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
+    if (depth_limit_ != UINT32_MAX) depth_.push_back(parent == states::no_node ? 0 : depth_[parent] + 1);
     if (by_progress_)
       by_progress_->add(node, slots);
     else if (is_queue())
@@ -52,15 +52,15 @@ class Waiting final {
   }
 
   // Changes to the order by progress where the states are to be taken in it from now on.
-  void consider(const Program& program, PassedList& states) {
+  void consider(const program::Program& program, states::PassedList& states) {
     if (!by_progress_ && wants_progress()) by_progress_.emplace(program, states, cursor_);
   }
 
   // The next in order; no_node if none is left.
   std::uint32_t next() {
     if (by_progress_) return by_progress_->next();
-    if (is_queue()) return cursor_ < end_ ? cursor_++ : no_node;
-    if (stack_.empty()) return no_node;
+    if (is_queue()) return cursor_ < end_ ? cursor_++ : states::no_node;
+    if (stack_.empty()) return states::no_node;
     const std::uint32_t node = stack_.back();
     stack_.pop_back();
     return node;
@@ -73,7 +73,7 @@ class Waiting final {
     for (std::uint32_t node = cursor_; node < end_ && most-- > 0; ++node) nodes.push_back(node);
   }
   // The states with this number and larger ones all wait; no_node where the order is not that of the numbers.
-  std::uint32_t first_untouched() const { return is_queue() && !by_progress_ ? cursor_ : no_node; }
+  std::uint32_t first_untouched() const { return is_queue() && !by_progress_ ? cursor_ : states::no_node; }
 
   // Whether a state may be explored. Notes if it may not, because of the limit on depth.
   bool admits(std::uint32_t node) {
@@ -128,4 +128,4 @@ class Layers final {
   std::uint32_t end_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::order

@@ -5,7 +5,10 @@
 #include <stdexcept>
 #include <string>
 
-namespace tachk {
+namespace tachk::program {
+
+using zones::ClockReset;
+using zones::Raw;
 namespace {
 
 class Reader {
@@ -70,8 +73,8 @@ class Decoder {
       const auto left = clock();
       const auto right = clock();
       const Raw raw = in_.wide();
-      note(raw_value(raw));
-      return Atom{left, right, raw};
+      note(zones::raw_value(raw));
+      return zones::Atom{left, right, raw};
     });
     program_.has_priorities = in_.flag();
     program_.has_stopwatches = in_.flag();
@@ -123,7 +126,7 @@ class Decoder {
       const std::int32_t right_code = code();
       note(bound);
       if (bound_code == no_code && when == no_code && left_code == no_code && right_code == no_code)
-        result.atoms.push_back({left, right, raw_bound(bound, strict)});
+        result.atoms.push_back({left, right, zones::raw_bound(bound, strict)});
       else
         result.computed.push_back({left, right, strict, bound, bound_code, when, left_code, right_code});
     }
@@ -326,4 +329,4 @@ Program without_idle_clocks(Program program) {
   return program;
 }
 
-}  // namespace tachk
+}  // namespace tachk::program

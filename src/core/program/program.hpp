@@ -7,7 +7,7 @@
 
 #include "zones/bound.hpp"
 
-namespace tachk {
+namespace tachk::program {
 
 inline constexpr std::int32_t no_code = -1;
 
@@ -81,7 +81,7 @@ struct FlowTest {
 struct Condition {
   std::vector<Test> tests;
   std::int32_t code = no_code;
-  std::vector<Atom> atoms;
+  std::vector<zones::Atom> atoms;
   std::vector<ComputedConstraint> computed;
   std::vector<FlowTest> flow;
 
@@ -95,13 +95,13 @@ struct Update {
     std::int32_t value;
   };
   std::vector<Store> stores;
-  std::vector<ClockReset> resets;
+  std::vector<zones::ClockReset> resets;
   std::int32_t code = no_code;
 };
 
 struct ClockBound {
   std::uint16_t clock;
-  Raw value;
+  zones::Raw value;
 };
 
 struct Location {
@@ -210,19 +210,19 @@ struct Program {
   std::uint32_t state_slots = 0;
   std::vector<std::int32_t> code;
   std::int32_t default_priority = 0;
-  std::vector<Raw> maximum_constants;
-  std::vector<Atom> diagonals;
+  std::vector<zones::Raw> maximum_constants;
+  std::vector<zones::Atom> diagonals;
   std::vector<Edge> edges;
   std::vector<Goal> goals;
   std::vector<Measure> measures;
   std::vector<Interchangeable> interchangeable;
-  std::vector<ClockReset> starts;  // what clocks show at first that do not begin with 0
+  std::vector<zones::ClockReset> starts;  // what clocks show at first that do not begin with 0
   bool has_priorities = false;
   bool has_stopwatches = false;
   bool copies_clocks = false;
-  Raw largest_constant = 0;        // in any atom, reset or bound
-  std::int64_t computed_unit = 0;  // divides every time that code computes; 0 if that is always 0
-  std::int64_t time_unit = 1;      // what 1 stands for wherever times are not computed by code
+  zones::Raw largest_constant = 0;  // in any atom, reset or bound
+  std::int64_t computed_unit = 0;   // divides every time that code computes; 0 if that is always 0
+  std::int64_t time_unit = 1;       // what 1 stands for wherever times are not computed by code
 
   // The clocks as the code numbers them, with their numbers here; empty if those are the same.
   std::vector<std::uint16_t> clock_numbers;
@@ -244,4 +244,4 @@ Program in_largest_unit(Program program);
 // preceded by its length. Throws std::invalid_argument if the numbers do not make a program.
 Program decode_program(std::span<const std::int64_t> image);
 
-}  // namespace tachk
+}  // namespace tachk::program

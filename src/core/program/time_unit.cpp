@@ -4,7 +4,10 @@
 
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::program {
+
+using zones::Atom;
+using zones::ClockReset;
 namespace {
 
 // Calls visit(item) for everything that holds a time known before the search, but for the clock bounds, which are the
@@ -33,7 +36,7 @@ struct Gcd {
   std::int64_t result;
 
   void add(std::int64_t time) { result = std::gcd(result, time); }
-  void operator()(const Atom& atom) { add(raw_value(atom.raw)); }
+  void operator()(const Atom& atom) { add(zones::raw_value(atom.raw)); }
   void operator()(const ComputedConstraint& constraint) { add(constraint.bound); }
   void operator()(const ClockReset& reset) { add(reset.value); }
 };
@@ -41,13 +44,15 @@ struct Gcd {
 struct Divider {
   std::int64_t unit;
 
-  void operator()(Atom& atom) const { atom.raw = raw_bound(raw_value(atom.raw) / unit, (atom.raw & 1) == 0); }
+  void operator()(Atom& atom) const {
+    atom.raw = zones::raw_bound(zones::raw_value(atom.raw) / unit, (atom.raw & 1) == 0);
+  }
   void operator()(ComputedConstraint& constraint) const {
     constraint.bound = static_cast<std::int32_t>(constraint.bound / unit);
   }
   void operator()(ClockReset& reset) const { reset.value = static_cast<std::int32_t>(reset.value / unit); }
   // A bound may be rounded up: zones are then told apart more finely.
-  void round_up(Raw& bound) const {
+  void round_up(zones::Raw& bound) const {
     if (bound > 0) bound = (bound + unit - 1) / unit;
   }
 };
@@ -64,10 +69,10 @@ Program in_largest_unit(Program program) {
     for (Location& location : process.locations)
       for (std::vector<ClockBound>* bounds : {&location.lower, &location.upper})
         for (ClockBound& bound : *bounds) divider.round_up(bound.value);
-  for (Raw& constant : program.maximum_constants) divider.round_up(constant);
+  for (zones::Raw& constant : program.maximum_constants) divider.round_up(constant);
   divider.round_up(program.largest_constant);
   program.time_unit = gcd.result;
   return program;
 }
 
-}  // namespace tachk
+}  // namespace tachk::program

@@ -4,16 +4,20 @@
 #include <numeric>
 #include <tuple>
 
-namespace tachk {
+namespace tachk::reachability {
+
+using zones::Raw;
+using zones::raw_zero;
+using zones::unbounded_entry;
 namespace {
 
 Raw sum(Raw a, Raw b) { return a == unbounded_entry || b == unbounded_entry ? unbounded_entry : a + b - ((a | b) & 1); }
 
 }  // namespace
 
-CoverParts::CoverParts(ZoneGraph& graph) : graph_(graph) {}
+CoverParts::CoverParts(symbolic::ZoneGraph& graph) : graph_(graph) {}
 
-void CoverParts::add(PassedList& list, std::uint32_t node, std::int64_t rank) {
+void CoverParts::add(states::PassedList& list, std::uint32_t node, std::int64_t rank) {
   if (lists_.empty() || lists_.back() != &list) lists_.push_back(&list);
   entries_.push_back({lists_.size() - 1, node, rank});
 }
@@ -31,11 +35,11 @@ std::size_t CoverParts::groups() {
 
 CoverPart CoverParts::part(std::size_t first, std::size_t zones) {
   const std::size_t all = groups();
-  SymbolicState state = graph_.blank();
+  symbolic::SymbolicState state = graph_.blank();
   CoverPart part;
   for (std::size_t group = first; group < all && (group == first || part.constraints.size() < zones); ++group) {
     const std::size_t end = group + 1 < all ? first_[group + 1] : entries_.size();
-    PassedList& list = *lists_[entries_[first_[group]].list];
+    states::PassedList& list = *lists_[entries_[first_[group]].list];
     list.unpack(entries_[first_[group]].node, state.slots.data());
     part.discretes.insert(part.discretes.end(), state.slots.begin(),
                           state.slots.begin() + graph_.program().state_slots);
@@ -50,8 +54,8 @@ CoverPart CoverParts::part(std::size_t first, std::size_t zones) {
 
 // The minimal constraints of Larsen, Larsson, Pettersson and Yi 1997: clocks at fixed distances form classes; a cycle
 // through each class, and between the first members of classes what does not follow through a third one.
-void CoverParts::tell(ConstZoneRef zone, CoverPart& part) const {
-  const Program& program = graph_.program();
+void CoverParts::tell(zones::ConstZoneRef zone, CoverPart& part) const {
+  const program::Program& program = graph_.program();
   const auto n = static_cast<std::size_t>(program.dimension());
   std::vector<Raw> entries(n * n);
   for (std::size_t i = 0; i < n; ++i)
@@ -68,7 +72,7 @@ void CoverParts::tell(ConstZoneRef zone, CoverPart& part) const {
   const auto add = [&](std::size_t i, std::size_t j) {
     if (i == 0 && at(i, j) == raw_zero) return;
     part.places.push_back(static_cast<std::int64_t>(original[i] * width + original[j]));
-    part.bounds.push_back(2 * raw_value(at(i, j)) * program.time_unit + (at(i, j) & 1));
+    part.bounds.push_back(2 * zones::raw_value(at(i, j)) * program.time_unit + (at(i, j) & 1));
     ++told;
   };
   std::vector<std::size_t> first(n);  // of each clock the first member of its class
@@ -97,4 +101,4 @@ void CoverParts::tell(ConstZoneRef zone, CoverPart& part) const {
   part.constraints.push_back(told);
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

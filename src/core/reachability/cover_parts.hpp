@@ -9,7 +9,7 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
 // Some of the states. The times are those of the program as it was given, and so are the numbers of clocks. That no
 // clock is negative goes without saying.
@@ -25,11 +25,11 @@ struct CoverPart {
 class CoverParts final {
  public:
   // The states are those of a graph whose zones are stored whole.
-  explicit CoverParts(ZoneGraph& graph);
+  explicit CoverParts(symbolic::ZoneGraph& graph);
 
   bool empty() const { return entries_.empty(); }
   // Adds a node that has its zone still. All nodes of a list have ranks, or all have the rank 0.
-  void add(PassedList& list, std::uint32_t node, std::int64_t rank);
+  void add(states::PassedList& list, std::uint32_t node, std::int64_t rank);
   // How many groups there are: discrete states, once for each list.
   std::size_t groups();
   std::size_t zones() const { return entries_.size(); }
@@ -43,12 +43,12 @@ class CoverParts final {
     std::int64_t rank;
   };
   std::uint32_t discrete(const Entry& entry) const { return lists_[entry.list]->discrete(entry.node); }
-  void tell(ConstZoneRef zone, CoverPart& part) const;
+  void tell(zones::ConstZoneRef zone, CoverPart& part) const;
 
-  ZoneGraph& graph_;
-  std::vector<PassedList*> lists_;
+  symbolic::ZoneGraph& graph_;
+  std::vector<states::PassedList*> lists_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> first_;  // of each group, in them
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-namespace tachk {
+namespace tachk::reachability {
+
+using states::no_node;
+using symbolic::Successor;
+using zones::ConstZoneRef;
 namespace {
 
 constexpr int attempts_by_state = 12;      // before all discrete states with the same locations keep their zones
@@ -15,19 +19,19 @@ Options plain(Options options) {
   options.passing = 0;
   options.shortest = false;
   options.subsumption = true;
-  options.order = SearchOrder::breadth_first;
+  options.order = order::SearchOrder::breadth_first;
   return options;
 }
 
 }  // namespace
 
-CoverSearch::Attempt::Attempt(ZoneGraph& graph, const Options& options)
+CoverSearch::Attempt::Attempt(symbolic::ZoneGraph& graph, const Options& options)
     : passed(graph.program(), graph.operations(), options, graph.smaller_operations()),
       waiting(options.order, options.seed, UINT32_MAX),
       goals(graph.program(), graph.semantics(), graph.operations(), false),
       deadlocks(graph, goals) {}
 
-CoverSearch::CoverSearch(Program program, const Options& options, const Limits& limits, bool hulls)
+CoverSearch::CoverSearch(program::Program program, const Options& options, const Limits& limits, bool hulls)
     : options_(plain(options)),
       limits_(limits),
       graph_(std::move(program), options_),
@@ -49,8 +53,12 @@ struct CoverSearch::Keeping {
   CoverSearch& search;
   std::uint32_t discrete = 0;
 
-  void possible(ConstZoneRef guarded, const Effect& effect) const { search.attempt_->deadlocks.pass(guarded, effect); }
-  void expect(const Effect& effect) const { search.attempt_->passed.announce(effect.slots.data(), SlotSet::all()); }
+  void possible(ConstZoneRef guarded, const symbolic::Effect& effect) const {
+    search.attempt_->deadlocks.pass(guarded, effect);
+  }
+  void expect(const symbolic::Effect& effect) const {
+    search.attempt_->passed.announce(effect.slots.data(), program::SlotSet::all());
+  }
   bool wants(const Successor& successor) {
     if (!successor.edges.empty()) ++search.transitions_;
     discrete = search.attempt_->passed.locate();
@@ -84,9 +92,9 @@ Status CoverSearch::run(std::uint64_t expansions) {
   return in_pieces_([&] {
     try {
       return search(expansions);
-    } catch (const ModelFault&) {
+    } catch (const machine::ModelFault&) {
       return node_ != no_node && refine(node_) ? Status::running : Status::fault;
-    } catch (const ConstantOverflow&) {
+    } catch (const symbolic::ConstantOverflow&) {
       return Status::constant_limit;
     }
   });
@@ -181,10 +189,10 @@ Statistics CoverSearch::statistics() const {
 
 CoverParts& CoverSearch::cover() {
   if (!parts_.empty()) return parts_;
-  const PassedList& passed = attempt_->passed;
+  const states::PassedList& passed = attempt_->passed;
   for (std::uint32_t node = 0; node < passed.size(); ++node)
     if (!passed.covered(node)) parts_.add(attempt_->passed, node, 0);
   return parts_;
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -23,12 +23,12 @@
 #include "symbolic/zone_graph.hpp"
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
 class CoverSearch final {
  public:
   // `hulls`: off, every zone is kept, and the cover is what an Explorer stores.
-  CoverSearch(Program program, const Options& options, const Limits& limits, bool hulls);
+  CoverSearch(program::Program program, const Options& options, const Limits& limits, bool hulls);
   CoverSearch(const CoverSearch&) = delete;
   CoverSearch& operator=(const CoverSearch&) = delete;
 
@@ -50,10 +50,10 @@ class CoverSearch final {
 
   // All that is given up when the search begins again.
   struct Attempt {
-    Attempt(ZoneGraph& graph, const Options& options);
+    Attempt(symbolic::ZoneGraph& graph, const Options& options);
 
-    PassedList passed;
-    Waiting waiting;
+    states::PassedList passed;
+    order::Waiting waiting;
     GoalWatch goals;
     DeadlockWatch deadlocks;
     std::vector<Mode> modes;            // of each discrete state
@@ -65,7 +65,7 @@ class CoverSearch final {
 
   Status search(std::uint64_t expansions);
   void expand(std::uint32_t node);
-  void keep(const Successor& successor, std::uint32_t discrete);
+  void keep(const symbolic::Successor& successor, std::uint32_t discrete);
   Mode mode(std::uint32_t discrete, const std::int32_t* slots);
   // Begins again with fewer hulls; false if there are none on the way to the node.
   bool refine(std::uint32_t node);
@@ -75,19 +75,19 @@ class CoverSearch final {
 
   Options options_;
   Limits limits_;
-  ZoneGraph graph_;
+  symbolic::ZoneGraph graph_;
   bool hulls_;
   std::unique_ptr<Attempt> attempt_;
   std::unordered_set<Key, KeyHash> exact_;  // discrete states, or locations only, that keep all zones
   int attempts_ = 1;
-  SymbolicState source_;
-  ZoneBuffer hull_;
-  std::uint32_t node_ = no_node;
+  symbolic::SymbolicState source_;
+  zones::ZoneBuffer hull_;
+  std::uint32_t node_ = states::no_node;
   std::uint64_t explored_ = 0;
   std::uint64_t transitions_ = 0;
   bool reached_ = false;
   CoverParts parts_;
-  InPieces in_pieces_;
+  zones::InPieces in_pieces_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -2,15 +2,19 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::reachability {
 
-DeadlockWatch::DeadlockWatch(ZoneGraph& graph, GoalWatch& goals)
+using program::DeadlockLiteral;
+using program::Disjunct;
+using symbolic::SymbolicState;
+
+DeadlockWatch::DeadlockWatch(symbolic::ZoneGraph& graph, GoalWatch& goals)
     : program_(graph.program()),
       semantics_(graph.semantics()),
       goals_(goals),
       finder_(graph.operations(), program_.dimension()),
       asks_(std::any_of(program_.goals.begin(), program_.goals.end(),
-                        [](const Goal& goal) {
+                        [](const program::Goal& goal) {
                           return std::any_of(
                               goal.disjuncts.begin(), goal.disjuncts.end(),
                               [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
@@ -30,7 +34,7 @@ void DeadlockWatch::find_candidates(std::uint32_t node, SymbolicState& source) {
         if (goals_.meets(disjunct.condition, source.slots.data(), source.zone.get()))
           candidates_.push_back({goal, &disjunct});
       }
-    } catch (const ModelFault& fault) {
+    } catch (const machine::ModelFault& fault) {
       candidates_.resize(before);
       goals_.fail(goal, node, fault);
     }
@@ -44,13 +48,13 @@ void DeadlockWatch::begin(std::uint32_t node, SymbolicState& source) {
   const bool wants_live = std::any_of(candidates_.begin(), candidates_.end(), [](const Candidate& candidate) {
     return candidate.disjunct->deadlock == DeadlockLiteral::forbidden;
   });
-  const Delay delay = delay_in(semantics_, source.slots.data());
+  const symbolic::Delay delay = symbolic::delay_in(semantics_, source.slots.data());
   atoms_.clear();
   semantics_.invariant(source.slots.data(), atoms_);
   finder_.begin(source.zone.get(), atoms_, delay, wants_live);
 }
 
-void DeadlockWatch::pass(ConstZoneRef guarded, const Effect& effect) {
+void DeadlockWatch::pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
   if (candidates_.empty() || !finder_.open()) return;
   atoms_.clear();
   if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
@@ -59,7 +63,7 @@ void DeadlockWatch::pass(ConstZoneRef guarded, const Effect& effect) {
 bool DeadlockWatch::meets(const Candidate& candidate, std::uint32_t node, SymbolicState& source) {
   if (goals_.node(candidate.goal) <= node) return false;  // a successor may have met it too, but that is further away
   const Disjunct& disjunct = *candidate.disjunct;
-  const Federation& pieces = disjunct.deadlock == DeadlockLiteral::required ? finder_.dead() : finder_.live();
+  const zones::Federation& pieces = disjunct.deadlock == DeadlockLiteral::required ? finder_.dead() : finder_.live();
   bool met = false;
   for (std::size_t piece = 0; piece < pieces.size() && !met; ++piece)
     met = goals_.meets(disjunct.condition, source.slots.data(), pieces[piece]);
@@ -79,4 +83,4 @@ void DeadlockWatch::end(std::uint32_t node, SymbolicState& source, std::vector<s
   candidates_.clear();
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -11,11 +11,11 @@
 #include "symbolic/deadlock.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
 class DeadlockWatch final {
  public:
-  DeadlockWatch(ZoneGraph& graph, GoalWatch& goals);
+  DeadlockWatch(symbolic::ZoneGraph& graph, GoalWatch& goals);
 
   // Whether some goal may still ask for deadlock; if not, the rest does nothing.
   bool open() const { return open_; }
@@ -27,32 +27,32 @@ class DeadlockWatch final {
   bool counts() const { return !candidates_.empty(); }
 
   // Goals whose predicates are a run-time error fail. Throws ModelFault. `node` is the number of the state.
-  void begin(std::uint32_t node, SymbolicState& source);
-  void pass(ConstZoneRef guarded, const Effect& effect);
+  void begin(std::uint32_t node, symbolic::SymbolicState& source);
+  void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
   // Throws ModelFault.
-  void end(std::uint32_t node, SymbolicState& source);
+  void end(std::uint32_t node, symbolic::SymbolicState& source);
   // Instead of `end`: appends the goals that are to be settled. Throws ModelFault.
-  void end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals);
+  void end(std::uint32_t node, symbolic::SymbolicState& source, std::vector<std::size_t>& goals);
 
  private:
   struct Candidate {
     std::size_t goal;
-    const Disjunct* disjunct;
+    const program::Disjunct* disjunct;
   };
 
   // Whether the state, where it is stuck or not as asked, satisfies the rest.
-  bool meets(const Candidate& candidate, std::uint32_t node, SymbolicState& source);
+  bool meets(const Candidate& candidate, std::uint32_t node, symbolic::SymbolicState& source);
   // The open disjuncts whose predicates the state satisfies.
-  void find_candidates(std::uint32_t node, SymbolicState& source);
+  void find_candidates(std::uint32_t node, symbolic::SymbolicState& source);
 
-  const Program& program_;
-  Semantics& semantics_;
+  const program::Program& program_;
+  symbolic::Semantics& semantics_;
   GoalWatch& goals_;
-  DeadlockFinder finder_;
+  symbolic::DeadlockFinder finder_;
   std::vector<Candidate> candidates_;
-  std::vector<Atom> atoms_;
+  std::vector<zones::Atom> atoms_;
   bool asks_;  // some goal asks for deadlock
   bool open_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -10,13 +10,16 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
+
+using simulation::Levels;
+using symbolic::ZoneGraph;
 namespace {
 
 constexpr std::uint32_t unreached = UINT32_MAX;
 
 // The slots whose values can differ, clocks and locations included where they can.
-std::vector<std::uint32_t> varying(const Program& program) {
+std::vector<std::uint32_t> varying(const program::Program& program) {
   std::vector<std::uint32_t> result;
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].low < program.slots[slot].high && !program.slots[slot].meta) result.push_back(slot);
@@ -27,14 +30,14 @@ class Search {
  public:
   Search(ZoneGraph& graph, std::size_t most_zones)
       : graph_(graph),
-        passed_(graph.program(), graph.operations(), StoreOptions{}, graph.smaller_operations()),
+        passed_(graph.program(), graph.operations(), states::StoreOptions{}, graph.smaller_operations()),
         goals_(graph.program(), graph.semantics(), graph.operations(), false),
         levels_(varying(graph.program())),
         most_zones_(most_zones) {}
 
   Distances run() {
     graph_.start(*this);
-    SymbolicState source = graph_.blank();
+    symbolic::SymbolicState source = graph_.blank();
     std::size_t next = 0;
     for (; next < waiting_.size() && waiting_.size() < most_zones_; ++next) {
       number_ = waiting_[next];
@@ -44,7 +47,7 @@ class Search {
       source_ = state(source.slots.data());
       try {
         graph_.expand(source, *this);
-      } catch (const ModelFault&) {
+      } catch (const machine::ModelFault&) {
         continue;  // a run that gets here ends
       }
     }
@@ -52,17 +55,17 @@ class Search {
   }
 
   // ---- what the graph tells
-  void possible(ConstZoneRef, const Effect&) const {}
-  void expect(const Effect& effect) { passed_.announce(effect.slots.data(), SlotSet::all()); }
-  bool wants(const Successor&) const { return true; }
-  void take(const Successor& successor) {
+  void possible(zones::ConstZoneRef, const symbolic::Effect&) const {}
+  void expect(const symbolic::Effect& effect) { passed_.announce(effect.slots.data(), program::SlotSet::all()); }
+  bool wants(const symbolic::Successor&) const { return true; }
+  void take(const symbolic::Successor& successor) {
     const std::uint32_t target = state(successor.slots);
     if (source_ != unreached && (before_[target].empty() || before_[target].back() != source_))
       before_[target].push_back(source_);
     if (goals_.meets_any(successor.slots, successor.zone)) is_goal_[target] = true;
-    const ZoneView zone = graph_.packed(successor.slots, successor.zone);
+    const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
     const std::uint32_t node = passed_.add(passed_.locate(), zone, number_, true);
-    if (node != no_node) waiting_.push_back(node);
+    if (node != states::no_node) waiting_.push_back(node);
   }
 
  private:
@@ -101,7 +104,7 @@ class Search {
   }
 
   ZoneGraph& graph_;
-  PassedList passed_;
+  states::PassedList passed_;
   GoalWatch goals_;
   Levels levels_;
   std::size_t most_zones_;
@@ -109,16 +112,16 @@ class Search {
   std::vector<std::vector<std::uint32_t>> before_;
   std::vector<bool> is_goal_;
   std::vector<std::uint32_t> waiting_;
-  std::uint32_t number_ = no_node;
+  std::uint32_t number_ = states::no_node;
   std::uint32_t source_ = unreached;
 };
 
 }  // namespace
 
-Distances distances(Program program, std::size_t most_zones) {
+Distances distances(program::Program program, std::size_t most_zones) {
   program.goals.resize(1);
   ZoneGraph graph(std::move(program), {});
   return Search(graph, most_zones).run();
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

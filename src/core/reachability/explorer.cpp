@@ -7,7 +7,17 @@
 
 #include "reachability/paths.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
+
+using ahead::Found;
+using machine::ModelFault;
+using order::SearchOrder;
+using program::Program;
+using program::SlotSet;
+using states::no_node;
+using symbolic::Path;
+using symbolic::Successor;
+using zones::ClockBounds;
 namespace {
 
 Options consistent(Options options, const Limits& limits, const Program& program) {
@@ -39,9 +49,9 @@ unsigned threads_of(const Options& options) {
 // impossible, or on how long clocks have run.
 bool looks_at_actions_only(const Program& program) {
   if (!program.measures.empty()) return false;
-  for (const Goal& goal : program.goals)
-    for (const Disjunct& disjunct : goal.disjuncts)
-      if (disjunct.deadlock != DeadlockLiteral::absent) return false;
+  for (const program::Goal& goal : program.goals)
+    for (const program::Disjunct& disjunct : goal.disjuncts)
+      if (disjunct.deadlock != program::DeadlockLiteral::absent) return false;
   return true;
 }
 
@@ -64,8 +74,8 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       merging_(options_.merging, graph_.operations()),
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
-            .simulation = AdaptiveCheck(options_.alu && options_.subsumption && graph_.knows_simulation() &&
-                                        looks_at_actions_only(graph_.program())),
+            .simulation = states::AdaptiveCheck(options_.alu && options_.subsumption && graph_.knows_simulation() &&
+                                                looks_at_actions_only(graph_.program())),
             .ahead = {},
             .pace = {}} {}
 
@@ -78,12 +88,12 @@ struct Explorer::Storing {
   bool passes = false;
 
   bool counts() const { return search.deadlocks_.counts(); }
-  bool admits(const Edges& edges) const { return search.partial_order_.admits(edges); }
-  void possible(ConstZoneRef guarded, const Effect& effect) const {
+  bool admits(const symbolic::Edges& edges) const { return search.partial_order_.admits(edges); }
+  void possible(zones::ConstZoneRef guarded, const symbolic::Effect& effect) const {
     search.deadlocks_.pass(guarded, effect);
     search.partial_order_.pass(guarded, effect);
   }
-  void expect(const Effect& effect) const {
+  void expect(const symbolic::Effect& effect) const {
     // The state unpacked last is the stored one, not one that is passed through.
     const SlotSet& written = search.passing_.actions().empty() ? effect.written : SlotSet::all();
     search.passed_.announce(effect.slots.data(), written);
@@ -199,8 +209,8 @@ void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) 
 void Explorer::store(const Successor& successor, std::uint32_t discrete, bool may_meet,
                      std::optional<std::uint64_t> apart) {
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
-  const ZoneView zone = graph_.packed(successor.slots, successor.zone);
-  const ZoneView united = merging_.united(passed_, discrete, zone, waiting_.first_untouched());
+  const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
+  const states::ZoneView united = merging_.united(passed_, discrete, zone, waiting_.first_untouched());
   const bool larger = united.data.bytes != zone.data.bytes;
   if (larger && work_.ahead) work_.ahead->doubt();
   const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
@@ -244,7 +254,7 @@ void Explorer::look_ahead(std::uint32_t node, std::uint64_t expansions) {
 }
 
 // Does what `expand_alone` does, in the same order.
-void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
+void Explorer::take(std::uint32_t number, const ahead::Ahead::Result& result) {
   constexpr std::size_t soon = 4;
   if (waiting_.looks_at_slots()) {
     passed_.unpack(number, source_.slots.data());
@@ -272,7 +282,7 @@ void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
 }
 
 // What is known of a successor holds unless a state has been stored that was taken to be covered.
-void Explorer::take(const Harvest& harvest, Found& found, bool& wanted) {
+void Explorer::take(const ahead::Harvest& harvest, Found& found, bool& wanted) {
   const bool first = !found.further && options_.subsumption;
   const Found* coverer = first ? found.coverer : nullptr;
   if (coverer != nullptr && coverer->node != no_node && !passed_.covered(coverer->node)) {
@@ -282,7 +292,7 @@ void Explorer::take(const Harvest& harvest, Found& found, bool& wanted) {
   std::int32_t* slots = source_.slots.data();
   std::copy_n(harvest.slots(found.slots), graph_.program().state_slots, slots);
   std::uint32_t discrete = found.discrete;
-  if (discrete == HashIndex::absent) {
+  if (discrete == states::HashIndex::absent) {
     passed_.announce(slots, SlotSet::all());
     discrete = passed_.locate();
   }
@@ -293,7 +303,7 @@ void Explorer::take(const Harvest& harvest, Found& found, bool& wanted) {
   if (!wanted) return;
   if (coverer != nullptr) work_.ahead->doubt();
   const std::uint32_t before = passed_.size();
-  const auto store = [&](ConstZoneRef zone) {
+  const auto store = [&](zones::ConstZoneRef zone) {
     const bool alone = apart && (!work_.simulation.asking() || passed_.is_new(discrete));
     found.node = passed_.size();
     this->store({{&some_edge, 1}, slots, zone}, discrete, found.meets,
@@ -335,7 +345,7 @@ Status Explorer::run(std::uint64_t expansions) {
   if (fault_) return Status::fault;
   if (work_.is_full) return Status::memory_limit;
   struct Resting {
-    std::optional<Ahead>& ahead;
+    std::optional<ahead::Ahead>& ahead;
     ~Resting() {
       if (ahead) ahead->rest();
     }
@@ -348,11 +358,11 @@ Status Explorer::search_keeping_faults(std::uint64_t expansions) {
     return search(expansions);
   } catch (const FaultReport& report) {
     fault_ = report;
-  } catch (const ActionFault& fault) {
+  } catch (const symbolic::ActionFault& fault) {
     fault_ = FaultReport{fault.kind, fault.position, node_, passing_.actions(), fault.edges};
   } catch (const ModelFault& fault) {
     fault_ = FaultReport{fault.kind, fault.position, node_, passing_.actions(), {}};
-  } catch (const ConstantOverflow&) {
+  } catch (const symbolic::ConstantOverflow&) {
     return Status::constant_limit;
   } catch (const TooMuchMemory&) {
     work_.is_full = true;
@@ -378,7 +388,7 @@ std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
 }
 
 std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program program) {
-  auto corridor = std::make_unique<Corridor>(graph_.program().state_slots);
+  auto corridor = std::make_unique<merging::Corridor>(graph_.program().state_slots);
   std::vector<std::int32_t> slots(source_.slots.size());
   for (const std::uint32_t origin : merging_.origins(passed_, node)) {
     passed_.unpack(origin, slots.data());
@@ -418,16 +428,16 @@ FaultReport Explorer::told_fault(Path& path) {
     if (narrow->run(UINT64_MAX) != Status::fault) throw std::logic_error("united states do not meet a run-time error");
     return narrow->told_fault(path);
   }
-  SymbolicState last = graph_.blank();
+  symbolic::SymbolicState last = graph_.blank();
   path = path_to(graph_, passed_, options_.passing, report.node, &last);
   if (report.edges.empty() || !graph_.representatives().active()) return report;
-  if (const std::optional<ActionFault> fault = fault_after(graph_, last))
+  if (const std::optional<symbolic::ActionFault> fault = fault_after(graph_, last))
     report = {fault->kind, fault->position, report.node, {}, fault->edges};
   return report;
 }
 
 bool Explorer::leads_to(const Path& actions, std::size_t goal) {
-  return tachk::leads_to(graph_, goals_, deadlocks_, actions, goal);
+  return reachability::leads_to(graph_, goals_, deadlocks_, actions, goal);
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

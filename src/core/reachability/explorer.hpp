@@ -28,7 +28,7 @@
 #include "symbolic/zone_graph.hpp"
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
 enum class Status {
   running,
@@ -49,24 +49,24 @@ struct Statistics {
 };
 
 struct FaultReport {
-  FaultKind kind;
+  machine::FaultKind kind;
   std::int32_t position;  // of the code word
   std::uint32_t node;     // the last stored state before it; no_node for the initial state
-  Path passed;            // actions that lead on from there, through states not stored
-  Edges edges;            // of the action; empty for a guard, an invariant of the initial state or what is measured
+  symbolic::Path passed;  // actions that lead on from there, through states not stored
+  symbolic::Edges edges;  // of the action; empty for a guard, an invariant of the initial state or what is measured
 };
 
 class Explorer final {
  public:
-  Explorer(Program program, const Options& options, const Limits& limits = {});
+  Explorer(program::Program program, const Options& options, const Limits& limits = {});
   Explorer(const Explorer&) = delete;
   Explorer& operator=(const Explorer&) = delete;
 
   // Explores at most `expansions` states. `running` asks for another call. Throws GivenUp.
   Status run(std::uint64_t expansions);
 
-  const Program& program() const { return graph_.program(); }
-  const ZoneOperations& operations() const { return graph_.operations(); }
+  const program::Program& program() const { return graph_.program(); }
+  const zones::ZoneOperations& operations() const { return graph_.operations(); }
   Statistics statistics() const;
   // The most threads that have worked for this search at the same time.
   unsigned threads() const { return work_.ahead ? work_.ahead->threads() : 1; }
@@ -81,34 +81,34 @@ class Explorer final {
   std::optional<Extreme> extreme(std::size_t measure) const { return measures_.extreme(measure); }
   const std::optional<FaultReport>& fault() const { return fault_; }
   // The fault there is, with the names of processes that belong to a path to its node.
-  FaultReport told_fault(Path& path);
+  FaultReport told_fault(symbolic::Path& path);
   // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
   // everything, no other edge can be taken at all.
   std::vector<std::uint32_t> taken() const;
   // The actions that lead from the initial state to a node. Not where states have been united.
-  Path path(std::uint32_t node);
+  symbolic::Path path(std::uint32_t node);
   // The run-time error in a predicate of a goal, which is not looked for since.
   const std::optional<GoalFailure>& failure(std::size_t goal) const { return goals_.failure(goal); }
   bool any_failure() const { return goals_.any_failure(); }
   // Actions that lead from the initial state to where a goal has been reached or has failed.
-  Path path_to_goal(std::size_t goal);
+  symbolic::Path path_to_goal(std::size_t goal);
   // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
   // without extrapolation that has not run; false also if clock values become too large on the way.
-  bool leads_to(const Path& actions, std::size_t goal);
+  bool leads_to(const symbolic::Path& actions, std::size_t goal);
 
  private:
   struct Storing;
   // What has been done so far.
   struct Work {
     bool started = false;
-    InPieces pieces = {};
+    zones::InPieces pieces = {};
     bool is_full = false;  // the limit on memory was met in the midst of a state
     std::uint64_t explored = 0;
     std::uint64_t transitions = 0;
-    std::vector<std::uint8_t> taken;  // of each edge, whether it has been
-    AdaptiveCheck simulation;         // of states by others
-    std::optional<Ahead> ahead;       // where several threads look for successors
-    Pace pace;
+    std::vector<std::uint8_t> taken;    // of each edge, whether it has been
+    states::AdaptiveCheck simulation;   // of states by others
+    std::optional<ahead::Ahead> ahead;  // where several threads look for successors
+    ahead::Pace pace;
   };
 
   Status search(std::uint64_t expansions);
@@ -121,41 +121,41 @@ class Explorer final {
   bool needs_too_much_memory() const;
   // Lets other threads look for the successors of this node and of those behind it, if that pays.
   void look_ahead(std::uint32_t node, std::uint64_t expansions);
-  void take(std::uint32_t node, const Ahead::Result& result);
+  void take(std::uint32_t node, const ahead::Ahead::Result& result);
   // `wanted`: whether an abstracted zone of the same successor before this one was; told of this one.
-  void take(const Harvest& harvest, Found& found, bool& wanted);
-  bool covers(std::uint32_t discrete, const Successor& successor);
-  bool simulates(std::uint32_t discrete, const Successor& successor);
+  void take(const ahead::Harvest& harvest, ahead::Found& found, bool& wanted);
+  bool covers(std::uint32_t discrete, const symbolic::Successor& successor);
+  bool simulates(std::uint32_t discrete, const symbolic::Successor& successor);
   // `may_meet`: not if the state is known to meet no open goal. `apart`: the hash of its zone, if it is known that it
   // covers no stored one and no stored one covers it.
-  void store(const Successor& successor, std::uint32_t discrete, bool may_meet,
+  void store(const symbolic::Successor& successor, std::uint32_t discrete, bool may_meet,
              std::optional<std::uint64_t> apart = std::nullopt);
-  void enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet);
-  void note_coverer(std::uint32_t discrete, const Successor& successor);
+  void enlist(std::uint32_t number, std::uint32_t parent, const symbolic::Successor& successor, bool may_meet);
+  void note_coverer(std::uint32_t discrete, const symbolic::Successor& successor);
   bool keeps_layers(std::uint32_t node);
-  bool meets_a_goal(const Successor& successor);
+  bool meets_a_goal(const symbolic::Successor& successor);
   // The node in which a goal was reached or failed; no_node for an open one.
   std::uint32_t settled_in(std::size_t goal) const;
   // A search through the discrete states that lead to a node, which unites none.
-  std::unique_ptr<Explorer> among_origins(std::uint32_t node, Program program);
+  std::unique_ptr<Explorer> among_origins(std::uint32_t node, program::Program program);
 
   Options options_;
   Limits limits_;
-  ZoneGraph graph_;
-  PassedList passed_;
-  Waiting waiting_;
-  Layers layers_;
+  symbolic::ZoneGraph graph_;
+  states::PassedList passed_;
+  order::Waiting waiting_;
+  order::Layers layers_;
   GoalWatch goals_;
   DeadlockWatch deadlocks_;
   MeasureWatch measures_;
   PassingStates passing_;
-  PartialOrder partial_order_;
-  Merging merging_;
-  std::unique_ptr<Corridor> corridor_;  // null: all discrete states
-  SymbolicState source_;                // that is being expanded; a copy, because its node may be covered meanwhile
-  std::uint32_t node_ = no_node;        // its number, or that of the stored state from which it is passed through
+  stubborn::PartialOrder partial_order_;
+  merging::Merging merging_;
+  std::unique_ptr<merging::Corridor> corridor_;  // null: all discrete states
+  symbolic::SymbolicState source_;        // that is being expanded; a copy, because its node may be covered meanwhile
+  std::uint32_t node_ = states::no_node;  // its number, or that of the stored state from which it is passed through
   Work work_;
   std::optional<FaultReport> fault_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability

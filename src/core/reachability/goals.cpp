@@ -2,20 +2,24 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::reachability {
+
+using program::Disjunct;
+using zones::ConstZoneRef;
 namespace {
 
-bool asks_for_deadlock(const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; }
+bool asks_for_deadlock(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }
 
 }  // namespace
 
 // The disjuncts are sorted by a location they ask for, so that most states need to look at none of them.
-GoalWatch::GoalWatch(const Program& program, Semantics& semantics, const ZoneOperations& operations, bool shortest)
+GoalWatch::GoalWatch(const program::Program& program, symbolic::Semantics& semantics,
+                     const zones::ZoneOperations& operations, bool shortest)
     : program_(program),
       semantics_(semantics),
       operations_(operations),
       shortest_(shortest),
-      reached_(program.goals.size(), no_node),
+      reached_(program.goals.size(), states::no_node),
       failures_(program.goals.size()),
       watches_at_(semantics.location_count()),
       scratch_(operations) {
@@ -25,9 +29,9 @@ GoalWatch::GoalWatch(const Program& program, Semantics& semantics, const ZoneOpe
     asks_deadlock_.push_back(std::any_of(disjuncts.begin(), disjuncts.end(), asks_for_deadlock));
     for (const Disjunct& disjunct : disjuncts) {
       if (asks_for_deadlock(disjunct)) continue;
-      const std::vector<Test>& tests = disjunct.condition.tests;
-      const auto place = std::find_if(tests.begin(), tests.end(), [&](const Test& test) {
-        return test.slot < program.processes.size() && test.comparison == Comparison::equal;
+      const std::vector<program::Test>& tests = disjunct.condition.tests;
+      const auto place = std::find_if(tests.begin(), tests.end(), [&](const program::Test& test) {
+        return test.slot < program.processes.size() && test.comparison == program::Comparison::equal;
       });
       std::vector<Watch>& watches = place == tests.end()
                                         ? watches_anywhere_
@@ -52,7 +56,7 @@ void GoalWatch::check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone
   any_watch(slots, [&](const Watch& watch) {
     try {
       if (meets(watch, slots, zone)) settle(watch.goal, node);
-    } catch (const ModelFault& fault) {
+    } catch (const machine::ModelFault& fault) {
       fail(watch.goal, node, fault);
     }
     return false;
@@ -63,7 +67,7 @@ bool GoalWatch::meets_any(std::int32_t* slots, ConstZoneRef zone) {
   return !open_.empty() && any_watch(slots, [&](const Watch& watch) { return meets(watch, slots, zone); });
 }
 
-bool GoalWatch::meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone) {
+bool GoalWatch::meets(const program::Condition& condition, std::int32_t* slots, ConstZoneRef zone) {
   if (!semantics_.holds(condition, slots)) return false;
   atoms_.clear();
   semantics_.resolve(condition, slots, atoms_);
@@ -80,7 +84,7 @@ void GoalWatch::settle(std::size_t goal, std::uint32_t node) {
   if (!shortest_ || !asks_deadlock_[goal]) std::erase(open_, goal);
 }
 
-void GoalWatch::fail(std::size_t goal, std::uint32_t node, const ModelFault& fault) {
+void GoalWatch::fail(std::size_t goal, std::uint32_t node, const machine::ModelFault& fault) {
   failures_[goal] = GoalFailure{fault, node};
   ++changes_;
   std::erase(open_, goal);
@@ -97,7 +101,7 @@ void GoalWatch::throw_failure() const {
 
 // What is reached by now is no further away than what the next layer leads to.
 void GoalWatch::end_layer() {
-  changes_ += std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != no_node; });
+  changes_ += std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != states::no_node; });
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -15,11 +15,11 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
 // A run-time error in a predicate of a goal, and the node in which that was.
 struct GoalFailure {
-  ModelFault fault;
+  machine::ModelFault fault;
   std::uint32_t node;
 };
 
@@ -27,14 +27,15 @@ class GoalWatch final {
  public:
   // `shortest`: a goal that asks for deadlock stays open until the end of the layer in which it is reached, because a
   // deadlock may still be found one step nearer.
-  GoalWatch(const Program& program, Semantics& semantics, const ZoneOperations& operations, bool shortest);
+  GoalWatch(const program::Program& program, symbolic::Semantics& semantics, const zones::ZoneOperations& operations,
+            bool shortest);
 
   // Looks which open goals a new state satisfies by its predicates, and of which these are a run-time error there.
-  void check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
+  void check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone);
   // Whether there is one. Throws ModelFault.
-  bool meets_any(std::int32_t* slots, ConstZoneRef zone);
+  bool meets_any(std::int32_t* slots, zones::ConstZoneRef zone);
   // Whether some valuation of the zone satisfies the condition. Throws ModelFault.
-  bool meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone);
+  bool meets(const program::Condition& condition, std::int32_t* slots, zones::ConstZoneRef zone);
 
   // From now on the open goals are those of another watch of the same goals.
   void follow(const GoalWatch& other) {
@@ -49,7 +50,7 @@ class GoalWatch final {
   // A goal is reached in a node.
   void settle(std::size_t goal, std::uint32_t node);
   // A predicate of a goal is a run-time error in a node: the search goes on for the others.
-  void fail(std::size_t goal, std::uint32_t node, const ModelFault& fault);
+  void fail(std::size_t goal, std::uint32_t node, const machine::ModelFault& fault);
   void end_layer();
 
   // Whether there are goals, and none is open that the search goes on for.
@@ -71,20 +72,20 @@ class GoalWatch final {
   // A disjunct without deadlock.
   struct Watch {
     std::size_t goal;
-    const Condition* condition;
+    const program::Condition* condition;
   };
 
   // Calls visit(watch) for each disjunct that a state in these locations may satisfy, until it says that this is
   // enough.
   template <class Visit>
   bool any_watch(const std::int32_t* slots, Visit&& visit) const;
-  bool meets(const Watch& watch, std::int32_t* slots, ConstZoneRef zone) {
-    return reached_[watch.goal] == no_node && !failures_[watch.goal] && meets(*watch.condition, slots, zone);
+  bool meets(const Watch& watch, std::int32_t* slots, zones::ConstZoneRef zone) {
+    return reached_[watch.goal] == states::no_node && !failures_[watch.goal] && meets(*watch.condition, slots, zone);
   }
 
-  const Program& program_;
-  Semantics& semantics_;
-  ZoneOperations operations_;
+  const program::Program& program_;
+  symbolic::Semantics& semantics_;
+  zones::ZoneOperations operations_;
   bool shortest_;
   std::vector<std::uint32_t> reached_;
   std::vector<std::optional<GoalFailure>> failures_;
@@ -93,8 +94,8 @@ class GoalWatch final {
   std::vector<bool> asks_deadlock_;             // of each goal
   std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
   std::vector<Watch> watches_anywhere_;
-  std::vector<Atom> atoms_;
-  ZoneBuffer scratch_;
+  std::vector<zones::Atom> atoms_;
+  zones::ZoneBuffer scratch_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -8,10 +8,10 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
-struct Options : ZoneGraphOptions, StoreOptions {
-  SearchOrder order = SearchOrder::automatic;
+struct Options : symbolic::ZoneGraphOptions, states::StoreOptions {
+  order::SearchOrder order = order::SearchOrder::automatic;
   std::uint32_t seed = 1;
   bool subsumption = true;
   bool alu = true;      // a state is dropped also for one that simulates it, where only what can be reached matters
@@ -35,4 +35,4 @@ struct Limits {
   std::uint32_t depth = UINT32_MAX;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace tachk {
+namespace tachk::reachability {
 
 bool PassingStates::will_be_left(const std::int32_t* slots) const {
   std::size_t committed = 0;
@@ -11,7 +11,7 @@ bool PassingStates::will_be_left(const std::int32_t* slots) const {
   return committed == 1;
 }
 
-void PassingStates::add(const Successor& successor) {
+void PassingStates::add(const symbolic::Successor& successor) {
   const std::size_t slots = graph_.program().state_slots * sizeof(std::int32_t);
   std::string key(reinterpret_cast<const char*>(successor.slots), slots);
   key.append(reinterpret_cast<const char*>(successor.zone.bytes), graph_.operations().bytes);
@@ -22,7 +22,7 @@ void PassingStates::add(const Successor& successor) {
   waiting_.push_back({graph_.copy(successor), actions_to(successor)});
 }
 
-bool PassingStates::next(SymbolicState& state) {
+bool PassingStates::next(symbolic::SymbolicState& state) {
   if (waiting_.empty()) {
     actions_.clear();
     return false;
@@ -33,10 +33,10 @@ bool PassingStates::next(SymbolicState& state) {
   return true;
 }
 
-Path PassingStates::actions_to(const Successor& successor) const {
-  Path actions = actions_;
+symbolic::Path PassingStates::actions_to(const symbolic::Successor& successor) const {
+  symbolic::Path actions = actions_;
   if (!successor.edges.empty()) actions.emplace_back(successor.edges.begin(), successor.edges.end());
   return actions;
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

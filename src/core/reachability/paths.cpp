@@ -9,12 +9,24 @@
 
 #include "reachability/passing.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
+
+using machine::ModelFault;
+using states::PassedList;
+using symbolic::ActionFault;
+using symbolic::Arrangement;
+using symbolic::ConstantOverflow;
+using symbolic::Edges;
+using symbolic::Effect;
+using symbolic::Path;
+using symbolic::Successor;
+using symbolic::SymbolicState;
+using symbolic::ZoneGraph;
 namespace {
 
 // A receiver that does not care how successors come about.
 struct OnlyStates {
-  void possible(ConstZoneRef, const Effect&) const {}
+  void possible(zones::ConstZoneRef, const Effect&) const {}
   void expect(const Effect&) const {}
 };
 
@@ -56,7 +68,7 @@ struct Recogniser : OnlyStates {
     if (!passed.may_equal(node, graph.packed(successor.slots, successor.zone))) return;
     for (const SymbolicState& state : states)
       if (std::memcmp(state.zone.get().bytes, successor.zone.bytes, graph.operations().bytes) == 0) return;
-    Representatives& sorted = graph.representatives();
+    symbolic::Representatives& sorted = graph.representatives();
     states.push_back(graph.copy(successor));
     steps.push_back({passing.actions_to(successor), previous, sorted.active() ? sorted.arrangement() : Arrangement{}});
   }
@@ -78,7 +90,7 @@ struct Follower : OnlyStates {
 struct Prober {
   DeadlockWatch& deadlocks;
 
-  void possible(ConstZoneRef guarded, const Effect& effect) const { deadlocks.pass(guarded, effect); }
+  void possible(zones::ConstZoneRef guarded, const Effect& effect) const { deadlocks.pass(guarded, effect); }
   void expect(const Effect&) const {}
   bool wants(const Successor&) const { return false; }
   void take(const Successor&) const {}
@@ -87,7 +99,7 @@ struct Prober {
 // From the initial state to the node.
 std::vector<std::uint32_t> chain_of_parents(const PassedList& passed, std::uint32_t node) {
   std::vector<std::uint32_t> chain;
-  for (std::uint32_t number = node; number != no_node; number = passed.parent(number)) chain.push_back(number);
+  for (std::uint32_t number = node; number != states::no_node; number = passed.parent(number)) chain.push_back(number);
   std::reverse(chain.begin(), chain.end());
   return chain;
 }
@@ -119,7 +131,7 @@ class Unsorted {
   Unsorted& operator=(const Unsorted&) = delete;
 
  private:
-  Representatives& representatives_;
+  symbolic::Representatives& representatives_;
   bool before_;
 };
 
@@ -141,8 +153,8 @@ Path unsorted_path(ZoneGraph& graph, const std::vector<std::vector<BackwardStep>
   Arrangement places;  // which place of the sorted state each member has
   SymbolicState source = graph.blank();
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
-    const Arrangement back = inverse(layers[layer][numbers[layer]].arrangement);
-    places = layer == 0 ? back : composed(back, places);
+    const Arrangement back = symbolic::inverse(layers[layer][numbers[layer]].arrangement);
+    places = layer == 0 ? back : symbolic::composed(back, places);
     SymbolicState& target = states[layer][numbers[layer]];
     graph.representatives().arrange(places, target.slots.data(), target.zone);
     if (layer > 0) {
@@ -253,7 +265,7 @@ bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, cons
   } catch (const ModelFault&) {
   } catch (const ConstantOverflow&) {
   }
-  return goals.node(goal) != no_node;
+  return goals.node(goal) != states::no_node;
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability

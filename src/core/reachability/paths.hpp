@@ -10,20 +10,21 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability {
 
 // The actions that lead from the initial state to a node, found from one node of the chain of its parents to the next.
 // `most_passing`: how many states in a row may have been passed through.
 // Where states are told with interchangeable processes sorted, the actions are those of a run in which no process ever
 // changes its place. `last`: gets the state at the end of that run.
-Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, std::uint32_t node,
-             SymbolicState* last = nullptr);
+symbolic::Path path_to(symbolic::ZoneGraph& graph, states::PassedList& passed, std::uint32_t most_passing,
+                       std::uint32_t node, symbolic::SymbolicState* last = nullptr);
 
 // The run-time error in an action of a state.
-std::optional<ActionFault> fault_after(ZoneGraph& graph, SymbolicState& state);
+std::optional<symbolic::ActionFault> fault_after(symbolic::ZoneGraph& graph, symbolic::SymbolicState& state);
 
 // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of a graph without
 // extrapolation and of goals that no state has been shown to; false also if clock values become too large on the way.
-bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal);
+bool leads_to(symbolic::ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const symbolic::Path& actions,
+              std::size_t goal);
 
-}  // namespace tachk
+}  // namespace tachk::reachability

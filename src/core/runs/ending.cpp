@@ -3,18 +3,18 @@
 #include "certificates/zones.hpp"
 #include "runs/reading.hpp"
 
-namespace tachk {
+namespace tachk::runs {
 
-std::optional<RunEnd> end_of(const Program& program, const RunPath& path) {
+std::optional<RunEnd> end_of(const program::Program& program, const RunPath& path) {
   if (program.has_stopwatches) return std::nullopt;
   const auto dimension = static_cast<std::size_t>(program.dimension());
   std::vector<bool> stands(dimension, false);
   stands[0] = true;
   Reading reading(program);
-  certificates::Zone zone = certificates::Zone::filled(dimension, raw_zero);
-  std::vector<Atom> invariant;
-  std::vector<Atom> guard;
-  std::vector<ClockReset> resets;
+  certificates::Zone zone = certificates::Zone::filled(dimension, zones::raw_zero);
+  std::vector<zones::Atom> invariant;
+  std::vector<zones::Atom> guard;
+  std::vector<zones::ClockReset> resets;
   for (std::size_t k = 0;; ++k) {
     invariant.clear();
     if (!reading.invariants(invariant)) return std::nullopt;
@@ -30,10 +30,10 @@ std::optional<RunEnd> end_of(const Program& program, const RunPath& path) {
     zone.tighten(guard);
     resets.clear();
     reading.take(path[k], resets);
-    for (const ClockReset& reset : resets)
+    for (const zones::ClockReset& reset : resets)
       if (!zone.empty()) zone.reset(reset);
   }
   return RunEnd{reading.state(), zone.entries};
 }
 
-}  // namespace tachk
+}  // namespace tachk::runs

@@ -8,15 +8,15 @@
 #include "program/program.hpp"
 #include "runs/path.hpp"
 
-namespace tachk {
+namespace tachk::runs {
 
 struct RunEnd {
   std::vector<std::int32_t> slots;  // of the state
-  std::vector<Raw> bounds;          // of its clocks, row by row; empty if clocks do not allow the path
+  std::vector<zones::Raw> bounds;   // of its clocks, row by row; empty if clocks do not allow the path
 };
 
 // The state in which a path ends. What depends on a transition being impossible is not asked. Nothing if clocks can
 // stop or the path leads beyond an invariant's integers. Throws ModelFault.
-std::optional<RunEnd> end_of(const Program& program, const RunPath& path);
+std::optional<RunEnd> end_of(const program::Program& program, const RunPath& path);
 
-}  // namespace tachk
+}  // namespace tachk::runs

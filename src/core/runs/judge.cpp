@@ -7,7 +7,13 @@
 
 #include "runs/reading.hpp"
 
-namespace tachk {
+namespace tachk::runs {
+
+using program::Edge;
+using program::Goal;
+using program::Program;
+using zones::Atom;
+using zones::ClockReset;
 namespace {
 
 using EdgeNumbers = std::span<const std::uint32_t>;
@@ -29,7 +35,7 @@ class Judge {
 
   const Edge& edge(std::uint32_t number) const { return program_.edges[number]; }
   bool satisfied(const Atom& atom) const;
-  bool holds(const Condition& condition);
+  bool holds(const program::Condition& condition);
   bool invariants();
   bool hears(std::uint32_t number, std::int32_t channel);
   Verdict takes_part(EdgeNumbers edges);
@@ -73,11 +79,11 @@ Verdict Judge::cannot_tell() const {
 bool Judge::satisfied(const Atom& atom) const {
   const Wide left = atom.left == 0 ? 0 : now_ - zero_[atom.left];
   const Wide right = atom.right == 0 ? 0 : now_ - zero_[atom.right];
-  const Wide bound = Wide{raw_value(atom.raw)} * unit_;
+  const Wide bound = Wide{zones::raw_value(atom.raw)} * unit_;
   return (atom.raw & 1) == 0 ? left - right < bound : left - right <= bound;
 }
 
-bool Judge::holds(const Condition& condition) {
+bool Judge::holds(const program::Condition& condition) {
   asked_.clear();
   return reading_.holds(condition, asked_) &&
          std::all_of(asked_.begin(), asked_.end(), [&](const Atom& atom) { return satisfied(atom); });
@@ -160,8 +166,8 @@ Verdict Judge::fire(EdgeNumbers edges) {
 }
 
 bool Judge::reached(const Goal& goal) {
-  return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const Disjunct& disjunct) {
-    return disjunct.deadlock == DeadlockLiteral::absent && holds(disjunct.condition);
+  return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const program::Disjunct& disjunct) {
+    return disjunct.deadlock == program::DeadlockLiteral::absent && holds(disjunct.condition);
   });
 }
 
@@ -186,4 +192,4 @@ std::optional<RunObjection> objection_to(const Program& program, const RunPath& 
   return std::nullopt;
 }
 
-}  // namespace tachk
+}  // namespace tachk::runs

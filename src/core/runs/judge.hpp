@@ -10,7 +10,7 @@
 #include "program/program.hpp"
 #include "runs/path.hpp"
 
-namespace tachk {
+namespace tachk::runs {
 
 struct RunObjection {
   std::size_t step;  // from 1; 0 is the initial state
@@ -19,7 +19,7 @@ struct RunObjection {
 
 // What is wrong with a run to a goal; nothing if it is right. Of what it does not know (clocks that stop, priorities,
 // senders over urgent channels, goals with deadlock) it says that it does not. Throws ModelFault.
-std::optional<RunObjection> objection_to(const Program& program, const RunPath& path, const Moments& moments,
-                                         const Goal& goal);
+std::optional<RunObjection> objection_to(const program::Program& program, const RunPath& path, const Moments& moments,
+                                         const program::Goal& goal);
 
-}  // namespace tachk
+}  // namespace tachk::runs

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace tachk {
+namespace tachk::runs {
 
 // Of each transition the numbers of its edges: the sender first, then receivers in the order of their processes.
 struct RunPath {
@@ -26,4 +26,4 @@ struct Moments {
   std::vector<std::int64_t> ticks;
 };
 
-}  // namespace tachk
+}  // namespace tachk::runs

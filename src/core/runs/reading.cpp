@@ -1,12 +1,14 @@
 #include "runs/reading.hpp"
 
-namespace tachk {
-Reading::Reading(const Program& program) : program_(program), machine_(program, largest_exact_reset) {
+namespace tachk::runs {
+
+using program::no_code;
+Reading::Reading(const program::Program& program) : program_(program), machine_(program, machine::largest_exact_reset) {
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) metas_.push_back(slot);
-  for (const Process& process : program.processes) leaving_.emplace_back(process.locations.size());
+  for (const program::Process& process : program.processes) leaving_.emplace_back(process.locations.size());
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
-    const Edge& edge = program.edges[number];
+    const program::Edge& edge = program.edges[number];
     leaving_[edge.process][static_cast<std::size_t>(edge.source)].push_back(number);
   }
   begin();
@@ -14,29 +16,30 @@ Reading::Reading(const Program& program) : program_(program), machine_(program, 
 
 void Reading::begin() {
   slots_.clear();
-  for (const Slot& slot : program_.slots) slots_.push_back(slot.initial);
+  for (const program::Slot& slot : program_.slots) slots_.push_back(slot.initial);
 }
 
-bool Reading::holds(const Condition& condition, std::vector<Atom>& constraints) {
-  for (const Test& test : condition.tests)
+bool Reading::holds(const program::Condition& condition, std::vector<zones::Atom>& constraints) {
+  for (const program::Test& test : condition.tests)
     if (!test.holds(slots_.data())) return false;
   if (condition.code != no_code && machine_.value(condition.code, slots_.data()) == 0) return false;
   constraints.insert(constraints.end(), condition.atoms.begin(), condition.atoms.end());
   const auto number = [&](std::int32_t code, std::int64_t given) {
     return code == no_code ? given : machine_.value(code, slots_.data());
   };
-  for (const ComputedConstraint& each : condition.computed) {
+  for (const program::ComputedConstraint& each : condition.computed) {
     if (number(each.condition, 1) == 0) continue;
     const auto left = static_cast<std::uint16_t>(number(each.left_code, each.left));
     const auto right = static_cast<std::uint16_t>(number(each.right_code, each.right));
-    constraints.push_back({left, right, raw_bound(number(each.bound_code, each.bound), each.strict)});
+    constraints.push_back({left, right, zones::raw_bound(number(each.bound_code, each.bound), each.strict)});
   }
   return true;
 }
 
-bool Reading::invariants(std::vector<Atom>& constraints) {
+bool Reading::invariants(std::vector<zones::Atom>& constraints) {
   for (std::size_t p = 0; p < program_.processes.size(); ++p)
-    if (const Location& here = location(p); here.has_invariant && !holds(here.invariant, constraints)) return false;
+    if (const program::Location& here = location(p); here.has_invariant && !holds(here.invariant, constraints))
+      return false;
   return true;
 }
 
@@ -46,15 +49,15 @@ bool Reading::waits() const {
   return true;
 }
 
-std::int32_t Reading::channel(const Edge& edge) {
+std::int32_t Reading::channel(const program::Edge& edge) {
   if (edge.internal() || edge.channel_code == no_code) return edge.channel;
   return static_cast<std::int32_t>(machine_.value(edge.channel_code, slots_.data()));
 }
 
-void Reading::take(std::span<const std::uint32_t> edges, std::vector<ClockReset>& resets) {
+void Reading::take(std::span<const std::uint32_t> edges, std::vector<zones::ClockReset>& resets) {
   for (const std::uint32_t number : edges) {
-    const Update& update = program_.edges[number].update;
-    for (const Update::Store& store : update.stores) slots_[store.slot] = store.value;
+    const program::Update& update = program_.edges[number].update;
+    for (const program::Update::Store& store : update.stores) slots_[store.slot] = store.value;
     resets.insert(resets.end(), update.resets.begin(), update.resets.end());
     if (update.code != no_code) machine_.update(update.code, slots_.data(), written_, resets);
   }
@@ -62,4 +65,4 @@ void Reading::take(std::span<const std::uint32_t> edges, std::vector<ClockReset>
   for (const std::uint32_t slot : metas_) slots_[slot] = program_.slots[slot].initial;
 }
 
-}  // namespace tachk
+}  // namespace tachk::runs

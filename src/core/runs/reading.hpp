@@ -10,31 +10,31 @@
 #include "machine/machine.hpp"
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::runs {
 
 class Reading {
  public:
   // The program must outlive it.
-  explicit Reading(const Program& program);
+  explicit Reading(const program::Program& program);
 
   // Goes to the initial state.
   void begin();
 
   // Whether the integer part of a condition holds; then its clock constraints are appended. Throws ModelFault.
-  bool holds(const Condition& condition, std::vector<Atom>& constraints);
+  bool holds(const program::Condition& condition, std::vector<zones::Atom>& constraints);
   // The same of the invariants of all processes.
-  bool invariants(std::vector<Atom>& constraints);
+  bool invariants(std::vector<zones::Atom>& constraints);
   // Whether no location is urgent or committed.
   bool waits() const;
   // The number of the channel that an edge names. Throws ModelFault.
-  std::int32_t channel(const Edge& edge);
+  std::int32_t channel(const program::Edge& edge);
   // Executes updates and goes to the targets; appends what clocks are set to. Throws ModelFault.
-  void take(std::span<const std::uint32_t> edges, std::vector<ClockReset>& resets);
+  void take(std::span<const std::uint32_t> edges, std::vector<zones::ClockReset>& resets);
 
   // The slots of the state.
   std::vector<std::int32_t> state() const { return {slots_.begin(), slots_.begin() + program_.state_slots}; }
 
-  const Location& location(std::size_t process) const {
+  const program::Location& location(std::size_t process) const {
     return program_.processes[process].locations[static_cast<std::size_t>(slots_[process])];
   }
   // The edges that leave the present location of a process.
@@ -43,12 +43,12 @@ class Reading {
   }
 
  private:
-  const Program& program_;
-  Machine machine_;
+  const program::Program& program_;
+  machine::Machine machine_;
   std::vector<std::int32_t> slots_;
   std::vector<std::uint32_t> metas_;
   std::vector<std::vector<std::vector<std::uint32_t>>> leaving_;
-  SlotSet written_;
+  program::SlotSet written_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::runs

@@ -7,7 +7,13 @@
 
 #include "runs/reading.hpp"
 
-namespace tachk {
+namespace tachk::runs {
+
+using program::Goal;
+using program::Program;
+using zones::Atom;
+using zones::ClockReset;
+using zones::Raw;
 namespace {
 
 constexpr int infinitesimal_bits = 31;
@@ -54,7 +60,7 @@ class Schedule {
 bool Schedule::require(const Atom& atom, std::size_t now) {
   const Set left = atom.left != 0 ? set_[atom.left] : Set{now, 0};
   const Set right = atom.right != 0 ? set_[atom.right] : Set{now, 0};
-  const Raw bound = raw_value(atom.raw) - (left.value - right.value);
+  const Raw bound = zones::raw_value(atom.raw) - (left.value - right.value);
   if (bound >= largest_bound) return true;
   if (bound <= -largest_bound) return false;
   const std::int64_t weight = -bound * (std::int64_t{1} << infinitesimal_bits) + ((atom.raw & 1) == 0 ? 1 : 0);
@@ -87,10 +93,11 @@ bool Schedule::collect(const Program& program, const Goal& goal) {
       set_[reset.clock] = {copied.moment, copied.value + reset.value};
     }
   }
-  const bool reached = std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const Disjunct& disjunct) {
-    asked_.clear();
-    return disjunct.deadlock == DeadlockLiteral::absent && reading_.holds(disjunct.condition, asked_);
-  });
+  const bool reached =
+      std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const program::Disjunct& disjunct) {
+        asked_.clear();
+        return disjunct.deadlock == program::DeadlockLiteral::absent && reading_.holds(disjunct.condition, asked_);
+      });
   return reached && require(path_.size() + 1);
 }
 
@@ -144,4 +151,4 @@ std::optional<Moments> earliest_moments(const Program& program, const RunPath& p
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::runs

@@ -11,10 +11,11 @@
 #include "program/program.hpp"
 #include "runs/path.hpp"
 
-namespace tachk {
+namespace tachk::runs {
 
 // The earliest moments at which the transitions of a path can happen, and the end at which a goal holds. Nothing if
 // there are none, if they are not found with reasonable effort, or if clocks can stop.
-std::optional<Moments> earliest_moments(const Program& program, const RunPath& path, const Goal& goal);
+std::optional<Moments> earliest_moments(const program::Program& program, const RunPath& path,
+                                        const program::Goal& goal);
 
-}  // namespace tachk
+}  // namespace tachk::runs

@@ -4,7 +4,9 @@
 
 #include "simulation/simulator.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
+
+using program::Edge;
 namespace {
 
 constexpr int attempts = 16;  // of drawing an action that target invariants admit
@@ -34,7 +36,7 @@ bool Simulator::sends_urgently(std::size_t process) {
   for (const std::uint32_t number : place(process).urgent) {
     if (!open(number)) continue;
     const std::int32_t channel = channel_of(program_.edges[number]);
-    const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
+    const program::Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
     if (kind.urgent && (kind.broadcast || has_receiver(process, channel, false))) return true;
   }
   return false;
@@ -74,7 +76,7 @@ bool Simulator::act(std::size_t process) {
   return carry_out();
 }
 
-bool Simulator::take(std::uint32_t edge, Ticks moment) {
+bool Simulator::take(std::uint32_t edge, flow::Ticks moment) {
   machine_.draw_from(&random_);  // this may be a copy of another simulator
   move_to(moment);
   scratch_.offered.assign(1, edge);
@@ -127,9 +129,9 @@ void Simulator::open_receives(std::size_t process, std::int32_t channel, std::ve
 
 double Simulator::weight(std::uint32_t edge) {
   if (policy_ == Policy::uniform) return 1.0;
-  const Number& number = chances_.weights[edge];
+  const flow::Number& number = chances_.weights[edge];
   const double value = number.value(machine_, state_.slots.data());
-  if (!(value >= 0)) throw ModelFault(FaultKind::range, number.code);
+  if (!(value >= 0)) throw machine::ModelFault(machine::FaultKind::range, number.code);
   return value;
 }
 
@@ -308,4 +310,4 @@ bool Simulator::admitted(std::span<const std::uint32_t> action) {
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace tachk {
+namespace tachk::simulation {
 
 // Does the pieces 0 .. count - 1, each once, in any order. `worker()` is called by each thread and gives what does a
 // piece. The first exception ends the work and is thrown again.
@@ -36,4 +36,4 @@ void share_work(unsigned threads, std::uint64_t count, const Worker& worker) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -3,7 +3,7 @@
 
 #include "simulation/simulator.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 // A tick may be too long: where x < 5 ends time, some passes at each moment before 5.
 bool Simulator::time_passes() {
@@ -12,7 +12,7 @@ bool Simulator::time_passes() {
   for (std::size_t p = 0; p < processes(); ++p) {
     const Station& here = place(p);
     if (!here.outlook.has_invariant) continue;
-    const Condition& invariant = here.location->invariant;
+    const program::Condition& invariant = here.location->invariant;
     if (clock_window(invariant, 1).last <= now_) return false;
     if (!invariant.flow.empty() && end_of(invariant, now_ + 1) <= now_) return false;
   }
@@ -31,4 +31,4 @@ void Simulator::retreat() {
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -7,23 +7,23 @@
 
 #include "simulation/simulator.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 // How far a run is looked at: up to a moment, a number of transitions, or a value of a clock.
 struct Bound {
-  Ticks until = latest_end;
+  flow::Ticks until = flow::latest_end;
   std::uint64_t steps = UINT64_MAX;
   std::uint16_t clock = 0;  // that `value` is for; 0: none
-  Ticks value = 0;
-  Ticks ticks_per_unit = finest_ticks;
+  flow::Ticks value = 0;
+  flow::Ticks ticks_per_unit = flow::finest_ticks;
 };
 
 // The first moment from now on at which a goal is reached if nothing happens; `never` if it is not. `sight` becomes
 // less if hybrid clocks were followed only up to there.
-inline Ticks first_moment(Simulator& simulator, const Goal& goal, Ticks& sight) {
-  Ticks first = never;
-  for (const Disjunct& disjunct : goal.disjuncts) {
-    const Window window = simulator.moments(disjunct.condition);
+inline flow::Ticks first_moment(Simulator& simulator, const program::Goal& goal, flow::Ticks& sight) {
+  flow::Ticks first = flow::never;
+  for (const program::Disjunct& disjunct : goal.disjuncts) {
+    const flow::Window window = simulator.moments(disjunct.condition);
     sight = std::min(sight, simulator.sight());
     if (!window.empty()) first = std::min(first, window.first);
   }
@@ -31,29 +31,31 @@ inline Ticks first_moment(Simulator& simulator, const Goal& goal, Ticks& sight) 
 }
 
 // As above, of a goal of the program; `never` for a negative number.
-inline Ticks first_moment(Simulator& simulator, const Program& program, std::int32_t goal, Ticks& sight) {
-  return goal < 0 ? never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)], sight);
+inline flow::Ticks first_moment(Simulator& simulator, const program::Program& program, std::int32_t goal,
+                                flow::Ticks& sight) {
+  return goal < 0 ? flow::never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)], sight);
 }
 
 // The next moment at which values of hybrid clocks are noted: the last one before something may happen, or earlier.
-inline Ticks next_note(Simulator& simulator, Ticks apart) {
-  const Ticks before_next = simulator.next_moment() - 1;
-  const Ticks regular = simulator.now() + apart;
+inline flow::Ticks next_note(Simulator& simulator, flow::Ticks apart) {
+  const flow::Ticks before_next = simulator.next_moment() - 1;
+  const flow::Ticks regular = simulator.now() + apart;
   return before_next > simulator.now() ? std::min(before_next, regular) : regular;
 }
 
 // Whether a run that has no bound on time is looked at only up to here because there are no later moments, although
 // something may still happen.
 inline bool cut_off(Simulator& simulator, const Bound& bound) {
-  return bound.until >= latest_end && simulator.now() >= latest_end && simulator.next_moment() < never;
+  return bound.until >= flow::latest_end && simulator.now() >= flow::latest_end &&
+         simulator.next_moment() < flow::never;
 }
 
 // The last moment that is looked at, if nothing happens before.
-inline Ticks last_moment(const Simulator& simulator, const Bound& bound) {
+inline flow::Ticks last_moment(const Simulator& simulator, const Bound& bound) {
   if (bound.clock == 0) return bound.until;
-  const Ticks left = bound.value - simulator.clocks().value(bound.clock, simulator.now());
+  const flow::Ticks left = bound.value - simulator.clocks().value(bound.clock, simulator.now());
   if (left < 0) return simulator.now() - 1;
-  return simulator.clocks().runs(bound.clock) ? std::min(latest_end, simulator.now() + left) : latest_end;
+  return simulator.clocks().runs(bound.clock) ? std::min(flow::latest_end, simulator.now() + left) : flow::latest_end;
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

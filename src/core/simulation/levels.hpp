@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace tachk {
+namespace tachk::simulation {
 
 class Levels {
  public:
@@ -52,4 +52,4 @@ class Levels {
   std::uint32_t top_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -8,11 +8,11 @@
 
 #include "machine/floating.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 // xoshiro256++ (Blackman, Vigna, "Scrambled linear pseudorandom number generators", 2021), its state filled by
 // splitmix64.
-class Random final : public Dice {
+class Random final : public machine::Dice {
  public:
   Random(std::uint64_t seed, std::uint64_t run) {
     std::uint64_t key = mixed(seed + golden) ^ run;
@@ -60,4 +60,4 @@ class Random final : public Dice {
   std::uint64_t state_[4];
 };
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -9,7 +9,9 @@
 #include "simulation/crew.hpp"
 #include "simulation/horizon.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
+
+using flow::Ticks;
 namespace {
 
 constexpr Ticks rows = 1000;
@@ -18,20 +20,20 @@ constexpr Ticks rows = 1000;
 bool lasts(Simulator& simulator) {
   try {
     return simulator.time_passes();
-  } catch (const ModelFault&) {
+  } catch (const machine::ModelFault&) {
     return false;
   }
 }
 
 // How far rows are apart that tell how hybrid clocks go on.
 Ticks between_rows(Ticks until, Ticks ticks_per_unit) {
-  return until < latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow_sample(ticks_per_unit);
+  return until < flow::latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow::flow_sample(ticks_per_unit);
 }
 
 }  // namespace
 
-Simulation::Simulation(Program program, std::span<const std::int64_t> chances)
-    : program_(std::move(program)), chances_(decode_chances(chances, program_)), tables_(program_, chances_) {}
+Simulation::Simulation(program::Program program, std::span<const std::int64_t> chances)
+    : program_(std::move(program)), chances_(flow::decode_chances(chances, program_)), tables_(program_, chances_) {}
 
 std::vector<RunRecord> Simulation::run(const Order& order) const {
   std::vector<RunRecord> records(order.runs);
@@ -77,7 +79,7 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
       if (at_once >= limits.steps_at_once) ending = Ending::zeno;
     }
     record.ending = *ending;
-  } catch (const ModelFault& fault) {
+  } catch (const machine::ModelFault& fault) {
     record.ending = Ending::fault;
     record.fault = fault.kind;
     record.position = fault.position;
@@ -99,7 +101,7 @@ void Simulation::keep(Simulator& simulator, const Recording& recording, RunRecor
 void Simulation::keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const {
   record.times.push_back(simulator.now());
   if (recording.observed)
-    for (const Number& number : chances_.observed) {
+    for (const flow::Number& number : chances_.observed) {
       const double value = number.value(simulator.machine(), simulator.slots());
       record.observed.push_back(number.integer() ? static_cast<std::int64_t>(value)
                                                  : std::bit_cast<std::int64_t>(value));
@@ -109,4 +111,4 @@ void Simulation::keep_values(Simulator& simulator, const Recording& recording, R
       record.clocks.push_back(simulator.clocks().value(static_cast<std::size_t>(clock), simulator.now()));
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

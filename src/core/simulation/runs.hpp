@@ -11,7 +11,7 @@
 #include "simulation/simulator.hpp"
 #include "simulation/tables.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 // So many transitions lie between two looks at whether to stop.
 inline constexpr std::uint64_t between_stops = 1 << 16;
@@ -25,16 +25,16 @@ struct Recording {
 
 struct RunRecord {
   Ending ending = Ending::horizon;
-  Ticks end = 0;
+  flow::Ticks end = 0;
   bool lasts = false;  // whether time can pass in the last state
   std::uint64_t transitions = 0;
-  FaultKind fault = FaultKind::range;  // of a run that ends with one
-  std::int32_t position = no_code;     // where in the code
-  std::vector<Ticks> times;            // of the initial state and of each transition, if anything is kept
+  machine::FaultKind fault = machine::FaultKind::range;  // of a run that ends with one
+  std::int32_t position = program::no_code;              // where in the code
+  std::vector<flow::Ticks> times;      // of the initial state and of each transition, if anything is kept
   std::vector<std::uint32_t> sizes;    // of each action
   std::vector<std::uint32_t> edges;    // of all of them
   std::vector<std::int64_t> observed;  // row by row; doubles as their bits
-  std::vector<Ticks> clocks;           // row by row
+  std::vector<flow::Ticks> clocks;     // row by row
 };
 
 struct Order {
@@ -44,7 +44,7 @@ struct Order {
   unsigned threads = 1;
   Policy policy = Policy::stochastic;
   RunLimits limits;
-  Ticks ticks_per_unit = finest_ticks;
+  flow::Ticks ticks_per_unit = flow::finest_ticks;
   Recording recording;
   std::function<bool()> stop = {};  // asked now and then, by any thread: whether to give up
 };
@@ -54,15 +54,15 @@ struct Stopped {};
 
 class Simulation {
  public:
-  Simulation(Program program, std::span<const std::int64_t> chances);
+  Simulation(program::Program program, std::span<const std::int64_t> chances);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
   // The runs in the order of their numbers, whatever the number of threads. Throws Stopped.
   std::vector<RunRecord> run(const Order& order) const;
 
-  const Program& program() const { return program_; }
-  const Chances& chances() const { return chances_; }
+  const program::Program& program() const { return program_; }
+  const flow::Chances& chances() const { return chances_; }
   const Tables& tables() const { return tables_; }
 
  private:
@@ -70,9 +70,9 @@ class Simulation {
   void keep(Simulator& simulator, const Recording& recording, RunRecord& record) const;
   void keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const;
 
-  Program program_;
-  Chances chances_;
+  program::Program program_;
+  flow::Chances chances_;
   Tables tables_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::simulation

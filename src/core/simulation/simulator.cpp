@@ -4,7 +4,16 @@
 #include <cmath>
 #include <utility>
 
-namespace tachk {
+namespace tachk::simulation {
+
+using flow::Crossings;
+using flow::never;
+using flow::Ticks;
+using flow::Window;
+using program::Condition;
+using program::Edge;
+using program::no_code;
+using zones::ClockReset;
 namespace {
 
 constexpr std::uint64_t most_idle_draws = 100'000;
@@ -15,15 +24,15 @@ constexpr Ticks retries = 4;   // how often what only target invariants forbid i
 
 }  // namespace
 
-Simulator::Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy,
+Simulator::Simulator(const program::Program& program, const flow::Chances& chances, const Tables& tables, Policy policy,
                      Ticks ticks_per_unit)
     : program_(program),
       chances_(chances),
       tables_(tables),
       policy_(policy),
-      machine_(program, largest_exact_reset),
+      machine_(program, machine::largest_exact_reset),
       random_(0, 0),
-      state_{{}, ClockValues(program.dimension(), ticks_per_unit)},
+      state_{{}, flow::ClockValues(program.dimension(), ticks_per_unit)},
       flow_(chances, ticks_per_unit) {
   const std::size_t count = program.processes.size();
   race_ = {std::vector<Ticks>(count), std::vector<Ticks>(count), std::vector<Wait>(count)};
@@ -36,9 +45,9 @@ bool Simulator::begin(Random random) {
   now_ = 0;
   action_.clear();
   state_.slots.clear();
-  for (const Slot& slot : program_.slots) state_.slots.push_back(slot.initial);
+  for (const program::Slot& slot : program_.slots) state_.slots.push_back(slot.initial);
   for (const std::int32_t code : chances_.starts) {
-    SlotSet drawn;
+    program::SlotSet drawn;
     std::vector<ClockReset> none;
     machine_.update(code, state_.slots.data(), drawn, none);
   }
@@ -132,23 +141,24 @@ std::size_t Simulator::winner_at(Ticks moment) {
 // ---- conditions -----------------------------------------------------------------------------------------------------
 
 bool Simulator::integers_hold(const Condition& condition) {
-  for (const Test& test : condition.tests)
+  for (const program::Test& test : condition.tests)
     if (!test.holds(state_.slots.data())) return false;
   return condition.code == no_code || machine_.value(condition.code, state_.slots.data()) != 0;
 }
 
 // The moments at which the conditions on clocks that are not hybrid hold, or, with the closure 1, up to which they do.
-Window Simulator::clock_window(const Condition& condition, Raw closure) {
+Window Simulator::clock_window(const Condition& condition, zones::Raw closure) {
   Window result;
-  for (const Atom& atom : condition.atoms) state_.clocks.narrow(atom.left, atom.right, atom.raw | closure, result);
+  for (const zones::Atom& atom : condition.atoms)
+    state_.clocks.narrow(atom.left, atom.right, atom.raw | closure, result);
   std::int32_t* slots = state_.slots.data();
-  for (const ComputedConstraint& c : condition.computed) {
+  for (const program::ComputedConstraint& c : condition.computed) {
     if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
     const std::int64_t left = c.left_code == no_code ? c.left : machine_.value(c.left_code, slots);
     const std::int64_t right = c.right_code == no_code ? c.right : machine_.value(c.right_code, slots);
     const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.value(c.bound_code, slots);
     state_.clocks.narrow(static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right),
-                         raw_bound(bound, c.strict) | closure, result);
+                         zones::raw_bound(bound, c.strict) | closure, result);
   }
   return result;
 }
@@ -285,9 +295,9 @@ Ticks Simulator::drawn(std::size_t process, Ticks first, Ticks last) {
   if (bound < never) return policy_ == Policy::latest ? bound : uniform(first, bound);
   if (policy_ == Policy::latest) return first;
   const double rate = place(process).rate->value(machine_, state_.slots.data());
-  if (!(rate >= 0)) throw ModelFault(FaultKind::range, place(process).rate->code);
+  if (!(rate >= 0)) throw machine::ModelFault(machine::FaultKind::range, place(process).rate->code);
   const double wait = random_.exponential() / rate * static_cast<double>(unit());
-  if (wait < static_cast<double>(latest_end)) return first + static_cast<Ticks>(wait);
+  if (wait < static_cast<double>(flow::latest_end)) return first + static_cast<Ticks>(wait);
   return std::isfinite(wait) ? never - 1 : never;  // behind the end of every run, but not never
 }
 
@@ -321,8 +331,8 @@ bool Simulator::enter() {
 
 void Simulator::update() {
   for (const std::uint32_t number : action_) {
-    const Update& update = program_.edges[number].update;
-    for (const Update::Store& store : update.stores) {
+    const program::Update& update = program_.edges[number].update;
+    for (const program::Update::Store& store : update.stores) {
       state_.slots[store.slot] = store.value;
       change_.written.add(store.slot);
     }
@@ -340,7 +350,8 @@ void Simulator::update() {
     change_.clocks |= clock_group(reset.clock);
     const Ticks copied = state_.clocks.value(reset.source, now_);
     const Ticks advance = Ticks{reset.value} * unit();
-    if (copied > largest_exact_reset * unit() + latest_end - advance) throw ModelFault(FaultKind::bound, no_code);
+    if (copied > machine::largest_exact_reset * unit() + flow::latest_end - advance)
+      throw machine::ModelFault(machine::FaultKind::bound, no_code);
     state_.clocks.set(reset.clock, copied + advance, now_);
   }
 }
@@ -349,7 +360,7 @@ void Simulator::update() {
 void Simulator::switch_clocks() {
   std::vector<std::uint8_t> stands(static_cast<std::size_t>(program_.dimension()), 0);
   for (std::size_t p = 0; p < processes(); ++p)
-    for (const Location::Stop& stop : place(p).location->stopped)
+    for (const program::Location::Stop& stop : place(p).location->stopped)
       if (stop.code == no_code || machine_.value(stop.code, state_.slots.data()) == 0) stands[stop.clock] = 1;
   for (std::uint16_t clock = 1; clock < program_.dimension(); ++clock) {
     if (state_.clocks.runs(clock) != (stands[clock] != 0)) continue;
@@ -416,4 +427,4 @@ void Simulator::settle() {
   change_.under_way = false;
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -22,7 +22,7 @@
 #include "simulation/random.hpp"
 #include "simulation/tables.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 // How long processes wait before they act, within what their guards and invariants allow.
 enum class Policy : std::int32_t { stochastic, uniform, earliest, latest };
@@ -43,7 +43,7 @@ enum class Ending : std::int32_t {
 inline constexpr std::uint64_t most_steps_at_once = 1'000'000;
 
 struct RunLimits {
-  Ticks until = latest_end;
+  flow::Ticks until = flow::latest_end;
   std::uint64_t steps = UINT64_MAX;
   std::uint64_t steps_at_once = most_steps_at_once;
 };
@@ -52,7 +52,7 @@ class Simulator {
  public:
   struct State {
     std::vector<std::int32_t> slots;  // frame slots included
-    ClockValues clocks;
+    flow::ClockValues clocks;
     std::uint32_t committed = 0;  // processes in committed locations
     std::uint32_t urgent = 0;     // in urgent ones
   };
@@ -63,20 +63,20 @@ class Simulator {
   };
   // What each process has drawn.
   struct Race {
-    std::vector<Ticks> due;    // when it acts
-    std::vector<Ticks> limit;  // when its invariant ends
+    std::vector<flow::Ticks> due;    // when it acts
+    std::vector<flow::Ticks> limit;  // when its invariant ends
     std::vector<Wait> waits;
   };
   // What a run can be continued from.
   struct Snapshot {
-    State state{{}, ClockValues(1)};
+    State state{{}, flow::ClockValues(1)};
     Race race;
-    Ticks now = 0;
+    flow::Ticks now = 0;
   };
 
   // What it is given must outlive it.
-  Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy,
-            Ticks ticks_per_unit = finest_ticks);
+  Simulator(const program::Program& program, const flow::Chances& chances, const Tables& tables, Policy policy,
+            flow::Ticks ticks_per_unit = flow::finest_ticks);
 
   // Begins the run with this number. False if its initial state breaks an invariant. Throws ModelFault.
   bool begin(std::uint64_t seed, std::uint64_t run) { return begin(Random(seed, run)); }
@@ -86,12 +86,12 @@ class Simulator {
   std::optional<Ending> step(const RunLimits& limits);
 
   // The next moment at which something may happen; `never` if nothing does by itself. Nothing happens before.
-  Ticks next_moment();
+  flow::Ticks next_moment();
 
   // Takes an action at this moment that begins with the edge, whether or not its guard holds: what the surroundings of
   // the network do. False, with nothing changed, if nobody receives or invariants forbid it. The moment is neither in
   // the past nor behind `next_moment`. Throws ModelFault.
-  bool take(std::uint32_t edge, Ticks moment);
+  bool take(std::uint32_t edge, flow::Ticks moment);
 
   // Whether some time can pass in this state, however little. Throws ModelFault.
   bool time_passes();
@@ -102,28 +102,28 @@ class Simulator {
   // Goes on from a snapshot: what processes are still to wait is drawn anew from what is left of it.
   void resume(const Snapshot& snapshot, Random random);
 
-  Ticks now() const { return now_; }
+  flow::Ticks now() const { return now_; }
   std::span<const std::uint32_t> edges() const { return action_; }  // of the last transition
   std::int32_t* slots() { return state_.slots.data(); }
-  Machine& machine() { return machine_; }
-  const ClockValues& clocks() const { return state_.clocks; }
+  machine::Machine& machine() { return machine_; }
+  const flow::ClockValues& clocks() const { return state_.clocks; }
   // The moments at which a condition holds if nothing happens; with hybrid clocks the first of them, if it is not
   // behind `sight`.
-  Window moments(const Condition& condition) {
-    sight_ = never;
-    return integers_hold(condition) ? window(condition, now_) : Window{never, -never};
+  flow::Window moments(const program::Condition& condition) {
+    sight_ = flow::never;
+    return integers_hold(condition) ? window(condition, now_) : flow::Window{flow::never, -flow::never};
   }
   // How far the last condition was looked at.
-  Ticks sight() const { return sight_; }
+  flow::Ticks sight() const { return sight_; }
   bool has_hybrid_clocks() const { return flow_.exists(); }
 
  private:
   // What the action under way has changed, to be undone if the target invariants do not admit it.
   struct Change {
-    SlotSet written;
-    std::vector<ClockReset> resets;
+    program::SlotSet written;
+    std::vector<zones::ClockReset> resets;
     std::vector<std::int32_t> slots;
-    std::vector<std::pair<std::uint16_t, Ticks>> values;
+    std::vector<std::pair<std::uint16_t, flow::Ticks>> values;
     std::vector<std::uint16_t> switched;
     std::uint64_t clocks = 0;            // groups of those that were touched
     std::vector<std::size_t> concerned;  // processes
@@ -139,37 +139,37 @@ class Simulator {
     std::vector<std::size_t> candidates;
   };
 
-  Ticks unit() const { return flow_.ticks_per_unit(); }
+  flow::Ticks unit() const { return flow_.ticks_per_unit(); }
   const Station& place(std::size_t process) const { return tables_.place(process, state_.slots.data()); }
   std::size_t processes() const { return program_.processes.size(); }
 
   // ---- conditions
   bool may_hold(const Gate& gate) const { return gate.may_hold(state_.slots.data()); }
-  bool integers_hold(const Condition& condition);
-  bool holds(const Condition& condition) {
+  bool integers_hold(const program::Condition& condition);
+  bool holds(const program::Condition& condition) {
     return integers_hold(condition) && clock_window(condition).holds(now_) &&
            (condition.flow.empty() || crossings().hold(condition.flow));
   }
-  Window clock_window(const Condition& condition, Raw closure = 0);
-  Window window(const Condition& condition, Ticks from);
-  Ticks end_of(const Condition& invariant, Ticks sight);
-  Crossings crossings() { return {flow_, machine_, state_.slots.data()}; }
+  flow::Window clock_window(const program::Condition& condition, zones::Raw closure = 0);
+  flow::Window window(const program::Condition& condition, flow::Ticks from);
+  flow::Ticks end_of(const program::Condition& invariant, flow::Ticks sight);
+  flow::Crossings crossings() { return {flow_, machine_, state_.slots.data()}; }
   bool open(std::uint32_t edge) { return holds(program_.edges[edge].guard); }
-  std::int32_t channel_of(const Edge& edge);
+  std::int32_t channel_of(const program::Edge& edge);
   bool hears(const Reception& reception, std::int32_t channel);
 
   // ---- the race
-  std::pair<Ticks, Ticks> next_moments() const;
-  std::size_t winner_at(Ticks moment);
+  std::pair<flow::Ticks, flow::Ticks> next_moments() const;
+  std::size_t winner_at(flow::Ticks moment);
   void refresh(std::size_t process);
   void park(std::size_t process);
   // When edges of a process can be taken: the first and the last moment, and the first one of urgent edges.
   struct Openings {
-    Ticks first = never;
-    Ticks last = -never;
-    Ticks at_once = never;
+    flow::Ticks first = flow::never;
+    flow::Ticks last = -flow::never;
+    flow::Ticks at_once = flow::never;
 
-    void add(Window window, bool urgent) {
+    void add(flow::Window window, bool urgent) {
       if (urgent) {
         at_once = std::min(at_once, window.first);
         return;
@@ -180,14 +180,14 @@ class Simulator {
   };
   void wait_for(std::size_t process, const Openings& openings, Wait wait);
   bool acts_at_once(std::uint32_t edge);
-  void move_to(Ticks moment) {
+  void move_to(flow::Ticks moment) {
     now_ = moment;
     if (flow_.exists()) flow_.show(now_, machine_, state_.slots.data());
   }
-  Ticks next_opening(std::uint32_t edge, Window own);
-  Ticks drawn(std::size_t process, Ticks first, Ticks last);
-  Ticks uniform(Ticks first, Ticks last) {
-    return first + static_cast<Ticks>(random_.below(static_cast<std::uint64_t>(last - first) + 1));
+  flow::Ticks next_opening(std::uint32_t edge, flow::Window own);
+  flow::Ticks drawn(std::size_t process, flow::Ticks first, flow::Ticks last);
+  flow::Ticks uniform(flow::Ticks first, flow::Ticks last) {
+    return first + static_cast<flow::Ticks>(random_.below(static_cast<std::uint64_t>(last - first) + 1));
   }
 
   // ---- actions
@@ -231,21 +231,21 @@ class Simulator {
   void undo();
   void settle();
 
-  const Program& program_;
-  const Chances& chances_;
+  const program::Program& program_;
+  const flow::Chances& chances_;
   const Tables& tables_;
   const Policy policy_;
-  Machine machine_;
+  machine::Machine machine_;
   Random random_;
   State state_;
   Race race_;
   Change change_;
-  Flow flow_;
-  Ticks now_ = 0;
-  Ticks sight_ = never;
+  flow::Flow flow_;
+  flow::Ticks now_ = 0;
+  flow::Ticks sight_ = flow::never;
   std::vector<std::uint32_t> action_;
   Scratch scratch_;
   std::vector<Outlook> outlooks_;  // of the locations in which the processes are
 };
 
-}  // namespace tachk
+}  // namespace tachk::simulation

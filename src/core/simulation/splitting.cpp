@@ -8,7 +8,9 @@
 #include "simulation/crew.hpp"
 #include "simulation/horizon.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
+
+using flow::Ticks;
 namespace {
 
 constexpr std::uint64_t streams = std::uint64_t{1} << 62;  // these numbers are not those of runs
@@ -65,7 +67,7 @@ class Splitter {
         steps = entry.steps;
       }
       return go_on(target, steps, result);
-    } catch (const ModelFault&) {
+    } catch (const machine::ModelFault&) {
       ++result.unknown;
       return std::nullopt;
     }
@@ -76,7 +78,7 @@ class Splitter {
     while (true) {
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
-      Ticks sight = never;  // there are no hybrid clocks
+      Ticks sight = flow::never;  // there are no hybrid clocks
       const Ticks reached = first_moment(simulator_, program_, asked_.goal, sight);
       const Ticks lost = first_moment(simulator_, program_, asked_.lost, sight);
       if (last < before) return std::nullopt;
@@ -105,7 +107,7 @@ class Splitter {
     }
   }
 
-  const Program& program_;
+  const program::Program& program_;
   const Levels& levels_;
   const Asked& asked_;
   const SplittingOrder& order_;
@@ -126,4 +128,4 @@ std::vector<Replication> split(const Simulation& simulation, const Levels& level
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

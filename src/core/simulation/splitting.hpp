@@ -13,7 +13,7 @@
 #include "simulation/levels.hpp"
 #include "simulation/trials.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 struct SplittingOrder {
   std::uint64_t seed = 0;
@@ -35,4 +35,4 @@ struct Replication {
 std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const Asked& asked,
                                const SplittingOrder& order);
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -4,14 +4,16 @@
 
 #include "machine/code_accesses.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
+
+using program::Program;
 namespace {
 
-std::uint64_t clocks_of(const Condition& condition, const Program& program) {
+std::uint64_t clocks_of(const program::Condition& condition, const Program& program) {
   std::uint64_t clocks = 0;
-  for (const Atom& atom : condition.atoms) clocks |= clock_group(atom.left) | clock_group(atom.right);
-  for (const ComputedConstraint& constraint : condition.computed) {
-    if (constraint.left_code != no_code || constraint.right_code != no_code) return UINT64_MAX;
+  for (const zones::Atom& atom : condition.atoms) clocks |= clock_group(atom.left) | clock_group(atom.right);
+  for (const program::ComputedConstraint& constraint : condition.computed) {
+    if (constraint.left_code != program::no_code || constraint.right_code != program::no_code) return UINT64_MAX;
     clocks |= clock_group(static_cast<std::size_t>(constraint.left));
     clocks |= clock_group(static_cast<std::size_t>(constraint.right));
   }
@@ -19,29 +21,29 @@ std::uint64_t clocks_of(const Condition& condition, const Program& program) {
 }
 
 // Groups of slots with one that is read.
-SlotSet slots_of(const Cells& read, const Program& program) {
-  SlotSet slots;
+program::SlotSet slots_of(const machine::Cells& read, const Program& program) {
+  program::SlotSet slots;
   for (std::size_t slot = 0; slot < program.state_slots; ++slot)
     if (read.has_slot(slot)) slots.add(slot);
   return slots;
 }
 
-bool may_be_urgent(const Edge& edge, const Program& program) {
+bool may_be_urgent(const program::Edge& edge, const Program& program) {
   const auto first = program.channels.begin() + edge.channel;
-  return std::any_of(first, first + edge.channels, [](const Channel& channel) { return channel.urgent; });
+  return std::any_of(first, first + edge.channels, [](const program::Channel& channel) { return channel.urgent; });
 }
 
 }  // namespace
 
-Tables::Tables(const Program& program, const Chances& chances) : listening(program.channels.size()) {
+Tables::Tables(const Program& program, const flow::Chances& chances) : listening(program.channels.size()) {
   for (std::size_t p = 0; p < program.processes.size(); ++p) {
     first_place.push_back(places.size());
-    const std::vector<Location>& locations = program.processes[p].locations;
+    const std::vector<program::Location>& locations = program.processes[p].locations;
     for (std::size_t n = 0; n < locations.size(); ++n)
       places.push_back({&locations[n], &chances.rates[p][n], {}, {}, {}, {}});
   }
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
-    const Edge& edge = program.edges[number];
+    const program::Edge& edge = program.edges[number];
     Station& place = places[first_place[edge.process] + static_cast<std::size_t>(edge.source)];
     has_branches |= chances.choices[number] != number;
     if (!edge.internal() && !edge.sends) {
@@ -58,7 +60,7 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
       if (urgent_senders.empty() || urgent_senders.back() != edge.process) urgent_senders.push_back(edge.process);
     }
   }
-  CodeAccesses accesses(program);
+  machine::CodeAccesses accesses(program);
   for (Station& place : places) {
     Outlook& outlook = place.outlook;
     accesses.clear();
@@ -67,7 +69,7 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
     outlook.clocks = clocks_of(place.location->invariant, program);
     outlook.looks_at_flow = !place.location->invariant.flow.empty();
     for (const Output& output : place.outputs) {
-      const Condition& guard = program.edges[output.edge].guard;
+      const program::Condition& guard = program.edges[output.edge].guard;
       accesses.add(guard);
       outlook.clocks |= clocks_of(guard, program);
       outlook.looks_at_flow |= !guard.flow.empty();
@@ -84,4 +86,4 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
     if (program.slots[slot].meta) meta_slots.push_back(slot);
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

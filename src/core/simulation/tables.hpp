@@ -8,11 +8,11 @@
 #include "flow/chances.hpp"
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 // What every transition asks of each process: little, so that it lies side by side.
 struct Outlook {
-  SlotSet reads;               // what guards of outputs, invariant and rate depend on
+  program::SlotSet reads;      // what guards of outputs, invariant and rate depend on
   std::uint64_t clocks = 0;    // the same of clocks: of 64 groups of clocks those with a member
   bool looks_at_flow = false;  // the same of hybrid clocks
   bool committed = false;
@@ -22,10 +22,11 @@ struct Outlook {
 
 // The first test of a guard, kept where the edge is looked up: most guards that are false fail there.
 struct Gate {
-  Test test;
+  program::Test test;
 
-  explicit Gate(const Condition& guard)
-      : test(guard.tests.empty() ? Test{0, Comparison::greater_equal, INT32_MIN} : guard.tests.front()) {}
+  explicit Gate(const program::Condition& guard)
+      : test(guard.tests.empty() ? program::Test{0, program::Comparison::greater_equal, INT32_MIN}
+                                 : guard.tests.front()) {}
   bool may_hold(const std::int32_t* slots) const { return test.holds(slots); }
 };
 
@@ -49,8 +50,8 @@ struct Reception {
 
 // A location of a process.
 struct Station {
-  const Location* location;
-  const Number* rate;
+  const program::Location* location;
+  const flow::Number* rate;
   std::vector<Output> outputs;
   std::vector<Reception> receives;
   std::vector<std::uint32_t> urgent;  // sending edges over channels that may be urgent
@@ -62,7 +63,7 @@ struct Station {
 constexpr std::uint64_t clock_group(std::size_t clock) { return std::uint64_t{1} << (clock % 64); }
 
 struct Tables {
-  Tables(const Program& program, const Chances& chances);
+  Tables(const program::Program& program, const flow::Chances& chances);
 
   const Station& place(std::size_t process, const std::int32_t* slots) const {
     return places[first_place[process] + static_cast<std::size_t>(slots[process])];
@@ -77,4 +78,4 @@ struct Tables {
   bool reads_locations = false;               // some guard does
 };
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -7,7 +7,9 @@
 
 #include "simulation/crew.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
+
+using flow::Ticks;
 namespace {
 
 class Watch {
@@ -28,7 +30,7 @@ class Watch {
       }
       if (asked_.measures()) trial.measured = measured();
       go_on(trial);
-    } catch (const ModelFault& fault) {
+    } catch (const machine::ModelFault& fault) {
       trial.answer = Answered::unknown;
       trial.ending = Ending::fault;
       trial.fault = fault.kind;
@@ -47,7 +49,7 @@ class Watch {
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
       const bool notes = asked_.measures() && simulator_.has_hybrid_clocks();
-      Ticks sight = notes ? next_note(simulator_, flow_sample(asked_.bound.ticks_per_unit)) : never;
+      Ticks sight = notes ? next_note(simulator_, flow::flow_sample(asked_.bound.ticks_per_unit)) : flow::never;
       const Ticks reached = first_moment(simulator_, simulation_.program(), asked_.goal, sight);
       const Ticks lost = first_moment(simulator_, simulation_.program(), asked_.lost, sight);
       RunLimits limits;
@@ -136,4 +138,4 @@ std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, cons
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -9,7 +9,7 @@
 #include "simulation/runs.hpp"
 #include "simulation/simulator.hpp"
 
-namespace tachk {
+namespace tachk::simulation {
 
 struct Asked {
   Bound bound;
@@ -32,11 +32,11 @@ enum class Answered : std::int8_t {
 struct Trial {
   Answered answer = Answered::no;
   Ending ending = Ending::horizon;
-  Ticks end = 0;  // the moment at which the goal is reached, or up to which the run was looked at
+  flow::Ticks end = 0;  // the moment at which the goal is reached, or up to which the run was looked at
   std::uint64_t transitions = 0;
   double measured = 0;
-  FaultKind fault = FaultKind::range;
-  std::int32_t position = no_code;
+  machine::FaultKind fault = machine::FaultKind::range;
+  std::int32_t position = program::no_code;
 };
 
 struct TrialOrder {
@@ -56,4 +56,4 @@ std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, cons
 // Throws std::invalid_argument for numbers that the program does not have.
 void check(const Simulation& simulation, const Asked& asked);
 
-}  // namespace tachk
+}  // namespace tachk::simulation

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tachk {
+namespace tachk::states {
 
 class AdaptiveCheck final {
  public:
@@ -47,4 +47,4 @@ class AdaptiveCheck final {
   std::int64_t gained_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

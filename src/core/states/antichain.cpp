@@ -3,7 +3,9 @@
 #include <iterator>
 #include <utility>
 
-namespace tachk {
+namespace tachk::states {
+
+using zones::Extent;
 namespace {
 
 constexpr std::size_t group_size = 32;
@@ -101,4 +103,4 @@ void Antichain::lower_root() {
   root_ = std::move(only);
 }
 
-}  // namespace tachk
+}  // namespace tachk::states

@@ -13,14 +13,14 @@
 
 #include "zones/extent.hpp"
 
-namespace tachk {
+namespace tachk::states {
 
 class Antichain {
  public:
   Antichain();
 
   // The numbers of members rise. Those that are `first_waiting` or larger are remembered as waiting.
-  void add(const Extent& extent, std::uint32_t number, std::uint32_t first_waiting);
+  void add(const zones::Extent& extent, std::uint32_t number, std::uint32_t first_waiting);
 
   // Visits the members that wait, with numbers from `first` on, the newest first; and perhaps some that are removed.
   template <class Visit>
@@ -39,19 +39,19 @@ class Antichain {
 
   // Whether `accept(number)` is true of a member whose extent may include this one.
   template <class Accept>
-  bool any_above(const Extent& extent, Accept accept) const {
+  bool any_above(const zones::Extent& extent, Accept accept) const {
     return any_above(root_, extent, accept);
   }
 
   // Whether `accept(number)` is true of a member whose extent this one may include.
   template <class Accept>
-  bool any_below(const Extent& extent, Accept accept) const {
+  bool any_below(const zones::Extent& extent, Accept accept) const {
     return any_below(root_, extent, accept);
   }
 
   // Removes the members whose extents this one may include and for which `covered(number)` is true.
   template <class Covered>
-  void remove_below(const Extent& extent, Covered covered) {
+  void remove_below(const zones::Extent& extent, Covered covered) {
     remove_below(root_, extent, covered);
     while (root_.group->parts.size() == 1) lower_root();
   }
@@ -69,19 +69,19 @@ class Antichain {
  private:
   struct Group;
   struct Member {
-    Extent extent;
+    zones::Extent extent;
     std::uint32_t number;
 
-    const Extent& smallest() const { return extent; }
-    const Extent& largest() const { return extent; }
+    const zones::Extent& smallest() const { return extent; }
+    const zones::Extent& largest() const { return extent; }
   };
   struct Part {
-    Extent least;  // componentwise, of all members
-    Extent most;
+    zones::Extent least;  // componentwise, of all members
+    zones::Extent most;
     std::unique_ptr<Group> group;
 
-    const Extent& smallest() const { return least; }
-    const Extent& largest() const { return most; }
+    const zones::Extent& smallest() const { return least; }
+    const zones::Extent& largest() const { return most; }
   };
   struct Group {
     std::vector<Member> members;  // of a leaf
@@ -94,7 +94,7 @@ class Antichain {
   };
 
   template <class Accept>
-  static bool any_above(const Part& part, const Extent& extent, Accept& accept) {
+  static bool any_above(const Part& part, const zones::Extent& extent, Accept& accept) {
     for (const Member& member : part.group->members)
       if (member.extent.may_include(extent) && accept(member.number)) return true;
     for (const Part& inner : part.group->parts)
@@ -103,7 +103,7 @@ class Antichain {
   }
 
   template <class Accept>
-  static bool any_below(const Part& part, const Extent& extent, Accept& accept) {
+  static bool any_below(const Part& part, const zones::Extent& extent, Accept& accept) {
     for (const Member& member : part.group->members)
       if (extent.may_include(member.extent) && accept(member.number)) return true;
     for (const Part& inner : part.group->parts)
@@ -113,7 +113,7 @@ class Antichain {
 
   // Whether something was removed.
   template <class Covered>
-  bool remove_below(Part& part, const Extent& extent, Covered& covered) {
+  bool remove_below(Part& part, const zones::Extent& extent, Covered& covered) {
     Group& group = *part.group;
     std::size_t removed = std::erase_if(group.members, [&](const Member& member) {
       return extent.may_include(member.extent) && covered(member.number);
@@ -152,4 +152,4 @@ class Antichain {
   std::vector<std::uint32_t> waiting_;  // in order; some at the front do not wait any more
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

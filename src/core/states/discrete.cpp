@@ -5,7 +5,9 @@
 #include <cstring>
 #include <utility>
 
-namespace tachk {
+namespace tachk::states {
+
+using program::SlotSet;
 namespace {
 
 static_assert(std::endian::native == std::endian::little);  // half of a word is its first four bytes
@@ -44,12 +46,12 @@ bool same_slots(const std::int32_t* a, const std::int32_t* b, std::size_t count)
 
 }  // namespace
 
-StateLayout::StateLayout(const Program& program) {
+StateLayout::StateLayout(const program::Program& program) {
   std::uint32_t used = 0;  // bits of the current word
   std::uint32_t word = 0;
   first_field_.push_back(0);
   for (std::uint32_t s = 0; s < program.state_slots; ++s) {
-    const Slot& slot = program.slots[s];
+    const program::Slot& slot = program.slots[s];
     initial_.push_back(slot.initial);
     const auto span = static_cast<std::uint64_t>(static_cast<std::int64_t>(slot.high) - slot.low);
     if (slot.meta || span == 0) continue;
@@ -90,7 +92,7 @@ std::size_t StateLayout::first_slot(std::size_t word) const {
   return first_field_[word] < fields_.size() ? fields_[first_field_[word]].slot : initial_.size();
 }
 
-DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
+DiscreteStates::DiscreteStates(const program::Program& program, std::size_t chunk_words)
     : layout_(program),
       chunk_words_(layout_.words() > 2 * chunk_words ? chunk_words : 0),
       key_words_(layout_.words()),
@@ -220,4 +222,4 @@ void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots, Reader& r
   std::memcpy(slots, reader.known_slots.data(), reader.known_slots.size() * sizeof(std::int32_t));
 }
 
-}  // namespace tachk
+}  // namespace tachk::states

@@ -11,12 +11,12 @@
 #include "program/program.hpp"
 #include "states/memory.hpp"
 
-namespace tachk {
+namespace tachk::states {
 
 // Packs the slots of a state into 64-bit words; a slot with one legal value takes no bits, no slot crosses a word.
 class StateLayout {
  public:
-  explicit StateLayout(const Program& program);
+  explicit StateLayout(const program::Program& program);
 
   std::size_t words() const { return words_; }
   // Of all words together, without what is free at the end of the last one.
@@ -60,11 +60,11 @@ class DiscreteStates {
   };
 
   // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
-  DiscreteStates(const Program& program, std::size_t chunk_words);
+  DiscreteStates(const program::Program& program, std::size_t chunk_words);
 
   // Sets the discrete state that the next `locate` looks up; all slots in which it differs from the state unpacked last
   // are in `written`. Call it early, so that its memory is fetched in the meantime.
-  void announce(const std::int32_t* slots, const SlotSet& written);
+  void announce(const std::int32_t* slots, const program::SlotSet& written);
   // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
   std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
@@ -72,7 +72,7 @@ class DiscreteStates {
 
   Reader reader() const;
   void unpack(std::uint32_t number, std::int32_t* slots, Reader& reader) const;
-  void announce(const std::int32_t* slots, const SlotSet& written, Reader& reader) const;
+  void announce(const std::int32_t* slots, const program::SlotSet& written, Reader& reader) const;
   // The number of the announced state, or HashIndex::absent.
   std::uint32_t find(const Reader& reader) const;
 
@@ -95,7 +95,7 @@ class DiscreteStates {
   // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks, which
   // `chunk()` tells of the packed one. False if a chunk is absent.
   template <class Chunk>
-  bool find_key(const std::int32_t* slots, const SlotSet& written, Reader& reader, Chunk chunk) const;
+  bool find_key(const std::int32_t* slots, const program::SlotSet& written, Reader& reader, Chunk chunk) const;
   std::uint32_t find_chunk(const std::vector<std::uint64_t>& packed, std::uint64_t hash) const;
   std::uint32_t intern_chunk();
 
@@ -109,9 +109,9 @@ class DiscreteStates {
 
   // Only for states in chunks.
   std::vector<std::size_t> chunk_slots_;  // the first slot of each chunk, and behind the last
-  std::vector<SlotSet> chunk_members_;
+  std::vector<program::SlotSet> chunk_members_;
   RecordPool chunks_;
   HashIndex chunk_index_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

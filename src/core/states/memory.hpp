@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace tachk {
+namespace tachk::states {
 
 // Records of a block where there may be few of them.
 inline constexpr std::size_t small_block = std::size_t{1} << 15;
@@ -162,4 +162,4 @@ class HashIndex {
   std::array<Segment, std::size_t{1} << segment_bits> segments_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

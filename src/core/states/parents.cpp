@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace tachk {
+namespace tachk::states {
 
 void Parents::pack() {
   const auto [least, most] = std::minmax_element(last_.begin(), last_.end());
@@ -36,4 +36,4 @@ std::uint32_t Parents::operator[](std::uint32_t node) const {
   return least + static_cast<std::uint32_t>(value & ((std::uint64_t{1} << bits) - 1)) - 1;
 }
 
-}  // namespace tachk
+}  // namespace tachk::states

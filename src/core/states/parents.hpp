@@ -9,7 +9,7 @@
 
 #include "states/memory.hpp"
 
-namespace tachk {
+namespace tachk::states {
 
 class Parents {
  public:
@@ -42,4 +42,4 @@ class Parents {
   std::uint32_t size_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

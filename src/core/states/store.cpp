@@ -4,7 +4,10 @@
 #include <stdexcept>
 #include <utility>
 
-namespace tachk {
+namespace tachk::states {
+
+using zones::ClockBounds;
+using zones::ZoneOperations;
 namespace {
 
 // The scale of extents must do for smaller zones too, whose rows may consist of more and shorter vectors.
@@ -15,14 +18,14 @@ ZoneOperations with_shorter_vectors(ZoneOperations operations, bool shorter) {
 
 }  // namespace
 
-PassedList::PassedList(const Program& program, const ZoneOperations& zones, const StoreOptions& options,
+PassedList::PassedList(const program::Program& program, const ZoneOperations& zones, const StoreOptions& options,
                        const std::vector<ZoneOperations>& smaller)
     : dimension_(program.dimension()),
       zones_(zones, dimension_, smaller, options.rows_after),
       buffer_(zones),
       scaled_(with_shorter_vectors(zones, !smaller.empty())),
       reclaim_(options.reclaim),
-      scale_(choose_scale(scaled_, dimension_, 0)),
+      scale_(zones::choose_scale(scaled_, dimension_, 0)),
       discretes_(program, options.chunk_words),
       nodes_(sizeof(Node)) {}
 
@@ -35,7 +38,7 @@ std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const C
     return true;
   };
   if (is_long(first))
-    chain(first).any_above(bounds == nullptr ? extent_of(zone) : Extent::below_all(), accept);
+    chain(first).any_above(bounds == nullptr ? extent_of(zone) : zones::Extent::below_all(), accept);
   else
     for (std::uint32_t number = first; number != no_node && !accept(number);) number = next(number);
   return found;
@@ -49,7 +52,7 @@ std::size_t PassedList::count(std::uint32_t discrete) const {
   return length;
 }
 
-std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
+std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, zones::ZoneRef united,
                               std::vector<std::uint32_t>& parts) {
   const ZoneOperations& operations = zones_.operations(zone.dimension);
   std::memcpy(united.bytes, zone.data.bytes, operations.bytes);
@@ -123,7 +126,7 @@ void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBoun
   }
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
-  members.remove_below(bounds == nullptr ? extent_of(zone) : Extent::above_all(), [&](std::uint32_t number) {
+  members.remove_below(bounds == nullptr ? extent_of(zone) : zones::Extent::above_all(), [&](std::uint32_t number) {
     if (!is_below(number, zone, bounds) || is_protected(number)) return false;
     cover(number, discrete);
     return true;
@@ -139,8 +142,8 @@ bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_num
   return false;
 }
 
-void PassedList::rescale(Raw largest_entry) {
-  scale_ = choose_scale(scaled_, dimension_, largest_entry + largest_entry / 2);
+void PassedList::rescale(zones::Raw largest_entry) {
+  scale_ = zones::choose_scale(scaled_, dimension_, largest_entry + largest_entry / 2);
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
     members.measure_anew([&](std::uint32_t number) { return extent_of(zone(number, buffer_)); });
@@ -150,7 +153,7 @@ void PassedList::rescale(Raw largest_entry) {
 
 void PassedList::add_to(Antichain& members, std::uint32_t number) {
   ZoneView zone = this->zone(number, buffer_);
-  const Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
+  const zones::Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
   if (largest_entry > scale_.limit) {
     rescale(largest_entry);
     zone = this->zone(number, buffer_);  // where others have been meanwhile
@@ -238,4 +241,4 @@ std::size_t PassedList::bytes() const {
          chains_.capacity() * sizeof(Antichain);
 }
 
-}  // namespace tachk
+}  // namespace tachk::states

@@ -17,7 +17,7 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::states {
 
 inline constexpr std::uint32_t no_node = UINT32_MAX;
 
@@ -31,21 +31,21 @@ struct StoreOptions {
 class PassedList {
  public:
   // `smaller`: as of a ZoneStore; all zones of a discrete state have one dimension.
-  PassedList(const Program& program, const ZoneOperations& zones, const StoreOptions& options,
-             const std::vector<ZoneOperations>& smaller = {});
+  PassedList(const program::Program& program, const zones::ZoneOperations& zones, const StoreOptions& options,
+             const std::vector<zones::ZoneOperations>& smaller = {});
 
   // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
   // meantime. All slots in which it differs from the state unpacked last are in `written`.
-  void announce(const std::int32_t* slots, const SlotSet& written) { discretes_.announce(slots, written); }
+  void announce(const std::int32_t* slots, const program::SlotSet& written) { discretes_.announce(slots, written); }
   // The number of that state, which is new if nobody has asked for it before.
   std::uint32_t locate() { return discretes_.locate(no_node); }
 
   // Whether a stored zone of this discrete state contains the zone; with `bounds` (may be null), simulates it.
-  bool covers(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const {
+  bool covers(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds = nullptr) const {
     return coverer(discrete, zone, bounds) != no_node;
   }
   // A stored state with this discrete part whose zone does; no_node if there is none.
-  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const;
+  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds = nullptr) const;
   // Whether no state with this discrete part has been stored.
   bool is_new(std::uint32_t discrete) const { return head(discrete) == no_node; }
   // The states with this number and larger ones wait, and are to be found by `unite`. To be told before any is added,
@@ -53,7 +53,7 @@ class PassedList {
   void wait_from(std::uint32_t first) { first_waiting_ = first; }
   // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
   // zone which is larger. The union goes to `united`, the nodes are added to `parts`. How many zones were looked at.
-  std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
+  std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, zones::ZoneRef united,
                     std::vector<std::uint32_t>& parts);
   // How many states with this discrete part are stored.
   std::size_t count(std::uint32_t discrete) const;
@@ -68,7 +68,7 @@ class PassedList {
   // With `subsumption` a state is covered by a state with a zone that contains its own, or simulates it, as for
   // `covers`; without by an equal one only.
   std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
-                    const ClockBounds* bounds = nullptr);
+                    const zones::ClockBounds* bounds = nullptr);
 
   // What several threads may ask at once, as long as nobody adds a state, each with a reader of its own.
   DiscreteStates::Reader reader() const { return discretes_.reader(); }
@@ -77,7 +77,7 @@ class PassedList {
   }
   // As `announce` without a reader, of the state that this one unpacked last, and the number of the announced state or
   // HashIndex::absent.
-  void announce(const std::int32_t* slots, const SlotSet& written, DiscreteStates::Reader& reader) const {
+  void announce(const std::int32_t* slots, const program::SlotSet& written, DiscreteStates::Reader& reader) const {
     discretes_.announce(slots, written, reader);
   }
   std::uint32_t locate(const DiscreteStates::Reader& reader) const { return discretes_.find(reader); }
@@ -119,9 +119,11 @@ class PassedList {
   // The node that a node has been reached from; no_node for the initial state.
   std::uint32_t parent(std::uint32_t number) const { return parents_[number]; }
   // The zone of a node that is not covered, or a copy of it in the buffer.
-  ZoneView zone(std::uint32_t number, ZoneBuffer& buffer) const { return zones_.read(zone_of(number), buffer.get()); }
+  ZoneView zone(std::uint32_t number, zones::ZoneBuffer& buffer) const {
+    return zones_.read(zone_of(number), buffer.get());
+  }
   // Writes that zone.
-  void copy_zone(std::uint32_t number, ZoneBuffer& zone) const {
+  void copy_zone(std::uint32_t number, zones::ZoneBuffer& zone) const {
     const ZoneView held = this->zone(number, zone);
     if (held.data.bytes != zone.get().bytes)
       std::memcpy(zone.get().bytes, held.data.bytes, zones_.operations(held.dimension).bytes);
@@ -156,11 +158,11 @@ class PassedList {
     return (link & mark) != 0 ? no_node : link;
   }
   // Removes the members of an antichain that the zone covers.
-  void thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds);
-  bool is_above(std::uint32_t number, ZoneView zone, const ClockBounds* bounds) const {
+  void thin_out(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds);
+  bool is_above(std::uint32_t number, ZoneView zone, const zones::ClockBounds* bounds) const {
     return zones_.covers(zone_of(number), zone, bounds);
   }
-  bool is_below(std::uint32_t number, ZoneView zone, const ClockBounds* bounds) const {
+  bool is_below(std::uint32_t number, ZoneView zone, const zones::ClockBounds* bounds) const {
     return zones_.is_covered(zone_of(number), zone, bounds);
   }
   void cover(std::uint32_t number, std::uint32_t discrete);
@@ -170,11 +172,11 @@ class PassedList {
   bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
   void append(std::uint32_t discrete, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);
-  Extent extent_of(ZoneView zone) const {
+  zones::Extent extent_of(ZoneView zone) const {
     return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_);
   }
   // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
-  void rescale(Raw largest_entry);
+  void rescale(zones::Raw largest_entry);
   // The first node of the antichain of a discrete part, or the number of a long one with the mark.
   std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
   std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
@@ -182,10 +184,10 @@ class PassedList {
 
   int dimension_;
   ZoneStore zones_;
-  ZoneBuffer buffer_;      // for a copy of one of them
-  ZoneOperations scaled_;  // for which the scale is chosen
+  zones::ZoneBuffer buffer_;      // for a copy of one of them
+  zones::ZoneOperations scaled_;  // for which the scale is chosen
   bool reclaim_;
-  ExtentScale scale_;
+  zones::ExtentScale scale_;
   DiscreteStates discretes_;
   RecordPool nodes_;
   Parents parents_;
@@ -200,4 +202,4 @@ class PassedList {
   } protected_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

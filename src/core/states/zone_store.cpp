@@ -1,9 +1,9 @@
 #include "states/zone_store.hpp"
 
-namespace tachk {
+namespace tachk::states {
 
-ZoneStore::ZoneStore(const ZoneOperations& operations, int dimension, const std::vector<ZoneOperations>& smaller,
-                     std::uint32_t rows_after)
+ZoneStore::ZoneStore(const zones::ZoneOperations& operations, int dimension,
+                     const std::vector<zones::ZoneOperations>& smaller, std::uint32_t rows_after)
     : has_one_(smaller.empty()), uses_(sizeof(Use), small_block), places_(sizeof(Place), small_block) {
   for (std::size_t each = 0; each < smaller.size(); ++each)
     shelves_.emplace_back(smaller[each], static_cast<int>(each), rows_after, small_block);
@@ -49,8 +49,8 @@ void ZoneStore::release(std::uint32_t number) {
 
 std::size_t ZoneStore::bytes() const {
   std::size_t sum = uses_.bytes() + places_.bytes() + index_.bytes() + free_.capacity() * sizeof(std::uint32_t);
-  for (const ZoneShelf& each : shelves_) sum += each.bytes();
+  for (const rows::ZoneShelf& each : shelves_) sum += each.bytes();
   return sum;
 }
 
-}  // namespace tachk
+}  // namespace tachk::states

@@ -10,10 +10,10 @@
 #include "states/rows/zone_shelf.hpp"
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::states {
 
 struct ZoneView {
-  ConstZoneRef data;
+  zones::ConstZoneRef data;
   int dimension;
 };
 
@@ -21,10 +21,10 @@ class ZoneStore {
  public:
   // `smaller`: the operations for each dimension below this one; empty if there are no such zones. `rows_after`: as of
   // a ZoneShelf.
-  ZoneStore(const ZoneOperations& operations, int dimension, const std::vector<ZoneOperations>& smaller,
+  ZoneStore(const zones::ZoneOperations& operations, int dimension, const std::vector<zones::ZoneOperations>& smaller,
             std::uint32_t rows_after);
 
-  const ZoneOperations& operations(int dimension) const { return shelf_of(dimension).operations(); }
+  const zones::ZoneOperations& operations(int dimension) const { return shelf_of(dimension).operations(); }
 
   // The number of the zone, for one more who needs it; `hash_value`: its hash.
   std::uint32_t intern(ZoneView zone, std::uint64_t hash_value);
@@ -35,20 +35,20 @@ class ZoneStore {
   void release(std::uint32_t number);
 
   // Whether a zone contains another one of its dimension; with `bounds` (may be null), simulates it.
-  bool covers(std::uint32_t number, ZoneView inner, const ClockBounds* bounds = nullptr) const {
+  bool covers(std::uint32_t number, ZoneView inner, const zones::ClockBounds* bounds = nullptr) const {
     return shelf(number).covers(record(number), inner.data, bounds);
   }
   // The other way round.
-  bool is_covered(std::uint32_t number, ZoneView outer, const ClockBounds* bounds = nullptr) const {
+  bool is_covered(std::uint32_t number, ZoneView outer, const zones::ClockBounds* bounds = nullptr) const {
     return shelf(number).is_covered(record(number), outer.data, bounds);
   }
   bool equals(std::uint32_t number, ZoneView zone) const {
-    const ZoneShelf& held = shelf(number);
+    const rows::ZoneShelf& held = shelf(number);
     return held.dimension() == zone.dimension && held.equals(record(number), zone.data);
   }
   // The zone itself, or a copy in `buffer`.
-  ZoneView read(std::uint32_t number, ZoneRef buffer) const {
-    const ZoneShelf& held = shelf(number);
+  ZoneView read(std::uint32_t number, zones::ZoneRef buffer) const {
+    const rows::ZoneShelf& held = shelf(number);
     return {held.read(record(number), buffer), held.dimension()};
   }
   // Half of the hash of a zone.
@@ -67,13 +67,13 @@ class ZoneStore {
   };
 
   bool has_one() const { return has_one_; }
-  ZoneShelf& shelf_of(int dimension) { return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)]; }
-  const ZoneShelf& shelf_of(int dimension) const {
+  rows::ZoneShelf& shelf_of(int dimension) { return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)]; }
+  const rows::ZoneShelf& shelf_of(int dimension) const {
     return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)];
   }
   Place place(std::uint32_t number) const { return *reinterpret_cast<const Place*>(places_[number]); }
-  ZoneShelf& shelf(std::uint32_t number) { return has_one() ? shelves_[0] : shelves_[place(number).dimension]; }
-  const ZoneShelf& shelf(std::uint32_t number) const {
+  rows::ZoneShelf& shelf(std::uint32_t number) { return has_one() ? shelves_[0] : shelves_[place(number).dimension]; }
+  const rows::ZoneShelf& shelf(std::uint32_t number) const {
     return has_one() ? shelves_[0] : shelves_[place(number).dimension];
   }
   std::uint32_t record(std::uint32_t number) const { return has_one() ? number : place(number).record; }
@@ -81,12 +81,12 @@ class ZoneStore {
   const Use& use(std::uint32_t number) const { return *reinterpret_cast<const Use*>(uses_[number]); }
   std::uint32_t add(ZoneView zone);
 
-  bool has_one_;                     // dimension
-  std::vector<ZoneShelf> shelves_;   // one, whose records are the zones, or one for each dimension
-  RecordPool uses_;                  // of each zone
-  RecordPool places_;                // of each zone; only with several dimensions
-  std::vector<std::uint32_t> free_;  // numbers to be used again; only with several dimensions
+  bool has_one_;                          // dimension
+  std::vector<rows::ZoneShelf> shelves_;  // one, whose records are the zones, or one for each dimension
+  RecordPool uses_;                       // of each zone
+  RecordPool places_;                     // of each zone; only with several dimensions
+  std::vector<std::uint32_t> free_;       // numbers to be used again; only with several dimensions
   HashIndex index_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::states

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <utility>
 
-namespace tachk {
+namespace tachk::stubborn {
 
-PartialOrder::PartialOrder(ZoneGraph& graph, bool wanted)
+PartialOrder::PartialOrder(symbolic::ZoneGraph& graph, bool wanted)
     : graph_(graph), sets_(graph.program(), graph.semantics(), graph.operations(), wanted) {
-  for (const Edge& edge : graph.program().edges) process_of_.push_back(static_cast<std::uint8_t>(edge.process));
+  for (const program::Edge& edge : graph.program().edges)
+    process_of_.push_back(static_cast<std::uint8_t>(edge.process));
 }
 
-void PartialOrder::begin(std::uint32_t node, const SymbolicState& source) {
+void PartialOrder::begin(std::uint32_t node, const symbolic::SymbolicState& source) {
   node_ = node;
   source_ = &source;
   members_ = sets_.enough(source.slots.data(), source.zone.get());
@@ -40,16 +41,16 @@ bool PartialOrder::next() {
   return false;
 }
 
-bool PartialOrder::is_sure(ConstZoneRef guarded, const Effect& effect) {
-  const ConstZoneRef zone = source_->zone.get();
+bool PartialOrder::is_sure(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
+  const zones::ConstZoneRef zone = source_->zone.get();
   const int dimension = graph_.program().dimension();
-  const ZoneOperations& operations = graph_.operations();
+  const zones::ZoneOperations& operations = graph_.operations();
   if (!operations.includes(guarded, zone, dimension)) return false;
   atoms_.clear();
   return graph_.semantics().weakest_precondition(effect, atoms_) &&
-         std::all_of(atoms_.begin(), atoms_.end(), [&](const Atom& atom) {
+         std::all_of(atoms_.begin(), atoms_.end(), [&](const zones::Atom& atom) {
            return operations.entry(zone, dimension, atom.left, atom.right) <= atom.raw;
          });
 }
 
-}  // namespace tachk
+}  // namespace tachk::stubborn

@@ -11,22 +11,22 @@
 #include "stubborn/stubborn_sets.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::stubborn {
 
 class PartialOrder final {
  public:
-  PartialOrder(ZoneGraph& graph, bool wanted);
+  PartialOrder(symbolic::ZoneGraph& graph, bool wanted);
 
   // A state is going to be expanded, in as many parts as `next` says.
-  void begin(std::uint32_t node, const SymbolicState& source);
+  void begin(std::uint32_t node, const symbolic::SymbolicState& source);
   // Whether there is one more part to expand.
   bool next();
   // Whether an action belongs to the part.
-  bool admits(const Edges& edges) const {
+  bool admits(const symbolic::Edges& edges) const {
     return part_ == Part::all || (members_ >> process_of_[edges.front()] & 1) == (part_ == Part::members);
   }
   // An action of the part is possible, and then perhaps: what it leads to is in this node.
-  void pass(ConstZoneRef guarded, const Effect& effect) {
+  void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
     if (part_ == Part::members) sure_ = is_sure(guarded, effect);
   }
   void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (asks() && !puts_off(node)); }
@@ -39,9 +39,9 @@ class PartialOrder final {
   enum class Part : std::uint8_t { none, members, others, all };
 
   // Whether every valuation of the source can take the action.
-  bool is_sure(ConstZoneRef guarded, const Effect& effect);
+  bool is_sure(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
 
-  ZoneGraph& graph_;
+  symbolic::ZoneGraph& graph_;
   // Whether a node has been expanded with some of its actions only.
   bool puts_off(std::uint32_t node) const { return node < reduced_.size() && reduced_[node]; }
 
@@ -50,12 +50,12 @@ class PartialOrder final {
   std::uint64_t reduced_states_ = 0;
   std::uint32_t node_ = 0;
   std::vector<std::uint8_t> process_of_;  // of each edge
-  const SymbolicState* source_ = nullptr;
+  const symbolic::SymbolicState* source_ = nullptr;
   StubbornSets::Members members_ = 0;
   Part part_ = Part::all;
   bool sure_ = false;
   bool goes_on_ = false;  // a sure action has led to a new state
-  std::vector<Atom> atoms_;
+  std::vector<zones::Atom> atoms_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::stubborn

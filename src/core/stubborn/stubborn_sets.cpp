@@ -5,18 +5,23 @@
 
 #include "machine/code_accesses.hpp"
 
-namespace tachk {
+namespace tachk::stubborn {
+
+using machine::CodeAccesses;
+using program::Edge;
+using program::Location;
+using zones::Atom;
 namespace {
 
 constexpr std::size_t most_processes = 64;
 constexpr std::size_t most_locations = 2048;
 
 // Whether a condition sets a clock a bound that it may reach.
-bool sets_a_bound(const Atom& atom) { return atom.left != 0 && atom.right == 0 && (atom.raw & raw_zero) != 0; }
+bool sets_a_bound(const Atom& atom) { return atom.left != 0 && atom.right == 0 && (atom.raw & zones::raw_zero) != 0; }
 
 }  // namespace
 
-bool StubbornSets::is_location(const Test& test) const {
+bool StubbornSets::is_location(const program::Test& test) const {
   return test.slot < program_.processes.size() && test.constant >= 0 &&
          static_cast<std::size_t>(test.constant) < program_.processes[test.slot].locations.size();
 }
@@ -29,8 +34,8 @@ struct StubbornSets::Place {
   CodeAccesses in_future;          // of the last, likewise
 };
 
-StubbornSets::StubbornSets(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
-                           bool wanted)
+StubbornSets::StubbornSets(const program::Program& program, const symbolic::Semantics& semantics,
+                           const zones::ZoneOperations& operations, bool wanted)
     : program_(program), semantics_(semantics), operations_(operations) {
   if (!wanted || !applies()) return;
   locations_ = semantics_.location_count();
@@ -39,15 +44,16 @@ StubbornSets::StubbornSets(const Program& program, const Semantics& semantics, c
 
 // Priorities and stopwatches are left out, and so is everything that asks for all states.
 bool StubbornSets::applies() const {
-  const bool stops = std::any_of(program_.processes.begin(), program_.processes.end(), [](const Process& process) {
-    return std::any_of(process.locations.begin(), process.locations.end(), [](const Location& location) {
-      const std::vector<Atom>& atoms = location.invariant.atoms;
-      return location.urgent || location.committed || std::any_of(atoms.begin(), atoms.end(), sets_a_bound);
-    });
-  });
-  const bool asks_deadlock = std::any_of(program_.goals.begin(), program_.goals.end(), [](const Goal& goal) {
+  const bool stops =
+      std::any_of(program_.processes.begin(), program_.processes.end(), [](const program::Process& process) {
+        return std::any_of(process.locations.begin(), process.locations.end(), [](const Location& location) {
+          const std::vector<Atom>& atoms = location.invariant.atoms;
+          return location.urgent || location.committed || std::any_of(atoms.begin(), atoms.end(), sets_a_bound);
+        });
+      });
+  const bool asks_deadlock = std::any_of(program_.goals.begin(), program_.goals.end(), [](const program::Goal& goal) {
     return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
-                       [](const Disjunct& one) { return one.deadlock != DeadlockLiteral::absent; });
+                       [](const program::Disjunct& one) { return one.deadlock != program::DeadlockLiteral::absent; });
   });
   return stops && !asks_deadlock && !program_.has_priorities && !program_.has_stopwatches &&
          program_.diagonals.empty() && program_.goals.size() > 0 && program_.measures.empty() &&
@@ -100,11 +106,11 @@ std::vector<StubbornSets::Place> StubbornSets::describe() const {
 void StubbornSets::find_dependencies(const std::vector<Place>& places) {
   CodeAccesses goals(program_);
   std::vector<bool> named(locations_);  // a goal asks whether a process is there
-  for (const Goal& goal : program_.goals)
-    for (const Disjunct& disjunct : goal.disjuncts) {
-      Condition condition = disjunct.condition;
-      std::erase_if(condition.tests, [&](const Test& test) {
-        const bool asks_location = is_location(test) && test.comparison == Comparison::equal;
+  for (const program::Goal& goal : program_.goals)
+    for (const program::Disjunct& disjunct : goal.disjuncts) {
+      program::Condition condition = disjunct.condition;
+      std::erase_if(condition.tests, [&](const program::Test& test) {
+        const bool asks_location = is_location(test) && test.comparison == program::Comparison::equal;
         if (asks_location) named[semantics_.location_number(test.slot, test.constant)] = true;
         return asks_location;
       });
@@ -139,15 +145,15 @@ void StubbornSets::find_dependencies(const std::vector<Place>& places) {
   }
 }
 
-bool StubbornSets::has_ended(const Location& here, ConstZoneRef zone) const {
+bool StubbornSets::has_ended(const Location& here, zones::ConstZoneRef zone) const {
   return here.has_invariant &&
          std::any_of(here.invariant.atoms.begin(), here.invariant.atoms.end(), [&](const Atom& atom) {
-           const Raw least = raw_bound(-raw_value(atom.raw), false);
+           const zones::Raw least = zones::raw_bound(-zones::raw_value(atom.raw), false);
            return sets_a_bound(atom) && operations_.entry(zone, program_.dimension(), 0, atom.left) <= least;
          });
 }
 
-StubbornSets::Members StubbornSets::enough(const std::int32_t* slots, ConstZoneRef zone) const {
+StubbornSets::Members StubbornSets::enough(const std::int32_t* slots, zones::ConstZoneRef zone) const {
   if (dependent_.empty()) return 0;
   const std::size_t processes = program_.processes.size();
   int most = 0;
@@ -186,4 +192,4 @@ StubbornSets::Members StubbornSets::closure(std::size_t process, int most, const
   return 0;
 }
 
-}  // namespace tachk
+}  // namespace tachk::stubborn

@@ -18,7 +18,7 @@
 #include "program/program.hpp"
 #include "symbolic/successor.hpp"
 
-namespace tachk {
+namespace tachk::stubborn {
 
 class StubbornSets final {
  public:
@@ -26,10 +26,11 @@ class StubbornSets final {
   using Members = std::uint64_t;
 
   // `wanted`: off, none is enough.
-  StubbornSets(const Program& program, const Semantics& semantics, const ZoneOperations& operations, bool wanted);
+  StubbornSets(const program::Program& program, const symbolic::Semantics& semantics,
+               const zones::ZoneOperations& operations, bool wanted);
 
   // A set that is enough in a state and not all of what can move, the smallest one found; 0 if there is none.
-  Members enough(const std::int32_t* slots, ConstZoneRef zone) const;
+  Members enough(const std::int32_t* slots, zones::ConstZoneRef zone) const;
 
  private:
   struct Place;  // a location of a process
@@ -37,9 +38,9 @@ class StubbornSets final {
   void find_dependencies(const std::vector<Place>& places);
   bool applies() const;
   // Whether no time can pass in any valuation of the zone because of the invariant of a location.
-  bool has_ended(const Location& here, ConstZoneRef zone) const;
+  bool has_ended(const program::Location& here, zones::ConstZoneRef zone) const;
   // Whether a test asks where a process is.
-  bool is_location(const Test& test) const;
+  bool is_location(const program::Test& test) const;
   // The smallest set with this process that is enough, where `most` is the largest commitment; 0 if there is none.
   Members closure(std::size_t process, int most, const std::int32_t* slots) const;
   std::size_t number(std::size_t process, const std::int32_t* slots) const {
@@ -48,9 +49,9 @@ class StubbornSets final {
   // Whether what a process may do from a location on depends on what another one does from its location.
   bool depends(std::size_t of, std::size_t on) const { return dependent_[of * locations_ + on]; }
 
-  const Program& program_;
-  const Semantics& semantics_;
-  const ZoneOperations& operations_;
+  const program::Program& program_;
+  const symbolic::Semantics& semantics_;
+  const zones::ZoneOperations& operations_;
   std::size_t locations_ = 0;
   std::vector<bool> dependent_;  // empty: the sets are of no use here
   std::vector<bool> seen_;       // of each location: what is done from it may change whether a goal is met
@@ -58,4 +59,4 @@ class StubbornSets final {
   std::vector<bool> moves_;      // there are edges
 };
 
-}  // namespace tachk
+}  // namespace tachk::stubborn

@@ -5,36 +5,42 @@
 #include <stdexcept>
 #include <utility>
 
-namespace tachk {
+namespace tachk::symbolic {
 
-Abstraction::Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
-                         Extrapolation kind, BoundScope scope)
+using zones::Atom;
+using zones::Raw;
+using zones::ZoneBuffer;
+
+Abstraction::Abstraction(const program::Program& program, const Semantics& semantics,
+                         const zones::ZoneOperations& operations, Extrapolation kind, BoundScope scope)
     : program_(program),
       semantics_(semantics),
       operations_(operations),
       kind_(kind),
       lower_(operations, program.dimension()),
       upper_(operations, program.dimension()) {
-  for (const Process& process : program.processes)
-    for (const Location& location : process.locations) add_bounds(location, scope);
+  for (const program::Process& process : program.processes)
+    for (const program::Location& location : process.locations) add_bounds(location, scope);
   bounds_.lower.emplace_back(operations, program.dimension());
   bounds_.upper.emplace_back(operations, program.dimension());
 }
 
-void Abstraction::add_bounds(const Location& location, BoundScope scope) {
+void Abstraction::add_bounds(const program::Location& location, BoundScope scope) {
   const bool separate = kind_ == Extrapolation::lu && program_.diagonals.empty();
   const auto clocks = static_cast<std::size_t>(program_.dimension());
-  std::vector<Raw> lower(clocks, not_compared);
-  std::vector<Raw> upper(clocks, not_compared);
+  std::vector<Raw> lower(clocks, zones::not_compared);
+  std::vector<Raw> upper(clocks, zones::not_compared);
   if (scope == BoundScope::local) {
-    for (const ClockBound& bound : location.lower) lower[bound.clock] = std::max(lower[bound.clock], bound.value);
-    for (const ClockBound& bound : location.upper) upper[bound.clock] = std::max(upper[bound.clock], bound.value);
+    for (const program::ClockBound& bound : location.lower)
+      lower[bound.clock] = std::max(lower[bound.clock], bound.value);
+    for (const program::ClockBound& bound : location.upper)
+      upper[bound.clock] = std::max(upper[bound.clock], bound.value);
   } else {
     lower = program_.maximum_constants;
     upper = program_.maximum_constants;
   }
-  BoundRow lower_row = bounds_.lower.emplace_back(operations_, program_.dimension()).get();
-  BoundRow upper_row = bounds_.upper.emplace_back(operations_, program_.dimension()).get();
+  zones::BoundRow lower_row = bounds_.lower.emplace_back(operations_, program_.dimension()).get();
+  zones::BoundRow upper_row = bounds_.upper.emplace_back(operations_, program_.dimension()).get();
   bool present = false;
   for (std::size_t clock = 1; clock < clocks; ++clock) {
     const Raw both = std::max(lower[clock], upper[clock]);
@@ -58,12 +64,12 @@ void Abstraction::collect_bounds(const std::int32_t* slots) {
   operations_.maximise_bounds(upper_.get(), upper_rows_.data(), upper_rows_.size(), program_.dimension());
 }
 
-void Abstraction::check_magnitude(ConstZoneRef zone) const {
+void Abstraction::check_magnitude(zones::ConstZoneRef zone) const {
   const int dimension = program_.dimension();
   for (int i = 0; i < dimension; ++i)
     for (int j = 0; j < dimension; ++j) {
       const Raw raw = operations_.entry(zone, dimension, i, j);
-      if (raw != unbounded_entry && std::abs(raw) > operations_.legal / 4) throw ConstantOverflow{};
+      if (raw != zones::unbounded_entry && std::abs(raw) > operations_.legal / 4) throw ConstantOverflow{};
     }
 }
 
@@ -79,14 +85,14 @@ void Abstraction::split_along(std::size_t diagonal, const ZoneBuffer& zone, std:
                               std::vector<ZoneBuffer>& pieces) const {
   const int dimension = program_.dimension();
   if (diagonal == program_.diagonals.size()) {
-    const ZoneRef piece = pieces.emplace_back(zone).get();
+    const zones::ZoneRef piece = pieces.emplace_back(zone).get();
     operations_.extrapolate_max(piece, dimension, upper_.get());
     if (!operations_.intersect(piece, dimension, sides.data(), sides.size()))
       throw std::logic_error("extrapolation lost a zone");
     return;
   }
   const Atom inside = program_.diagonals[diagonal];
-  for (const Atom side : {inside, negated(inside)}) {
+  for (const Atom side : {inside, zones::negated(inside)}) {
     ZoneBuffer piece(zone);
     if (!operations_.intersect(piece.get(), dimension, &side, 1)) continue;
     sides.push_back(side);
@@ -95,4 +101,4 @@ void Abstraction::split_along(std::size_t diagonal, const ZoneBuffer& zone, std:
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

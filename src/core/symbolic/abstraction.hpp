@@ -16,7 +16,7 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 enum class Extrapolation { none, max, lu };
 
@@ -25,11 +25,11 @@ enum class BoundScope { local, global };
 
 class Abstraction final {
  public:
-  Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations, Extrapolation kind,
-              BoundScope scope);
+  Abstraction(const program::Program& program, const Semantics& semantics, const zones::ZoneOperations& operations,
+              Extrapolation kind, BoundScope scope);
 
   // The constants that count in a discrete state, until the next call.
-  ClockBounds bounds(const std::int32_t* slots) {
+  zones::ClockBounds bounds(const std::int32_t* slots) {
     collect_bounds(slots);
     return {lower_.get(), upper_.get()};
   }
@@ -37,46 +37,46 @@ class Abstraction final {
   // Calls take(abstract) for each of the zones that together stand for the zone of a discrete state; there is one
   // unless the program has diagonals. The zone is used up. Throws ConstantOverflow.
   template <class Take>
-  void apply(const std::int32_t* slots, ZoneBuffer& zone, Take&& take) {
+  void apply(const std::int32_t* slots, zones::ZoneBuffer& zone, Take&& take) {
     if (kind_ == Extrapolation::none) {
       check_magnitude(zone.get());
-      take(ConstZoneRef(zone.get()));
+      take(zones::ConstZoneRef(zone.get()));
       return;
     }
     collect_bounds(slots);
     if (!program_.diagonals.empty()) {
-      for (const ZoneBuffer& piece : split(zone)) take(piece.get());
+      for (const zones::ZoneBuffer& piece : split(zone)) take(piece.get());
       return;
     }
     operations_.extrapolate_lu_plus(zone.get(), program_.dimension(), lower_.get(), upper_.get());
-    take(ConstZoneRef(zone.get()));
+    take(zones::ConstZoneRef(zone.get()));
   }
 
  private:
   // Of the locations, each row in a buffer of its own, and a last row without any bound.
   struct Bounds {
-    std::vector<BoundRowBuffer> lower;
-    std::vector<BoundRowBuffer> upper;
+    std::vector<zones::BoundRowBuffer> lower;
+    std::vector<zones::BoundRowBuffer> upper;
     std::vector<bool> present;
   };
 
-  void add_bounds(const Location& location, BoundScope scope);
+  void add_bounds(const program::Location& location, BoundScope scope);
   // Those of a discrete state, into `lower_` and `upper_`.
   void collect_bounds(const std::int32_t* slots);
-  void check_magnitude(ConstZoneRef zone) const;
-  std::vector<ZoneBuffer> split(const ZoneBuffer& zone) const;
-  void split_along(std::size_t diagonal, const ZoneBuffer& zone, std::vector<Atom>& sides,
-                   std::vector<ZoneBuffer>& pieces) const;
+  void check_magnitude(zones::ConstZoneRef zone) const;
+  std::vector<zones::ZoneBuffer> split(const zones::ZoneBuffer& zone) const;
+  void split_along(std::size_t diagonal, const zones::ZoneBuffer& zone, std::vector<zones::Atom>& sides,
+                   std::vector<zones::ZoneBuffer>& pieces) const;
 
-  const Program& program_;
+  const program::Program& program_;
   const Semantics& semantics_;
-  ZoneOperations operations_;
+  zones::ZoneOperations operations_;
   Extrapolation kind_;
   Bounds bounds_;
-  BoundRowBuffer lower_;
-  BoundRowBuffer upper_;
-  std::vector<ConstBoundRow> lower_rows_;
-  std::vector<ConstBoundRow> upper_rows_;
+  zones::BoundRowBuffer lower_;
+  zones::BoundRowBuffer upper_;
+  std::vector<zones::ConstBoundRow> lower_rows_;
+  std::vector<zones::ConstBoundRow> upper_rows_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bit>
 
-namespace tachk {
+namespace tachk::symbolic {
 
-ActiveClocks::ActiveClocks(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
-                           const std::vector<ZoneOperations>& smaller)
+using zones::ZoneOperations;
+
+ActiveClocks::ActiveClocks(const program::Program& program, const Semantics& semantics,
+                           const ZoneOperations& operations, const std::vector<ZoneOperations>& smaller)
     : program_(program),
       semantics_(semantics),
       operations_(operations),
@@ -15,12 +17,12 @@ ActiveClocks::ActiveClocks(const Program& program, const Semantics& semantics, c
       packed_(operations) {
   if (smaller.empty()) return;
   for (const ZoneOperations& each : smaller) lengths_.push_back(each.stride);
-  for (const Process& process : program.processes)
-    for (const Location& location : process.locations) {
+  for (const program::Process& process : program.processes)
+    for (const program::Location& location : process.locations) {
       const std::size_t first = masks_.size();
       masks_.resize(first + words_);
-      for (const std::vector<ClockBound>* bounds : {&location.lower, &location.upper})
-        for (const ClockBound& bound : *bounds)
+      for (const std::vector<program::ClockBound>* bounds : {&location.lower, &location.upper})
+        for (const program::ClockBound& bound : *bounds)
           if (bound.value >= 0) masks_[first + bound.clock / 64] |= std::uint64_t{1} << (bound.clock % 64);
     }
 }
@@ -38,7 +40,7 @@ void ActiveClocks::collect(const std::int32_t* slots) {
       clocks_.push_back(static_cast<std::uint16_t>(64 * word + static_cast<std::size_t>(std::countr_zero(rest))));
 }
 
-ZoneView ActiveClocks::pack(const std::int32_t* slots, ConstZoneRef zone) {
+states::ZoneView ActiveClocks::pack(const std::int32_t* slots, zones::ConstZoneRef zone) {
   const int dimension = program_.dimension();
   collect(slots);
   const auto count = static_cast<int>(clocks_.size());
@@ -47,7 +49,7 @@ ZoneView ActiveClocks::pack(const std::int32_t* slots, ConstZoneRef zone) {
   return {packed_.get(), count};
 }
 
-void ActiveClocks::scatter(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) {
+void ActiveClocks::scatter(const std::int32_t* slots, zones::ConstZoneRef packed, zones::ZoneBuffer& zone) {
   collect(slots);
   const auto count = static_cast<int>(clocks_.size());
   if (count == program_.dimension())
@@ -57,4 +59,4 @@ void ActiveClocks::scatter(const std::int32_t* slots, ConstZoneRef packed, ZoneB
                         lengths_[static_cast<std::size_t>(count)]);
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -10,27 +10,28 @@
 #include "symbolic/successor.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 class ActiveClocks {
  public:
   // `smaller`: the operations for each smaller dimension; empty if zones are kept whole.
-  ActiveClocks(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
-               const std::vector<ZoneOperations>& smaller);
+  ActiveClocks(const program::Program& program, const Semantics& semantics, const zones::ZoneOperations& operations,
+               const std::vector<zones::ZoneOperations>& smaller);
 
   // The part of a zone that matters, until the next call.
-  ZoneView packed(const std::int32_t* slots, ConstZoneRef zone) {
-    return lengths_.empty() ? ZoneView{zone, program_.dimension()} : pack(slots, zone);
+  states::ZoneView packed(const std::int32_t* slots, zones::ConstZoneRef zone) {
+    return lengths_.empty() ? states::ZoneView{zone, program_.dimension()} : pack(slots, zone);
   }
   // The zone, extrapolated as it was, from the part that matters.
-  void unpack(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) {
+  void unpack(const std::int32_t* slots, zones::ConstZoneRef packed, zones::ZoneBuffer& zone) {
     if (lengths_.empty())
       zone.assign(packed);
     else
       scatter(slots, packed, zone);
   }
   // The same of a stored state.
-  void unpack(const std::int32_t* slots, const PassedList& states, std::uint32_t node, ZoneBuffer& zone) {
+  void unpack(const std::int32_t* slots, const states::PassedList& states, std::uint32_t node,
+              zones::ZoneBuffer& zone) {
     if (lengths_.empty())
       states.copy_zone(node, zone);
     else
@@ -38,19 +39,19 @@ class ActiveClocks {
   }
 
  private:
-  ZoneView pack(const std::int32_t* slots, ConstZoneRef zone);
-  void scatter(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone);
+  states::ZoneView pack(const std::int32_t* slots, zones::ConstZoneRef zone);
+  void scatter(const std::int32_t* slots, zones::ConstZoneRef packed, zones::ZoneBuffer& zone);
   void collect(const std::int32_t* slots);
 
-  const Program& program_;
+  const program::Program& program_;
   const Semantics& semantics_;
-  ZoneOperations operations_;
+  zones::ZoneOperations operations_;
   std::vector<int> lengths_;  // of the rows of zones, by dimension; empty if all are kept whole
   std::size_t words_;
   std::vector<std::uint64_t> masks_;   // of the locations, `words_` each
   std::vector<std::uint64_t> mask_;    // of the state collected last
   std::vector<std::uint16_t> clocks_;  // its members, the reference clock first
-  ZoneBuffer packed_;
+  zones::ZoneBuffer packed_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -1,15 +1,15 @@
 #include "symbolic/dead_states.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
-DeadStates::DeadStates(const Program& program, const ZoneOperations& operations)
+DeadStates::DeadStates(const program::Program& program, const zones::ZoneOperations& operations)
     : semantics_(program, operations),
       operations_(operations),
       dimension_(program.dimension()),
       finder_(operations, dimension_),
       later_(operations) {}
 
-void DeadStates::look(std::int32_t* slots, ConstZoneRef zone) {
+void DeadStates::look(std::int32_t* slots, zones::ConstZoneRef zone) {
   const Delay delay = delay_in(semantics_, slots);
   invariant_.clear();
   semantics_.invariant(slots, invariant_);
@@ -21,11 +21,11 @@ void DeadStates::look(std::int32_t* slots, ConstZoneRef zone) {
     operations_.up_within(later_.get(), dimension_, semantics_.stopped_clocks(slots), invariant_.data(),
                           invariant_.size());
   finder_.begin(later_.get(), invariant_, delay, true);
-  semantics_.for_each_action(slots, later_.get(), [&](const Action& action, ConstZoneRef guarded) {
+  semantics_.for_each_action(slots, later_.get(), [&](const Action& action, zones::ConstZoneRef guarded) {
     if (!semantics_.apply(action.edges, slots, effect_)) return;
     atoms_.clear();
     if (semantics_.weakest_precondition(effect_, atoms_)) finder_.add(guarded, atoms_);
   });
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

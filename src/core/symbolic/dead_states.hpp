@@ -11,28 +11,28 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 class DeadStates final {
  public:
   // Has a transition relation of its own: it is asked while the graph goes through the actions of another state.
-  DeadStates(const Program& program, const ZoneOperations& operations);
+  DeadStates(const program::Program& program, const zones::ZoneOperations& operations);
 
   // Looks at a zone of a discrete state and all that delays lead to from there. Throws ModelFault.
-  void look(std::int32_t* slots, ConstZoneRef zone);
+  void look(std::int32_t* slots, zones::ConstZoneRef zone);
 
-  const Federation& dead() const { return finder_.dead(); }
-  const Federation& live() const { return finder_.live(); }
+  const zones::Federation& dead() const { return finder_.dead(); }
+  const zones::Federation& live() const { return finder_.live(); }
 
  private:
   Semantics semantics_;
-  ZoneOperations operations_;
+  zones::ZoneOperations operations_;
   int dimension_;
   DeadlockFinder finder_;
   Effect effect_;
-  ZoneBuffer later_;
-  std::vector<Atom> invariant_;
-  std::vector<Atom> atoms_;
+  zones::ZoneBuffer later_;
+  std::vector<zones::Atom> invariant_;
+  std::vector<zones::Atom> atoms_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

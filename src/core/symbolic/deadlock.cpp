@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::symbolic {
 
 Delay delay_in(Semantics& semantics, std::int32_t* slots) {
   const bool passes = semantics.time_passes(slots);
@@ -12,7 +12,7 @@ Delay delay_in(Semantics& semantics, std::int32_t* slots) {
   return passes ? Delay::free : Delay::none;
 }
 
-DeadlockFinder::DeadlockFinder(const ZoneOperations& operations, int dimension)
+DeadlockFinder::DeadlockFinder(const zones::ZoneOperations& operations, int dimension)
     : operations_(operations),
       dimension_(dimension),
       whole_(operations),
@@ -20,7 +20,8 @@ DeadlockFinder::DeadlockFinder(const ZoneOperations& operations, int dimension)
       dead_(operations, dimension),
       live_(operations, dimension) {}
 
-void DeadlockFinder::begin(ConstZoneRef zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live) {
+void DeadlockFinder::begin(zones::ConstZoneRef zone, const std::vector<zones::Atom>& invariant, Delay delay,
+                           bool wants_live) {
   delay_ = delay;
   invariant_ = invariant;
   dead_.clear();
@@ -31,7 +32,7 @@ void DeadlockFinder::begin(ConstZoneRef zone, const std::vector<Atom>& invariant
   if (inhabited) dead_.add(whole_.get());
 }
 
-void DeadlockFinder::add(ConstZoneRef guarded, const std::vector<Atom>& precondition) {
+void DeadlockFinder::add(zones::ConstZoneRef guarded, const std::vector<zones::Atom>& precondition) {
   possible_.assign(guarded);
   if (!operations_.intersect(possible_.get(), dimension_, precondition.data(), precondition.size()) ||
       !operations_.intersect(possible_.get(), dimension_, invariant_.data(), invariant_.size()))
@@ -54,10 +55,10 @@ void DeadlockFinder::add(ConstZoneRef guarded, const std::vector<Atom>& precondi
 void DeadlockFinder::find_cuts() {
   for (int j = 0; j < dimension_; ++j)
     for (int i = 0; i < dimension_; ++i) {
-      const Raw raw = operations_.entry(possible_.get(), dimension_, i, j);
+      const zones::Raw raw = operations_.entry(possible_.get(), dimension_, i, j);
       if (i != j && raw < operations_.entry(whole_.get(), dimension_, i, j))
         cuts_.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
     }
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

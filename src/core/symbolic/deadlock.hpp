@@ -10,7 +10,7 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 // How time goes on in a state.
 enum class Delay {
@@ -26,35 +26,35 @@ Delay delay_in(Semantics& semantics, std::int32_t* slots);
 
 class DeadlockFinder {
  public:
-  DeadlockFinder(const ZoneOperations& operations, int dimension);
+  DeadlockFinder(const zones::ZoneOperations& operations, int dimension);
 
   // Begins with a state. The zone may have been widened beyond its invariant, and is cut back to it: what can happen
   // outside is of no use to a valuation inside. `wants_live`: whether `live` will be asked for.
-  void begin(ConstZoneRef zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live);
+  void begin(zones::ConstZoneRef zone, const std::vector<zones::Atom>& invariant, Delay delay, bool wants_live);
 
   // False once further actions cannot change the result.
   bool open() const { return wants_live_ || !dead_.empty(); }
 
   // An action that is possible where `guarded`, a part of the zone, satisfies the precondition of the invariant behind
   // it.
-  void add(ConstZoneRef guarded, const std::vector<Atom>& precondition);
+  void add(zones::ConstZoneRef guarded, const std::vector<zones::Atom>& precondition);
 
-  const Federation& dead() const { return dead_; }
-  const Federation& live() const { return live_; }
+  const zones::Federation& dead() const { return dead_; }
+  const zones::Federation& live() const { return live_; }
 
  private:
   void find_cuts();
 
-  ZoneOperations operations_;
+  zones::ZoneOperations operations_;
   int dimension_;
   Delay delay_ = Delay::none;
   bool wants_live_ = false;
-  std::vector<Atom> invariant_;
-  ZoneBuffer whole_;        // the zone within the invariant
-  ZoneBuffer possible_;     // the valuations from which the action at hand can be taken
-  std::vector<Atom> cuts_;  // what `possible_` asks for beyond `whole_`
-  Federation dead_;
-  Federation live_;
+  std::vector<zones::Atom> invariant_;
+  zones::ZoneBuffer whole_;        // the zone within the invariant
+  zones::ZoneBuffer possible_;     // the valuations from which the action at hand can be taken
+  std::vector<zones::Atom> cuts_;  // what `possible_` asks for beyond `whole_`
+  zones::Federation dead_;
+  zones::Federation live_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -8,11 +8,11 @@
 
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 class MemberNames final {
  public:
-  explicit MemberNames(const Interchangeable& group) {
+  explicit MemberNames(const program::Interchangeable& group) {
     for (const std::vector<std::int32_t>& table : group.tables) {
       const auto [least, largest] = std::minmax_element(table.begin(), table.end());
       std::vector<std::int32_t>& member_of = member_of_.emplace_back();
@@ -35,4 +35,4 @@ class MemberNames final {
   std::vector<std::vector<std::int32_t>> member_of_;  // of each table, by number less the smallest one
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -4,7 +4,10 @@
 #include <cstring>
 #include <numeric>
 
-namespace tachk {
+namespace tachk::symbolic {
+
+using program::Interchangeable;
+using zones::ZoneBuffer;
 namespace {
 
 constexpr std::int64_t nowhere = std::int64_t{1} << 40;  // behind all places
@@ -32,7 +35,7 @@ Arrangement composed(const Arrangement& first, const Arrangement& second) {
   return result;
 }
 
-Representatives::Representatives(const Program& program, const ZoneOperations& operations)
+Representatives::Representatives(const program::Program& program, const zones::ZoneOperations& operations)
     : dimension_(program.dimension()),
       operations_(operations),
       active_(!program.interchangeable.empty()),
@@ -215,8 +218,8 @@ void Representatives::move_clocks(const Arrangement& arrangement, ZoneBuffer& zo
   std::swap(scratch_, zone);
 }
 
-void Representatives::rename_clocks(const Arrangement& arrangement, ConstZoneRef zone) {
+void Representatives::rename_clocks(const Arrangement& arrangement, zones::ConstZoneRef zone) {
   operations_.rename(scratch_.get(), zone, dimension_, clock_sources(arrangement).data());
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

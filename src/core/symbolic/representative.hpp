@@ -16,7 +16,7 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 // Of each group which member has come to each place.
 using Arrangement = std::vector<std::vector<std::uint32_t>>;
@@ -28,17 +28,17 @@ Arrangement composed(const Arrangement& first, const Arrangement& second);
 
 class Representatives final {
  public:
-  Representatives(const Program& program, const ZoneOperations& operations);
+  Representatives(const program::Program& program, const zones::ZoneOperations& operations);
 
   bool active() const { return active_; }
   // Whether states are sorted, where there are interchangeable processes.
   void activate(bool wanted) { active_ = wanted && !groups_.empty(); }
 
   // Sorts the members of each group in a state; false if all have kept their places.
-  bool sort(std::int32_t* slots, ZoneBuffer& zone);
+  bool sort(std::int32_t* slots, zones::ZoneBuffer& zone);
   // How the state sorted last was arranged.
   const Arrangement& arrangement() const { return arrangement_; }
-  void arrange(const Arrangement& arrangement, std::int32_t* slots, ZoneBuffer& zone);
+  void arrange(const Arrangement& arrangement, std::int32_t* slots, zones::ZoneBuffer& zone);
   void arrange(const Arrangement& arrangement, std::int32_t* slots);
 
   // Arrangements of which all others are made.
@@ -49,24 +49,24 @@ class Representatives final {
 
  private:
   struct Group {
-    Interchangeable parts;
-    std::vector<bool> names_own;                // of the slots of a member, whether they may name members
-    std::vector<std::size_t> own_tables;        // their tables
-    std::vector<Interchangeable::Name> shared;  // names outside the slots of members
-    MemberNames known;                          // whom a number names
-    std::optional<Rotations> turns;             // of a ring
+    program::Interchangeable parts;
+    std::vector<bool> names_own;                         // of the slots of a member, whether they may name members
+    std::vector<std::size_t> own_tables;                 // their tables
+    std::vector<program::Interchangeable::Name> shared;  // names outside the slots of members
+    MemberNames known;                                   // whom a number names
+    std::optional<Rotations> turns;                      // of a ring
   };
 
   void describe(const Group& group, const std::int32_t* slots);
   void order(std::size_t group);
-  void turn(std::size_t group, const std::int32_t* slots, ZoneBuffer& zone);
+  void turn(std::size_t group, const std::int32_t* slots, zones::ZoneBuffer& zone);
   void move_slots(const Group& group, const std::vector<std::uint32_t>& from, std::int32_t* slots);
-  void move_clocks(const Arrangement& arrangement, ZoneBuffer& zone);
+  void move_clocks(const Arrangement& arrangement, zones::ZoneBuffer& zone);
   // Sets `scratch_`.
-  void rename_clocks(const Arrangement& arrangement, ConstZoneRef zone);
+  void rename_clocks(const Arrangement& arrangement, zones::ConstZoneRef zone);
 
   int dimension_;
-  ZoneOperations operations_;
+  zones::ZoneOperations operations_;
   std::vector<Group> groups_;
   bool active_;
   Arrangement arrangement_;
@@ -78,7 +78,7 @@ class Representatives final {
   std::vector<std::int32_t> moved_;
   std::vector<std::uint32_t> places_;
   std::size_t slots_;  // of a state
-  ZoneBuffer scratch_;
+  zones::ZoneBuffer scratch_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

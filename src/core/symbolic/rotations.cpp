@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <numeric>
 
-namespace tachk {
+namespace tachk::symbolic {
 
-Rotations::Rotations(const Interchangeable& ring) : members_(ring.slots.size()), tables_(ring.tables) {
+Rotations::Rotations(const program::Interchangeable& ring) : members_(ring.slots.size()), tables_(ring.tables) {
   for (std::size_t role = 0; role < ring.slots.front().size(); ++role) {
     Track& track = tracks_.emplace_back();
     for (const std::vector<std::uint32_t>& own : ring.slots) track.slots.push_back(own[role]);
   }
-  for (const Interchangeable::Name& name : ring.names) {
+  for (const program::Interchangeable::Name& name : ring.names) {
     auto track = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& each) {
       return std::find(each.slots.begin(), each.slots.end(), name.slot) != each.slots.end();
     });
@@ -62,4 +62,4 @@ void Rotations::keep_least(const Track& track, const std::int32_t* slots) {
   least_.resize(kept);
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

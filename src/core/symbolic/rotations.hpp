@@ -7,11 +7,11 @@
 
 #include "program/program.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 class Rotations final {
  public:
-  explicit Rotations(const Interchangeable& ring);
+  explicit Rotations(const program::Interchangeable& ring);
 
   // By how many places members may move to the front so that the state is least; valid until the next call.
   const std::vector<std::size_t>& least(const std::int32_t* slots);
@@ -45,4 +45,4 @@ class Rotations final {
   std::vector<Content> contents_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -2,7 +2,18 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::symbolic {
+
+using program::Channel;
+using program::Comparison;
+using program::Edge;
+using program::Location;
+using program::no_code;
+using program::Test;
+using zones::Atom;
+using zones::ClockReset;
+using zones::ConstZoneRef;
+using zones::Raw;
 namespace {
 
 using Processes = std::vector<std::uint32_t>;
@@ -13,7 +24,7 @@ void make_set(Processes& processes) {
 }
 
 // Of each channel the processes with an edge that may receive from it.
-std::vector<Processes> receivers_of_channels(const Program& program) {
+std::vector<Processes> receivers_of_channels(const program::Program& program) {
   std::vector<Processes> receivers(program.channels.size());
   for (const Edge& edge : program.edges)
     for (std::uint32_t n = 0; !edge.internal() && !edge.sends && n < edge.channels; ++n)
@@ -33,13 +44,13 @@ Processes partners_of(const Edge& sender, const std::vector<Processes>& receiver
 
 }  // namespace
 
-Semantics::Semantics(const Program& program, const ZoneOperations& operations)
+Semantics::Semantics(const program::Program& program, const zones::ZoneOperations& operations)
     : program_(program),
       operations_(operations),
       machine_(program, operations.largest_constant),
       stopped_(static_cast<std::size_t>(program.dimension())) {
   std::size_t count = 0;
-  for (const Process& process : program.processes) {
+  for (const program::Process& process : program.processes) {
     first_location_.push_back(count);
     count += process.locations.size();
     for (const Location& here : process.locations) {
@@ -89,23 +100,23 @@ Semantics::RangeTest::RangeTest(const Test& test)
   }
 }
 
-bool Semantics::holds(const Condition& condition, std::int32_t* slots) {
+bool Semantics::holds(const program::Condition& condition, std::int32_t* slots) {
   for (const Test& test : condition.tests)
     if (!test.holds(slots)) return false;
   return condition.code == no_code || machine_.value(condition.code, slots) != 0;
 }
 
-void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms) {
+void Semantics::resolve(const program::Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms) {
   for (const Atom& atom : condition.atoms) atoms.push_back(atom);
-  for (const ComputedConstraint& c : condition.computed) {
+  for (const program::ComputedConstraint& c : condition.computed) {
     if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
     const std::int64_t left = c.left_code == no_code ? c.left : program_.renumbered(machine_.value(c.left_code, slots));
     const std::int64_t right =
         c.right_code == no_code ? c.right : program_.renumbered(machine_.value(c.right_code, slots));
     const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.time(c.bound_code, slots);
     if (bound > operations_.largest_constant || bound < -operations_.largest_constant)
-      throw ModelFault(FaultKind::bound, c.bound_code);
-    const Raw raw = raw_bound(bound, c.strict);
+      throw machine::ModelFault(machine::FaultKind::bound, c.bound_code);
+    const Raw raw = zones::raw_bound(bound, c.strict);
     if (left == right) {  // x - x < c, possible where the clocks are computed
       atoms.push_back({0, 0, raw});
       continue;
@@ -120,7 +131,7 @@ ConstZoneRef Semantics::narrowed(ConstZoneRef zone, std::size_t level, std::span
   if (!operations_.meets_each(zone, dimension, atoms.data(), atoms.size())) return {};
   while (levels_.size() <= level) levels_.emplace_back(operations_);
   levels_[level].assign(zone);
-  const ZoneRef rest = levels_[level].get();
+  const zones::ZoneRef rest = levels_[level].get();
   return operations_.intersect(rest, dimension, atoms.data(), atoms.size()) ? rest : ConstZoneRef{};
 }
 
@@ -162,8 +173,8 @@ bool Semantics::apply(const Edges& edges, const std::int32_t* slots, Effect& eff
   effect.resets.clear();
   effect.invariant.clear();
   for (const std::uint32_t number : edges) {
-    const Update& update = program_.edges[number].update;
-    for (const Update::Store& store : update.stores) {
+    const program::Update& update = program_.edges[number].update;
+    for (const program::Update::Store& store : update.stores) {
       effect.slots[store.slot] = store.value;
       effect.written.add(store.slot);
     }
@@ -206,7 +217,7 @@ bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& at
     atom.right = after[atom.right].source;
     if (atom.left != atom.right)
       atoms.push_back(atom);
-    else if (atom.raw < raw_zero)
+    else if (atom.raw < zones::raw_zero)
       return false;
   }
   return true;
@@ -259,4 +270,4 @@ std::pair<std::int32_t, std::int32_t> Semantics::priority(const Edges& edges, st
   return {channel, process};
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

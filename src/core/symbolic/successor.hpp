@@ -16,7 +16,7 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 // The numbers of the edges that fire together.
 using Edges = std::vector<std::uint32_t>;
@@ -33,34 +33,34 @@ struct ConstantOverflow : std::exception {
 // process order. `guard` is the conjunction of their clock guards in this discrete state.
 struct Action {
   Edges edges;
-  std::vector<Atom> guard;
+  std::vector<zones::Atom> guard;
 };
 
 // What an action does to the discrete state: all that is known before the zone is looked at.
 struct Effect {
   std::vector<std::int32_t> slots;  // all slots, frame slots included
-  SlotSet written;                  // holds every slot of the state that differs from the source
-  std::vector<ClockReset> resets;
-  std::vector<Atom> invariant;  // of the target, over the values after the resets
+  program::SlotSet written;         // holds every slot of the state that differs from the source
+  std::vector<zones::ClockReset> resets;
+  std::vector<zones::Atom> invariant;  // of the target, over the values after the resets
 };
 
 class Semantics {
  public:
-  Semantics(const Program& program, const ZoneOperations& operations);
+  Semantics(const program::Program& program, const zones::ZoneOperations& operations);
 
-  const Program& program() const { return program_; }
+  const program::Program& program() const { return program_; }
 
   // Calls visit(action, guarded) for each action that is enabled somewhere in the zone; `guarded` is that part of the
   // zone. Priorities and the invariants of the targets are not considered. Both arguments are only valid during the
   // call. Receivers are asked only where the guard of a sender holds, channel codes only where that of their edge does
   // (docs/semantics.md, run-time errors). Throws ModelFault.
   template <class Visit>
-  void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit) {
+  void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit) {
     for_each_action(slots, zone, visit, [](std::size_t) { return false; });
   }
   // As above, without what a process does alone where skips(process) is true.
   template <class Visit, class Skips>
-  void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit, Skips&& skips);
+  void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit, Skips&& skips);
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
   // not possible. Throws ModelFault, ConstantOverflow.
@@ -68,7 +68,7 @@ class Semantics {
 
   // The constraints on the source valuation under which the effect's invariant holds after its resets, appended to
   // `atoms`; false if it never holds.
-  bool weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const;
+  bool weakest_precondition(const Effect& effect, std::vector<zones::Atom>& atoms) const;
 
   // Whether time may pass in a discrete state: no urgent or committed location, no enabled urgent synchronisation.
   bool time_passes(std::int32_t* slots);
@@ -80,18 +80,18 @@ class Semantics {
   std::int64_t value(std::int32_t code, std::int32_t* slots) { return machine_.value(code, slots); }
 
   // Tests and code of a condition.
-  bool holds(const Condition& condition, std::int32_t* slots);
+  bool holds(const program::Condition& condition, std::int32_t* slots);
 
   // Appends the clock constraints of a condition. Throws ModelFault.
-  void resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms);
+  void resolve(const program::Condition& condition, std::int32_t* slots, std::vector<zones::Atom>& atoms);
 
   // Channel priority, then process priority (the largest of the participants).
   std::pair<std::int32_t, std::int32_t> priority(const Edges& edges, std::int32_t* slots);
 
   // Collects the invariant of a discrete state; false if its integer part is violated.
-  bool invariant(std::int32_t* slots, std::vector<Atom>& atoms);
+  bool invariant(std::int32_t* slots, std::vector<zones::Atom>& atoms);
 
-  const Location& location(std::size_t process, const std::int32_t* slots) const {
+  const program::Location& location(std::size_t process, const std::int32_t* slots) const {
     return program_.processes[process].locations[static_cast<std::size_t>(slots[process])];
   }
   // A number for each location of each process, counted through.
@@ -102,7 +102,7 @@ class Semantics {
 
  private:
   // Throws ConstantOverflow where copies advance clocks by more than zones have room for.
-  void check_advance(const std::vector<ClockReset>& resets) const;
+  void check_advance(const std::vector<zones::ClockReset>& resets) const;
 
   struct Sender {
     std::uint32_t edge;
@@ -115,7 +115,7 @@ class Semantics {
   };
   // A test without a branch: whether the slot lies in [low, low + span], or outside of it.
   struct RangeTest {
-    explicit RangeTest(const Test& test);
+    explicit RangeTest(const program::Test& test);
     bool passes(const std::int32_t* slots) const {
       return (static_cast<std::uint32_t>(slots[slot]) - low <= span) != outside;
     }
@@ -134,40 +134,42 @@ class Semantics {
   const Outgoing& outgoing(std::size_t process, const std::int32_t* slots) const {
     return outgoing_[location_number(process, slots[process])];
   }
-  std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
+  std::int32_t channel_of(const program::Edge& edge, std::int32_t* slots);
   // Whether a receiving edge may name the channel and the integer part of its guard holds.
   bool may_hear(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
     return program_.edges[number].may_name(channel) && offers(number, slots);
   }
   // Whether an edge that may name the channel does so now. Only to be asked where its guard holds.
-  bool names(const Edge& edge, std::int32_t channel, std::int32_t* slots) {
-    return edge.channel_code == no_code || channel_of(edge, slots) == channel;
+  bool names(const program::Edge& edge, std::int32_t channel, std::int32_t* slots) {
+    return edge.channel_code == program::no_code || channel_of(edge, slots) == channel;
   }
   // Whether a sending edge names an urgent channel in some state.
-  bool may_be_urgent(const Edge& edge) const;
+  bool may_be_urgent(const program::Edge& edge) const;
   // As `names`, asked only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
-  bool names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, ConstZoneRef zone, std::size_t level);
+  bool names_within(const program::Edge& edge, std::int32_t channel, std::int32_t* slots, zones::ConstZoneRef zone,
+                    std::size_t level);
   // Whether the integer part of an edge's guard holds.
   bool offers(std::uint32_t number, std::int32_t* slots) {
     const IntegerGuard& guard = integer_guards_[number];
     for (std::uint32_t n = guard.first_test; n < guard.last_test; ++n)
       if (!guard_tests_[n].passes(slots)) return false;
-    return guard.code == no_code || machine_.value(guard.code, slots) != 0;
+    return guard.code == program::no_code || machine_.value(guard.code, slots) != 0;
   }
   template <class Visit>
   void broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
-                 std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit);
+                 std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit&& visit);
   template <class Visit>
-  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, ConstZoneRef zone, std::size_t level,
-                Visit&& visit);
+  void stay_out(const std::vector<std::vector<zones::Atom>>& guards, std::size_t next, zones::ConstZoneRef zone,
+                std::size_t level, Visit&& visit);
   // The zone and the atoms, in the buffer of this level unless there is nothing to do; none if that is empty.
-  ConstZoneRef narrowed(ConstZoneRef zone, std::size_t level, std::span<const Atom> atoms);
+  zones::ConstZoneRef narrowed(zones::ConstZoneRef zone, std::size_t level, std::span<const zones::Atom> atoms);
   // Adds the clock guard of an edge to the action; gives the zone within it as `narrowed` does.
-  ConstZoneRef guarded(const Edge& edge, std::int32_t* slots, ConstZoneRef zone, std::size_t level);
+  zones::ConstZoneRef guarded(const program::Edge& edge, std::int32_t* slots, zones::ConstZoneRef zone,
+                              std::size_t level);
 
-  const Program& program_;
-  ZoneOperations operations_;
-  Machine machine_;
+  const program::Program& program_;
+  zones::ZoneOperations operations_;
+  machine::Machine machine_;
   std::vector<std::size_t> first_location_;
   std::vector<Outgoing> outgoing_;
   std::vector<IntegerGuard> integer_guards_;  // of each edge
@@ -179,13 +181,13 @@ class Semantics {
   bool has_urgent_locations_ = false;  // urgent or committed
   bool has_committed_locations_ = false;
   Action action_;
-  std::deque<ZoneBuffer> levels_;
+  std::deque<zones::ZoneBuffer> levels_;
 };
 
 // ---- the templates --------------------------------------------------------------------------------------------------
 
 template <class Visit, class Skips>
-void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit, Skips&& skips) {
+void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit, Skips&& skips) {
   const std::size_t processes = program_.processes.size();
   listeners_.clear();
   int most = 0;
@@ -197,19 +199,19 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
     const Outgoing& out = outgoing(p, slots);
     if (goes && !skips(p)) {
       for (const std::uint32_t number : out.internal) {
-        const Edge& edge = program_.edges[number];
+        const program::Edge& edge = program_.edges[number];
         if (!offers(number, slots)) continue;
         action_.edges.assign(1, number);
         action_.guard.clear();
-        if (const ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
+        if (const zones::ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
       }
     }
     for (const auto& [number, partners] : out.sends) {
-      const Edge& sender = program_.edges[number];
+      const program::Edge& sender = program_.edges[number];
       if (!offers(number, slots)) continue;
       action_.edges.assign(1, number);
       action_.guard.clear();
-      const ConstZoneRef sent = guarded(sender, slots, zone, 0);
+      const zones::ConstZoneRef sent = guarded(sender, slots, zone, 0);
       if (!sent) continue;
       const std::int32_t channel = channel_of(sender, slots);
       if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
@@ -221,11 +223,11 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
         if (!goes && !location(q, slots).may_go(most)) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
           if (!may_hear(other, channel, slots)) continue;
-          const Edge& partner = program_.edges[other];
+          const program::Edge& partner = program_.edges[other];
           action_.edges.resize(1);
           action_.edges.push_back(other);
           action_.guard.resize(sender_atoms);
-          const ConstZoneRef rest = guarded(partner, slots, sent, 1);
+          const zones::ConstZoneRef rest = guarded(partner, slots, sent, 1);
           if (rest && names(partner, channel, slots)) visit(std::as_const(action_), rest);
         }
       }
@@ -239,7 +241,7 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
 // lets a participant go.
 template <class Visit>
 void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
-                          std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit) {
+                          std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit&& visit) {
   const std::size_t first = listeners_.size();
   bool must_join = false;  // some listener asks nothing of the clocks
   std::uint32_t receiver = 0;
@@ -247,8 +249,8 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
     receiver = receivers.front();
     for (const std::uint32_t number : outgoing(receiver, slots).receives) {
       if (!may_hear(number, channel, slots)) continue;
-      const Edge& listener = program_.edges[number];
-      if (listener.channel_code != no_code && !names_within(listener, channel, slots, zone, level)) continue;
+      const program::Edge& listener = program_.edges[number];
+      if (listener.channel_code != program::no_code && !names_within(listener, channel, slots, zone, level)) continue;
       listeners_.push_back(number);
       must_join |= !listener.guard.constrains_clocks();
     }
@@ -260,11 +262,11 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
   }
   const std::size_t atoms = action_.guard.size();
   const bool joined = participates || location(receiver, slots).may_go(most);
-  std::vector<std::vector<Atom>> guards;
+  std::vector<std::vector<zones::Atom>> guards;
   for (std::size_t n = first; n < last; ++n) {
     const std::uint32_t number = listeners_[n];
     action_.edges.push_back(number);
-    const ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
+    const zones::ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
     if (!must_join)
       guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
     if (rest) broadcast(receivers, channel, most, joined, slots, rest, level + 1, visit);
@@ -272,7 +274,7 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
     action_.guard.resize(atoms);
   }
   if (!must_join)
-    stay_out(guards, 0, zone, level, [&](ConstZoneRef rest, std::size_t next_level) {
+    stay_out(guards, 0, zone, level, [&](zones::ConstZoneRef rest, std::size_t next_level) {
       broadcast(receivers, channel, most, participates, slots, rest, next_level, visit);
     });
   listeners_.resize(first);
@@ -281,18 +283,18 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
 // Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
 // holds.
 template <class Visit>
-void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, ConstZoneRef zone,
-                         std::size_t level, Visit&& visit) {
+void Semantics::stay_out(const std::vector<std::vector<zones::Atom>>& guards, std::size_t next,
+                         zones::ConstZoneRef zone, std::size_t level, Visit&& visit) {
   if (next == guards.size()) {
     visit(zone, level);
     return;
   }
   const std::size_t atoms = action_.guard.size();
-  ConstZoneRef inside = zone;  // where the atoms before the current one hold
-  for (const Atom& atom : guards[next]) {
-    const Atom outside = negated(atom);
+  zones::ConstZoneRef inside = zone;  // where the atoms before the current one hold
+  for (const zones::Atom& atom : guards[next]) {
+    const zones::Atom outside = zones::negated(atom);
     action_.guard.push_back(outside);
-    if (const ConstZoneRef rest = narrowed(inside, level, {&outside, 1}))
+    if (const zones::ConstZoneRef rest = narrowed(inside, level, {&outside, 1}))
       stay_out(guards, next + 1, rest, level + 1, visit);
     action_.guard.back() = atom;
     inside = narrowed(inside, level, {&atom, 1});
@@ -302,4 +304,4 @@ void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size
   action_.guard.resize(atoms);
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -4,16 +4,16 @@
 #include <numeric>
 #include <utility>
 
-namespace tachk {
+namespace tachk::symbolic {
 
-Twins::Twins(const Program& program, const ZoneOperations& operations)
+Twins::Twins(const program::Program& program, const zones::ZoneOperations& operations)
     : program_(program),
       operations_(operations),
       member_of_(program.processes.size(), nobody),
       sources_(static_cast<std::size_t>(program.dimension())) {
   std::iota(sources_.begin(), sources_.end(), std::uint16_t{0});
   std::uint32_t count = 0;
-  for (const Interchangeable& parts : program.interchangeable) {
+  for (const program::Interchangeable& parts : program.interchangeable) {
     if (parts.cyclic) continue;
     groups_.push_back({parts, MemberNames(parts), count});
     for (const std::vector<std::uint32_t>& slots : parts.slots) {
@@ -26,11 +26,11 @@ Twins::Twins(const Program& program, const ZoneOperations& operations)
   taking_part_.assign(count, 0);
 }
 
-void Twins::find(const std::int32_t* slots, ConstZoneRef zone) {
+void Twins::find(const std::int32_t* slots, zones::ConstZoneRef zone) {
   for (const Group& group : groups_) {
     const auto members = static_cast<std::uint32_t>(group.parts.slots.size());
     named_.assign(members, 0);
-    for (const Interchangeable::Name& name : group.parts.names) {
+    for (const program::Interchangeable::Name& name : group.parts.names) {
       const std::int32_t member = group.names.member(name.table, slots[name.slot]);
       if (member >= 0) named_[static_cast<std::size_t>(member)] = 1;
     }
@@ -40,7 +40,8 @@ void Twins::find(const std::int32_t* slots, ConstZoneRef zone) {
 }
 
 // Whether exchanging a member with the one before leaves the state as it is.
-bool Twins::exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots, ConstZoneRef zone) {
+bool Twins::exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots,
+                         zones::ConstZoneRef zone) {
   if (named_[member] != 0 || named_[member - 1] != 0) return false;
   const std::vector<std::uint32_t>& own = group.parts.slots[member];
   const std::vector<std::uint32_t>& others = group.parts.slots[member - 1];
@@ -73,4 +74,4 @@ bool Twins::repeats(std::span<const std::uint32_t> edges) {
   return found;
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -11,14 +11,14 @@
 #include "symbolic/member_names.hpp"
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 class Twins final {
  public:
-  Twins(const Program& program, const ZoneOperations& operations);
+  Twins(const program::Program& program, const zones::ZoneOperations& operations);
 
   // Looks for members of a group that are twins of the one before.
-  void find(const std::int32_t* slots, ConstZoneRef zone);
+  void find(const std::int32_t* slots, zones::ConstZoneRef zone);
 
   // Whether a process belongs to a twin of the member before: what it does alone, that one does, too.
   bool second(std::size_t process) const { return member_of_[process] != nobody && twins_[member_of_[process]] != 0; }
@@ -28,16 +28,16 @@ class Twins final {
 
  private:
   struct Group {
-    Interchangeable parts;
+    program::Interchangeable parts;
     MemberNames names;
     std::uint32_t first;  // its first member, of those of all groups
   };
   static constexpr std::uint32_t nobody = UINT32_MAX;
 
-  bool exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots, ConstZoneRef zone);
+  bool exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots, zones::ConstZoneRef zone);
 
-  const Program& program_;
-  ZoneOperations operations_;
+  const program::Program& program_;
+  zones::ZoneOperations operations_;
   std::vector<Group> groups_;
   std::vector<std::uint32_t> member_of_;  // of each process
   std::vector<std::uint8_t> twins_;       // of each member, whether it is a twin of the one before
@@ -47,4 +47,4 @@ class Twins final {
   std::vector<std::uint16_t> moved_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

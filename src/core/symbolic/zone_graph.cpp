@@ -5,13 +5,19 @@
 #include <stdexcept>
 #include <vector>
 
-namespace tachk {
+namespace tachk::symbolic {
+
+using program::Program;
+using zones::BoundLimits;
+using zones::Raw;
+using zones::Width;
+using zones::ZoneOperations;
 namespace {
 
 Program prepared(Program program, const ZoneGraphOptions& options) {
-  if (options.bounds == BoundScope::local) program = without_idle_clocks(std::move(program));
+  if (options.bounds == BoundScope::local) program = program::without_idle_clocks(std::move(program));
   if (!program.diagonals.empty()) program.interchangeable.clear();
-  if (options.scale) program = in_largest_unit(std::move(program));
+  if (options.scale) program = program::in_largest_unit(std::move(program));
   return program;
 }
 
@@ -19,9 +25,9 @@ Program prepared(Program program, const ZoneGraphOptions& options) {
 // apart may still get larger by so much.
 Raw largest_advance(const Program& program) {
   std::vector<Raw> of_process(program.processes.size(), 0);
-  for (const Edge& edge : program.edges) {
+  for (const program::Edge& edge : program.edges) {
     Raw whole = 0;
-    for (const ClockReset& reset : edge.update.resets)
+    for (const zones::ClockReset& reset : edge.update.resets)
       if (reset.source != 0) whole += reset.value;
     of_process[edge.process] = std::max(of_process[edge.process], whole);
   }
@@ -40,7 +46,7 @@ Width choose_width(const Program& program, const ZoneGraphOptions& options) {
 ZoneOperations choose_operations(const Program& program, const ZoneGraphOptions& options) {
   if (program.largest_constant > BoundLimits<std::int64_t>::largest_constant)
     throw std::overflow_error("a clock constant is too large");
-  return select_operations(program.dimension(), choose_width(program, options), options.vector);
+  return zones::select_operations(program.dimension(), choose_width(program, options), options.vector);
 }
 
 // Where zones of many clocks are stored without those that do not matter: the operations for what remains.
@@ -53,7 +59,7 @@ std::vector<ZoneOperations> choose_smaller(const Program& program, const ZoneGra
     return operations;
   operations.resize(1);
   for (int dimension = 1; dimension < program.dimension(); ++dimension)
-    operations.push_back(select_operations(dimension, choose_width(program, options), options.vector));
+    operations.push_back(zones::select_operations(dimension, choose_width(program, options), options.vector));
   return operations;
 }
 
@@ -84,25 +90,25 @@ ZoneGraph::ZoneGraph(const ZoneGraph& other)
       target_(operations_) {}
 
 SymbolicState ZoneGraph::blank() const {
-  return {std::vector<std::int32_t>(program_.slots.size()), ZoneBuffer(operations_)};
+  return {std::vector<std::int32_t>(program_.slots.size()), zones::ZoneBuffer(operations_)};
 }
 
 SymbolicState ZoneGraph::copy(const Successor& successor) const {
-  SymbolicState state{{successor.slots, successor.slots + program_.slots.size()}, ZoneBuffer(operations_)};
+  SymbolicState state{{successor.slots, successor.slots + program_.slots.size()}, zones::ZoneBuffer(operations_)};
   state.zone.assign(successor.zone);
   return state;
 }
 
 bool ZoneGraph::begin() {
   effect_.slots.clear();
-  for (const Slot& slot : program_.slots) effect_.slots.push_back(slot.initial);
-  effect_.written = SlotSet::all();
+  for (const program::Slot& slot : program_.slots) effect_.slots.push_back(slot.initial);
+  effect_.written = program::SlotSet::all();
   effect_.resets = program_.starts;
   effect_.invariant.clear();
   return semantics_.invariant(effect_.slots.data(), effect_.invariant);
 }
 
-bool ZoneGraph::enter(ConstZoneRef guarded, const Effect& effect) {
+bool ZoneGraph::enter(zones::ConstZoneRef guarded, const Effect& effect) {
   const int dimension = program_.dimension();
   target_.assign(guarded);
   operations_.reset(target_.get(), dimension, effect.resets.data(), effect.resets.size());
@@ -110,11 +116,11 @@ bool ZoneGraph::enter(ConstZoneRef guarded, const Effect& effect) {
 }
 
 void ZoneGraph::delay(Effect& effect) {
-  const std::vector<Atom>& invariant = effect.invariant;
+  const std::vector<zones::Atom>& invariant = effect.invariant;
   std::int32_t* slots = effect.slots.data();
   if (!semantics_.time_passes(slots)) return;
   const std::uint8_t* stopped = semantics_.stopped_clocks(slots);
   operations_.up_within(target_.get(), program_.dimension(), stopped, invariant.data(), invariant.size());
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

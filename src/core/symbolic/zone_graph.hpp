@@ -22,13 +22,13 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::symbolic {
 
 // How states are represented.
 struct ZoneGraphOptions {
   Extrapolation extrapolation = Extrapolation::lu;
   BoundScope bounds = BoundScope::local;
-  Width width = Width::narrow;  // at least
+  zones::Width width = zones::Width::narrow;  // at least
   bool scale = true;
   bool vector = true;
   std::uint32_t pack_clocks = 16;  // zones of more clocks are stored without those that do not matter
@@ -37,21 +37,21 @@ struct ZoneGraphOptions {
 // A symbolic state of one's own.
 struct SymbolicState {
   std::vector<std::int32_t> slots;  // all slots, frame slots included
-  ZoneBuffer zone;
+  zones::ZoneBuffer zone;
 };
 
 // A step to a symbolic state, valid during the call that tells of it.
 struct Successor {
   std::span<const std::uint32_t> edges;  // of the action; none for an initial state
   std::int32_t* slots;
-  ConstZoneRef zone;
+  zones::ConstZoneRef zone;
 };
 
 // A run-time error in an action of the state that is being expanded. Where it is a ModelFault only, it is one of the
 // state itself.
-struct ActionFault : ModelFault {
-  ActionFault(const ModelFault& fault, std::span<const std::uint32_t> action)
-      : ModelFault(fault), edges(action.begin(), action.end()) {}
+struct ActionFault : machine::ModelFault {
+  ActionFault(const machine::ModelFault& fault, std::span<const std::uint32_t> action)
+      : machine::ModelFault(fault), edges(action.begin(), action.end()) {}
 
   Edges edges;
 };
@@ -70,24 +70,25 @@ struct ActionFault : ModelFault {
 //                              successors end here
 //   take(successor)            the successor, abstracted
 template <class R>
-concept Receiver = requires(R& receiver, ConstZoneRef guarded, const Effect& effect, const Successor& successor) {
-  receiver.possible(guarded, effect);
-  receiver.expect(effect);
-  { receiver.wants(successor) } -> std::same_as<bool>;
-  receiver.take(successor);
-};
+concept Receiver =
+    requires(R& receiver, zones::ConstZoneRef guarded, const Effect& effect, const Successor& successor) {
+      receiver.possible(guarded, effect);
+      receiver.expect(effect);
+      { receiver.wants(successor) } -> std::same_as<bool>;
+      receiver.take(successor);
+    };
 
 class ZoneGraph final {
  public:
-  ZoneGraph(Program program, const ZoneGraphOptions& options);
+  ZoneGraph(program::Program program, const ZoneGraphOptions& options);
   // Another graph of the same program, for another thread: it shares nothing with this one.
   explicit ZoneGraph(const ZoneGraph& other);
   ZoneGraph& operator=(const ZoneGraph&) = delete;
 
-  const Program& program() const { return program_; }
-  const ZoneOperations& operations() const { return operations_; }
+  const program::Program& program() const { return program_; }
+  const zones::ZoneOperations& operations() const { return operations_; }
   // Those of each smaller dimension, if zones are stored without clocks that do not matter; else none.
-  const std::vector<ZoneOperations>& smaller_operations() const { return smaller_; }
+  const std::vector<zones::ZoneOperations>& smaller_operations() const { return smaller_; }
   Semantics& semantics() { return semantics_; }
   // Where processes are interchangeable, successors are told with those sorted; how that was done for the last one, and
   // whether it is done, may be asked for here.
@@ -104,7 +105,7 @@ class ZoneGraph final {
   // Calls take(abstract) for each of the zones that together stand for a zone of a discrete state, which is used up.
   // Throws ConstantOverflow.
   template <class Take>
-  void abstract(const std::int32_t* slots, ZoneBuffer& zone, Take&& take) {
+  void abstract(const std::int32_t* slots, zones::ZoneBuffer& zone, Take&& take) {
     abstraction_.apply(slots, zone, take);
   }
 
@@ -115,17 +116,19 @@ class ZoneGraph final {
            program_.diagonals.empty();
   }
   // The constants that count in a discrete state, until the next call.
-  ClockBounds bounds(const std::int32_t* slots) { return abstraction_.bounds(slots); }
+  zones::ClockBounds bounds(const std::int32_t* slots) { return abstraction_.bounds(slots); }
 
   // Memory for a state.
   SymbolicState blank() const;
   SymbolicState copy(const Successor& successor) const;
 
   // The part of a zone that is worth storing, until the next call, and the zone from that part.
-  ZoneView packed(const std::int32_t* slots, ConstZoneRef zone) { return active_.packed(slots, zone); }
-  void unpack(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) { active_.unpack(slots, packed, zone); }
+  states::ZoneView packed(const std::int32_t* slots, zones::ConstZoneRef zone) { return active_.packed(slots, zone); }
+  void unpack(const std::int32_t* slots, zones::ConstZoneRef packed, zones::ZoneBuffer& zone) {
+    active_.unpack(slots, packed, zone);
+  }
   // Gives a state the zone of a stored one, whose slots it has.
-  void unpack(const PassedList& states, std::uint32_t node, SymbolicState& state) {
+  void unpack(const states::PassedList& states, std::uint32_t node, SymbolicState& state) {
     active_.unpack(state.slots.data(), states, node, state.zone);
   }
 
@@ -133,35 +136,35 @@ class ZoneGraph final {
   // Sets `effect_` to what comes before the first action; false if an invariant excludes it.
   bool begin();
   // Goes from the guarded zone to `target_`, by the resets and the invariant of the effect; false if nothing is left.
-  bool enter(ConstZoneRef guarded, const Effect& effect);
+  bool enter(zones::ConstZoneRef guarded, const Effect& effect);
   // Lets time pass in `target_`.
   void delay(Effect& effect);
   // Throws GivenUp, now and then asked whether to.
   void look_at_the_time() {
     constexpr std::uint32_t seldom = 64;
-    if (++actions_ % seldom == 0) Patience::check();
+    if (++actions_ % seldom == 0) zones::Patience::check();
   }
   template <Receiver R>
   void expand_by_priority(SymbolicState& source, R& receiver);
   template <Receiver R>
-  void follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver);
+  void follow(std::span<const std::uint32_t> edges, zones::ConstZoneRef guarded, Effect& effect, R& receiver);
   template <Receiver R>
   void follow_sorted(std::span<const std::uint32_t> edges, Effect& effect, R& receiver);
   // The value of the body; names the action in a run-time error.
   template <class Body>
   static bool within(std::span<const std::uint32_t> edges, Body&& body);
 
-  Program program_;
+  program::Program program_;
   ZoneGraphOptions options_;
-  ZoneOperations operations_;
-  std::vector<ZoneOperations> smaller_;
+  zones::ZoneOperations operations_;
+  std::vector<zones::ZoneOperations> smaller_;
   Semantics semantics_;
   ActiveClocks active_;
   Abstraction abstraction_;
   Representatives representatives_;
   Twins twins_;
   Effect effect_;
-  ZoneBuffer target_;
+  zones::ZoneBuffer target_;
   std::uint32_t actions_ = 0;  // that have been told, for the next look at the time
 };
 
@@ -170,7 +173,7 @@ class ZoneGraph final {
 template <Receiver R>
 void ZoneGraph::start(R&& receiver) {
   if (!begin()) return;
-  ZoneBuffer zero(operations_);
+  zones::ZoneBuffer zero(operations_);
   operations_.make_zero(zero.get(), program_.dimension());
   follow({}, zero.get(), effect_, receiver);
 }
@@ -183,7 +186,7 @@ void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
   bool counts = true;
   if constexpr (requires { receiver.counts(); }) counts = receiver.counts();
   if (sorts) twins_.find(slots, source.zone.get());
-  const auto visit = [&](const Action& action, ConstZoneRef guarded) {
+  const auto visit = [&](const Action& action, zones::ConstZoneRef guarded) {
     look_at_the_time();
     if constexpr (requires { receiver.admits(action.edges); })
       if (!receiver.admits(action.edges)) return;
@@ -202,16 +205,16 @@ template <Receiver R>
 void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
   struct Ranked {
     Edges edges;
-    ZoneBuffer guarded;
-    std::vector<Atom> possible;  // where the action is possible: guard and precondition of the target invariant
+    zones::ZoneBuffer guarded;
+    std::vector<zones::Atom> possible;  // where the action is possible: guard and precondition of the target invariant
     Effect effect;
     std::pair<std::int32_t, std::int32_t> priority;
   };
   std::int32_t* slots = source.slots.data();
   std::vector<Ranked> actions;
-  semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, ConstZoneRef guarded) {
+  semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, zones::ConstZoneRef guarded) {
     look_at_the_time();
-    Ranked ranked{action.edges, ZoneBuffer(operations_), action.guard, {}, {}};
+    Ranked ranked{action.edges, zones::ZoneBuffer(operations_), action.guard, {}, {}};
     ranked.guarded.assign(guarded);
     if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, ranked.effect); })) return;
     if (!semantics_.weakest_precondition(ranked.effect, ranked.possible)) return;
@@ -220,7 +223,7 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
     actions.push_back(std::move(ranked));
   });
   for (Ranked& action : actions) {
-    Federation first(operations_, program_.dimension());  // where no action of higher priority is possible
+    zones::Federation first(operations_, program_.dimension());  // where no action of higher priority is possible
     first.add(action.guarded.get());
     for (const Ranked& other : actions)
       if (other.priority > action.priority) first.subtract(other.possible);
@@ -233,7 +236,7 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
 }
 
 template <Receiver R>
-void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver) {
+void ZoneGraph::follow(std::span<const std::uint32_t> edges, zones::ConstZoneRef guarded, Effect& effect, R& receiver) {
   if (representatives_.active()) {
     if (enter(guarded, effect)) follow_sorted(edges, effect, receiver);
     return;
@@ -245,7 +248,7 @@ void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarde
     if (!receiver.enters(Successor{edges, slots, target_.get()}, effect.invariant)) return;
   within(edges, [&] { return delay(effect), true; });
   if (!receiver.wants(Successor{edges, slots, target_.get()})) return;
-  abstraction_.apply(slots, target_, [&](ConstZoneRef zone) { receiver.take(Successor{edges, slots, zone}); });
+  abstraction_.apply(slots, target_, [&](zones::ConstZoneRef zone) { receiver.take(Successor{edges, slots, zone}); });
 }
 
 // There are no diagonals here, so that a state has one zone.
@@ -255,9 +258,9 @@ void ZoneGraph::follow_sorted(std::span<const std::uint32_t> edges, Effect& effe
   if constexpr (requires { receiver.enters(Successor{}, effect.invariant); })
     if (!receiver.enters(Successor{edges, slots, target_.get()}, effect.invariant)) return;
   within(edges, [&] { return delay(effect), true; });
-  abstraction_.apply(slots, target_, [](ConstZoneRef) {});
+  abstraction_.apply(slots, target_, [](zones::ConstZoneRef) {});
   representatives_.sort(slots, target_);
-  effect.written = SlotSet::all();
+  effect.written = program::SlotSet::all();
   receiver.expect(effect);
   const Successor successor{edges, slots, target_.get()};
   if (receiver.wants(successor)) receiver.take(successor);
@@ -267,9 +270,9 @@ template <class Body>
 bool ZoneGraph::within(std::span<const std::uint32_t> edges, Body&& body) {
   try {
     return body();
-  } catch (const ModelFault& fault) {
+  } catch (const machine::ModelFault& fault) {
     throw ActionFault(fault, edges);
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::symbolic

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace tachk {
+namespace tachk::zones {
 
 using Raw = std::int64_t;
 
@@ -63,4 +63,4 @@ struct ClockReset {
   std::uint16_t source = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::zones

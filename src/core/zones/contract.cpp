@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace tachk {
+namespace tachk::zones {
 namespace {
 
 void end_program(const char* condition, const char* file, int line) {
@@ -15,4 +15,4 @@ void end_program(const char* condition, const char* file, int line) {
 
 ContractHandler on_broken_contract = end_program;
 
-}  // namespace tachk
+}  // namespace tachk::zones

@@ -4,7 +4,7 @@
 
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_entry) {
   const std::int64_t width = static_cast<std::int64_t>(operations.row_bytes) / operations.stride;
@@ -19,4 +19,4 @@ ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw la
   return scale;
 }
 
-}  // namespace tachk
+}  // namespace tachk::zones

@@ -6,7 +6,7 @@
 
 #include "zones/bound.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 // Sums of the entries of a zone: the first half over rows, row i in sum i mod 8, the second half over columns. A zone
 // that contains another one is at least as large in each; comparing these first spares most comparisons of zones.
@@ -72,4 +72,4 @@ struct ExtentScale {
   int sum_shift;    // of the sums, so that they fit into 16 bits
 };
 
-}  // namespace tachk
+}  // namespace tachk::zones

@@ -4,7 +4,7 @@
 
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 void Federation::add(ConstZoneRef zone) {
   if (count_ == zones_.size()) zones_.emplace_back(operations_);
@@ -28,4 +28,4 @@ void Federation::subtract(const std::vector<Atom>& atoms) {
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::zones

@@ -7,7 +7,7 @@
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 class Federation {
  public:
@@ -29,4 +29,4 @@ class Federation {
   std::size_t count_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::zones

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace tachk {
+namespace tachk::zones {
 namespace {
 
 constexpr std::chrono::milliseconds between_looks{25};
@@ -43,4 +43,4 @@ Patience::Shared::Shared(Patience* patience) { shared = patience; }
 
 Patience::Shared::~Shared() { shared = nullptr; }
 
-}  // namespace tachk
+}  // namespace tachk::zones

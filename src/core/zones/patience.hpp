@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-namespace tachk {
+namespace tachk::zones {
 
 // What was being done is half done: its owner cannot go on from there.
 struct GivenUp : std::exception {
@@ -67,4 +67,4 @@ class InPieces final {
   bool half_done_ = false;
 };
 
-}  // namespace tachk
+}  // namespace tachk::zones

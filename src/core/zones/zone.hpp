@@ -13,7 +13,7 @@
 #include "zones/extent.hpp"
 #include "zones/zone_ref.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 // The constants with which clocks are compared in a discrete state: L(x) and U(x) as `extrapolate_lu_plus` takes them.
 struct ClockBounds {
@@ -117,4 +117,4 @@ ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw la
 // code.
 ZoneOperations select_operations(int dimension, Width width, bool vector);
 
-}  // namespace tachk
+}  // namespace tachk::zones

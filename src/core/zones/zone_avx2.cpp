@@ -6,12 +6,12 @@
 
 #include "zones/zone_kernel.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 ZoneOperations operations_avx2(int dimension, Width width);
 
 ZoneOperations operations_avx2(int dimension, Width width) { return avx2::operations(dimension, width); }
 
-}  // namespace tachk
+}  // namespace tachk::zones
 
 #endif

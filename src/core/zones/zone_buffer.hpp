@@ -8,7 +8,7 @@
 
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 class AlignedBytes {
  public:
@@ -61,4 +61,4 @@ class BoundRowBuffer {
   AlignedBytes memory_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::zones

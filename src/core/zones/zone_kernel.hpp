@@ -12,7 +12,7 @@
 
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace tachk::TACHK_INSTRUCTION_SET {
+namespace tachk::zones::TACHK_INSTRUCTION_SET {
 
 template <class T, int Bytes>
 struct Lanes;
@@ -684,4 +684,4 @@ inline ZoneOperations operations(int dimension, Width width) {
   return Table<std::int64_t, 0>::make(TACHK_INSTRUCTION_NAME " int64", dimension);
 }
 
-}  // namespace tachk::TACHK_INSTRUCTION_SET
+}  // namespace tachk::zones::TACHK_INSTRUCTION_SET

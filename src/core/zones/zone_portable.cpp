@@ -4,7 +4,7 @@
 
 #include "zones/zone_kernel.hpp"
 
-namespace tachk {
+namespace tachk::zones {
 
 #if defined(__x86_64__)
 ZoneOperations operations_avx2(int dimension, Width width);
@@ -18,4 +18,4 @@ ZoneOperations select_operations(int dimension, Width width, bool vector) {
   return portable::operations(dimension, width);
 }
 
-}  // namespace tachk
+}  // namespace tachk::zones

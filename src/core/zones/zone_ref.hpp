@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tachk {
+namespace tachk::zones {
 
 // A zone that may be read; by default none.
 struct ConstZoneRef {
@@ -46,4 +46,4 @@ struct BoundRow {
   operator ConstBoundRow() const { return {bytes}; }
 };
 
-}  // namespace tachk
+}  // namespace tachk::zones

@@ -10,7 +10,7 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::csv;
 
 CsvOptions two_columns() {
   CsvOptions options;

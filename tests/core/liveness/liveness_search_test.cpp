@@ -9,7 +9,11 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::liveness;
+using namespace tachk::program;
+using namespace tachk::reachability;
+using namespace tachk::symbolic;
+using namespace tachk::zones;
 
 constexpr std::int32_t nowhere = 9;
 

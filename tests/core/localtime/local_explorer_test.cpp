@@ -14,7 +14,11 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::localtime;
+using namespace tachk::program;
+using namespace tachk::reachability;
+using namespace tachk::symbolic;
+using namespace tachk::zones;
 
 // Process p leaves `a` when its clock is in [2, 3 + p], and stays in `b`.
 Program apart(std::uint32_t processes) {

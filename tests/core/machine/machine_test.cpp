@@ -15,7 +15,9 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::machine;
+using namespace tachk::program;
+using namespace tachk::zones;
 
 constexpr std::int32_t slots = 16;
 constexpr std::int32_t counters = 6;  // slots behind those, one for each level of loops

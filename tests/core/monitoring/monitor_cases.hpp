@@ -7,7 +7,7 @@
 #include "monitoring/monitor_program.hpp"
 #include "monitoring/monitor_samples.hpp"
 
-namespace tachk {
+namespace tachk::monitoring {
 
 constexpr std::size_t columns = 3;
 
@@ -95,4 +95,4 @@ void feed(Monitor& monitor, const Trace& trace, Random* random) {
   monitor.finish(trace.end);
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring

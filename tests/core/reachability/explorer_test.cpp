@@ -10,7 +10,12 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::machine;
+using namespace tachk::order;
+using namespace tachk::program;
+using namespace tachk::reachability;
+using namespace tachk::symbolic;
+using namespace tachk::zones;
 using namespace programs;
 
 // Counts that TChecker's covering reachability reports for the same networks.

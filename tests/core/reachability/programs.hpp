@@ -10,7 +10,8 @@
 
 namespace programs {
 
-using namespace tachk;
+using namespace tachk::program;
+using namespace tachk::zones;
 
 inline Condition tests(std::vector<Test> items) {
   Condition condition;

@@ -11,7 +11,9 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::order;
+using namespace tachk::program;
+using namespace tachk::reachability;
 using namespace programs;
 
 // A search to its end in slices of so many states.

@@ -12,7 +12,8 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::program;
+using namespace tachk::simulation;
 
 void test_random_numbers_depend_on_seed_and_run() {
   Random first(1, 0);

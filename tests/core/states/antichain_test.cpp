@@ -18,7 +18,9 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::program;
+using namespace tachk::states;
+using namespace tachk::zones;
 
 struct Random {
   std::mt19937 engine;

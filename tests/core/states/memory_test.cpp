@@ -10,7 +10,7 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::states;
 
 // Few different hashes, close together at both ends of two segments, so that many records compete for the same places.
 void test_erased_records_leave_no_gap() {

@@ -13,7 +13,9 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::states;
+using namespace tachk::states::rows;
+using namespace tachk::zones;
 
 struct Random {
   std::mt19937 engine;

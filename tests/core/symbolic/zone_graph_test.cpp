@@ -13,7 +13,12 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::order;
+using namespace tachk::program;
+using namespace tachk::reachability;
+using namespace tachk::states;
+using namespace tachk::symbolic;
+using namespace tachk::zones;
 
 // Two processes on one clock each: from `a` to `b` after 2, back before 5; the second has priority.
 Program two_processes(bool priorities) {

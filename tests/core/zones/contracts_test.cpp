@@ -12,7 +12,7 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::zones;
 
 struct Broken {
   std::string condition;

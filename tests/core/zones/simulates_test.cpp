@@ -14,7 +14,7 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::zones;
 
 // Time is counted in sixths: enough to meet each region, and what lies between two valuations of thirds. With constants
 // and steps as few as here no clock is compared with, or differs from another by, more than 5.

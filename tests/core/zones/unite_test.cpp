@@ -11,7 +11,7 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::zones;
 
 // Time is counted in quarters: three clocks, each region has a valuation among them.
 constexpr int parts = 4;

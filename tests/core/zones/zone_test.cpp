@@ -13,10 +13,10 @@
 
 namespace {
 
-using tachk::Atom;
-using tachk::ClockReset;
-using tachk::Raw;
-using tachk::ZoneOperations;
+using tachk::zones::Atom;
+using tachk::zones::ClockReset;
+using tachk::zones::Raw;
+using tachk::zones::ZoneOperations;
 
 constexpr std::int64_t infinity = INT64_MAX;
 
@@ -52,7 +52,7 @@ struct Matrix {
     const auto more = [&](int i) { return i == r.clock ? Raw{r.value} : 0; };
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j)
-        if (i != j) at(i, j) = add(before.at(source(i), source(j)), tachk::raw_bound(more(i) - more(j), false));
+        if (i != j) at(i, j) = add(before.at(source(i), source(j)), tachk::zones::raw_bound(more(i) - more(j), false));
   }
   void up(const std::vector<std::uint8_t>& stopped) {
     for (int i = 1; i < n; ++i) {
@@ -114,7 +114,7 @@ struct Matrix {
 struct Zone {
   ZoneOperations ops;
   int n;
-  tachk::ZoneRef data;
+  tachk::zones::ZoneRef data;
 
   Zone(const ZoneOperations& operations, int dimension)
       : ops(operations), n(dimension), data{new (std::align_val_t{64}) std::byte[operations.bytes]} {
@@ -131,25 +131,25 @@ struct Zone {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
         const Raw raw = ops.entry(data, n, i, j);
-        if ((raw == tachk::unbounded_entry ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
+        if ((raw == tachk::zones::unbounded_entry ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
       }
     return true;
   }
 };
 
-tachk::BoundRowBuffer bound_row(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds) {
-  tachk::BoundRowBuffer row(ops, n);
+tachk::zones::BoundRowBuffer bound_row(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds) {
+  tachk::zones::BoundRowBuffer row(ops, n);
   for (int c = 1; c < n; ++c) ops.set_bound(row.get(), c, bounds[static_cast<std::size_t>(c)]);
   return row;
 }
 
 // A part of the clocks has their entries; the zone with this part has no others but those that follow.
-void check_parts(const Zone& zone, tachk::Width width, bool vector, std::uint32_t chosen) {
+void check_parts(const Zone& zone, tachk::zones::Width width, bool vector, std::uint32_t chosen) {
   std::vector<std::uint16_t> clocks{0};
   for (int c = 1; c < zone.n; ++c)
     if ((chosen >> (c % 32) & 1) != 0) clocks.push_back(static_cast<std::uint16_t>(c));
   const auto count = static_cast<int>(clocks.size());
-  const Zone part(tachk::select_operations(count, width, vector), count);
+  const Zone part(tachk::zones::select_operations(count, width, vector), count);
   zone.ops.gather(part.data, zone.data, zone.n, clocks.data(), count, part.ops.stride);
   const auto place = [&](int clock) {
     return static_cast<int>(std::find(clocks.begin(), clocks.end(), clock) - clocks.begin());
@@ -161,21 +161,21 @@ void check_parts(const Zone& zone, tachk::Width width, bool vector, std::uint32_
       const int row = place(i);
       const int column = place(j);
       const Raw entry = zone.ops.entry(whole.data, zone.n, i, j);
-      if (row == count) CHECK(entry == (i == j ? 1 : tachk::unbounded_entry));
+      if (row == count) CHECK(entry == (i == j ? 1 : tachk::zones::unbounded_entry));
       if (row == count) continue;
       CHECK(entry == zone.ops.entry(zone.data, zone.n, i, column == count ? 0 : j));
       if (column != count) CHECK(entry == part.ops.entry(part.data, count, row, column));
     }
   for (int i = 0; i < count; ++i)  // the padding counts in comparisons of bytes
     for (int j = count; j < part.ops.stride; ++j)
-      CHECK(part.ops.entry(part.data, count, i, j) == tachk::unbounded_entry);
+      CHECK(part.ops.entry(part.data, count, i, j) == tachk::zones::unbounded_entry);
 }
 
-void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
+void walk(int n, tachk::zones::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
   std::mt19937 random(seed);
   const auto below = [&](Raw limit) { return static_cast<int>(static_cast<Raw>(random()) % limit); };
-  const ZoneOperations ops = tachk::select_operations(n, width, vector);
-  const tachk::ExtentScale scale = tachk::choose_scale(ops, n, 2 * constant);
+  const ZoneOperations ops = tachk::zones::select_operations(n, width, vector);
+  const tachk::zones::ExtentScale scale = tachk::zones::choose_scale(ops, n, 2 * constant);
   Zone zone(ops, n);
   Matrix matrix(n);
   Zone other_zone(zone);
@@ -190,8 +190,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
           const int j = below(n);
           if (i == j) continue;
           const int c = (below(2) == 0 ? 1 : -1) * below(constant + 1);
-          atoms.push_back(
-              {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), tachk::raw_bound(c, below(2) == 0)});
+          atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j),
+                           tachk::zones::raw_bound(c, below(2) == 0)});
         }
         Matrix trial(matrix);
         Zone fast(zone);
@@ -221,15 +221,15 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         std::vector<Atom> invariant;
         for (int c = 1; c < n; ++c) {
           if (below(3) != 0) continue;
-          const Raw least = -tachk::raw_value(ops.entry(zone.data, n, 0, c));
+          const Raw least = -tachk::zones::raw_value(ops.entry(zone.data, n, 0, c));
           const Raw bound = std::min(constant, least + 1 + below(4));
           if (bound > least)
-            invariant.push_back({static_cast<std::uint16_t>(c), 0, tachk::raw_bound(bound, below(2) == 0)});
+            invariant.push_back({static_cast<std::uint16_t>(c), 0, tachk::zones::raw_bound(bound, below(2) == 0)});
         }
         if (n > 2 && below(4) == 0) {
           const auto c = static_cast<std::uint16_t>(clock());
           const auto d = static_cast<std::uint16_t>(clock());
-          if (c != d) invariant.push_back({c, d, tachk::raw_bound(below(3), below(2) == 0)});
+          if (c != d) invariant.push_back({c, d, tachk::zones::raw_bound(below(3), below(2) == 0)});
         }
         Matrix before(matrix);
         if (!before.intersect(invariant)) invariant.clear();
@@ -257,8 +257,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
           lower[c] = below(constant + 2) - 1;
           upper[c] = below(constant + 2) - 1;
         }
-        const tachk::BoundRowBuffer l = bound_row(ops, n, lower);
-        const tachk::BoundRowBuffer u = bound_row(ops, n, upper);
+        const tachk::zones::BoundRowBuffer l = bound_row(ops, n, lower);
+        const tachk::zones::BoundRowBuffer u = bound_row(ops, n, upper);
         ops.extrapolate_lu_plus(zone.data, n, l.get(), u.get());
         matrix.extrapolate_lu_plus(lower, upper);
         break;
@@ -266,7 +266,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
       case 6: {
         std::vector<Raw> bound(static_cast<std::size_t>(n), static_cast<Raw>(below(constant + 1)));
         for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) bound[c] = below(constant + 2) - 1;
-        const tachk::BoundRowBuffer b = bound_row(ops, n, bound);
+        const tachk::zones::BoundRowBuffer b = bound_row(ops, n, bound);
         const Zone before(zone);
         ops.extrapolate_max(zone.data, n, b.get());
         matrix.extrapolate_max(bound);
@@ -281,8 +281,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
     CHECK(zone.equals(matrix));
     CHECK(ops.includes(zone.data, other_zone.data, n) == matrix.includes(other_matrix));
     CHECK(ops.includes(other_zone.data, zone.data, n) == other_matrix.includes(matrix));
-    const tachk::Extent extent = ops.extent(zone.data, n, scale);
-    const tachk::Extent other_extent = ops.extent(other_zone.data, n, scale);
+    const tachk::zones::Extent extent = ops.extent(zone.data, n, scale);
+    const tachk::zones::Extent other_extent = ops.extent(other_zone.data, n, scale);
     CHECK(ops.largest_entry(zone.data, n) == matrix.largest_entry());
     if (matrix.includes(other_matrix)) CHECK(extent.may_include(other_extent));
     if (other_matrix.includes(matrix)) CHECK(other_extent.may_include(extent));
@@ -294,7 +294,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
     // Keeps the constants within what extrapolation would guarantee in a search.
     if (step % 6 == 5) {
       const std::vector<Raw> bound(static_cast<std::size_t>(n), constant);
-      const tachk::BoundRowBuffer b = bound_row(ops, n, bound);
+      const tachk::zones::BoundRowBuffer b = bound_row(ops, n, bound);
       ops.extrapolate_lu_plus(zone.data, n, b.get(), b.get());
       matrix.extrapolate_lu_plus(bound, bound);
       CHECK(zone.equals(matrix));
@@ -308,11 +308,12 @@ int main() {
   // The largest constants each width takes.
   for (const bool vector : {false, true})
     for (const int n : {3, 8, 20}) {
-      walk(n, tachk::Width::narrow, vector, 7, 2000, 800);
-      walk(n, tachk::Width::wide, vector, 8, 2000, (1 << 26) - 1);
-      walk(n, tachk::Width::widest, vector, 9, 2000, INT32_MAX - 1);
+      walk(n, tachk::zones::Width::narrow, vector, 7, 2000, 800);
+      walk(n, tachk::zones::Width::wide, vector, 8, 2000, (1 << 26) - 1);
+      walk(n, tachk::zones::Width::widest, vector, 9, 2000, INT32_MAX - 1);
     }
-  for (const tachk::Width width : {tachk::Width::narrow, tachk::Width::wide, tachk::Width::widest})
+  for (const tachk::zones::Width width :
+       {tachk::zones::Width::narrow, tachk::zones::Width::wide, tachk::zones::Width::widest})
     for (const bool vector : {false, true}) {
       std::uint32_t seed = 1;
       for (const int n : {1, 2, 3, 4, 7, 8, 9, 15, 16, 17, 23, 33, 47, 64, 65, 70})

@@ -26,6 +26,8 @@
 #include "runs/path.hpp"
 #include "runs/schedule.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
 
 namespace {
@@ -33,11 +35,11 @@ namespace {
 using Column = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 struct PathOfRun {
-  tachk::Program program;
-  tachk::RunPath path;
+  program::Program program;
+  runs::RunPath path;
 
   PathOfRun(const std::vector<std::int64_t>& image, const std::vector<std::vector<std::uint32_t>>& actions)
-      : program(tachk::decode_program(image)) {
+      : program(program::decode_program(image)) {
     for (const auto& edges : actions) {
       for (const std::uint32_t edge : edges)
         if (edge >= program.edges.size()) throw std::invalid_argument("there is no such edge");
@@ -46,35 +48,35 @@ struct PathOfRun {
     }
   }
 
-  const tachk::Goal& goal() const {
+  const program::Goal& goal() const {
     if (program.goals.size() != 1) throw std::invalid_argument("a run goes to one goal");
     return program.goals.front();
   }
 
-  std::optional<tachk::RunEnd> end() const {
+  std::optional<runs::RunEnd> end() const {
     const nb::gil_scoped_release released;
     try {
-      return tachk::end_of(program, path);
-    } catch (const tachk::ModelFault&) {
+      return runs::end_of(program, path);
+    } catch (const machine::ModelFault&) {
       return std::nullopt;
     }
   }
 
-  std::optional<tachk::Moments> earliest() const {
+  std::optional<runs::Moments> earliest() const {
     const nb::gil_scoped_release released;
     try {
-      return tachk::earliest_moments(program, path, goal());
-    } catch (const tachk::ModelFault&) {
+      return runs::earliest_moments(program, path, goal());
+    } catch (const machine::ModelFault&) {
       return std::nullopt;
     }
   }
 
-  std::optional<tachk::RunObjection> objection(tachk::Moments moments) const {
+  std::optional<runs::RunObjection> objection(runs::Moments moments) const {
     const nb::gil_scoped_release released;
     try {
-      return tachk::objection_to(program, path, moments, goal());
-    } catch (const tachk::ModelFault&) {
-      return tachk::RunObjection{0, "a run-time error"};
+      return runs::objection_to(program, path, moments, goal());
+    } catch (const machine::ModelFault&) {
+      return runs::RunObjection{0, "a run-time error"};
     }
   }
 };
@@ -112,3 +114,5 @@ void bind_runs(nb::module_& m) {
           },
           nb::arg("unit"), nb::arg("ticks"), "(number of the step, what is wrong with it), or None if all is right.");
 }
+
+}  // namespace tachk::bind

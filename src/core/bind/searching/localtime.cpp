@@ -15,17 +15,20 @@
 #include "localtime/local_explorer.hpp"
 #include "patiently.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using localtime::LocalExplorer;
 
 namespace {
 
-std::unique_ptr<tachk::LocalExplorer> make_explorer(const std::vector<std::int64_t>& image,
-                                                    const tachk::Options& options, const tachk::Limits& limits) {
-  return std::make_unique<tachk::LocalExplorer>(tachk::decode_program(image), options, limits);
+std::unique_ptr<LocalExplorer> make_explorer(const std::vector<std::int64_t>& image,
+                                             const reachability::Options& options, const reachability::Limits& limits) {
+  return std::make_unique<LocalExplorer>(program::decode_program(image), options, limits);
 }
 
 std::tuple<std::optional<std::string>, std::size_t> local_agents(const std::vector<std::int64_t>& image) {
-  const tachk::Agents agents = tachk::find_agents(tachk::decode_program(image));
+  const localtime::Agents agents = localtime::find_agents(program::decode_program(image));
   if (agents.obstacle != nullptr) return {std::string(agents.obstacle), 0};
   return {std::nullopt, agents.count};
 }
@@ -35,21 +38,22 @@ std::tuple<std::optional<std::string>, std::size_t> local_agents(const std::vect
 void bind_localtime(nb::module_& m) {
   m.def("local_agents", &local_agents, nb::arg("image"),
         "(why local times are not sound for a program, or None; how many agents have one).");
-  nb::class_<tachk::LocalExplorer>(m, "LocalExplorer")
+  nb::class_<LocalExplorer>(m, "LocalExplorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
-      .def("run", &run_patiently<tachk::LocalExplorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
+      .def("run", &run_patiently<LocalExplorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
            nb::arg("look") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",
-          [](const tachk::LocalExplorer& self) {
-            const tachk::Statistics s = self.statistics();
+          [](const LocalExplorer& self) {
+            const reachability::Statistics s = self.statistics();
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
-      .def("discrete_states", &tachk::LocalExplorer::discrete_states, "How many discrete states have been seen.")
-      .def("exchanges", &tachk::LocalExplorer::exchanges,
-           "Whether interchangeable processes are exchanged, if there are any.")
-      .def("path_to_goal", &tachk::LocalExplorer::path_to_goal, nb::arg("goal"),
+      .def("discrete_states", &LocalExplorer::discrete_states, "How many discrete states have been seen.")
+      .def("exchanges", &LocalExplorer::exchanges, "Whether interchangeable processes are exchanged, if there are any.")
+      .def("path_to_goal", &LocalExplorer::path_to_goal, nb::arg("goal"),
            "The edge numbers of each action of a run to a goal, in the order of time; None if it was not reached.");
 }
+
+}  // namespace tachk::bind

@@ -10,19 +10,21 @@
 #include "reachability/explorer.hpp"
 #include "zones/patience.hpp"
 
+namespace tachk::bind {
+
 // Runs a search without the lock of Python, for at most so many seconds. Ctrl-C becomes its exception; what `look`,
 // which is called a few times a second, raises ends the search, too.
 template <class Search>
-tachk::Status run_patiently(Search& search, std::uint64_t expansions, std::optional<double> seconds,
-                            const nanobind::object& look) {
-  using Clock = tachk::Patience::Clock;
+reachability::Status run_patiently(Search& search, std::uint64_t expansions, std::optional<double> seconds,
+                                   const nanobind::object& look) {
+  using Clock = zones::Patience::Clock;
   std::optional<Clock::time_point> end;
   constexpr double most = 1e8;  // what a clock can count without overflow is more
   if (seconds && *seconds < most)
     end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
   try {
     const nanobind::gil_scoped_release released;
-    const tachk::Patience patience(end, [&] {
+    const zones::Patience patience(end, [&] {
       const nanobind::gil_scoped_acquire acquired;
       if (PyErr_CheckSignals() != 0) return false;
       if (look.is_none()) return true;
@@ -31,8 +33,10 @@ tachk::Status run_patiently(Search& search, std::uint64_t expansions, std::optio
       return seen != nullptr;
     });
     return search.run(expansions);
-  } catch (const tachk::GivenUp&) {
+  } catch (const zones::GivenUp&) {
     if (PyErr_Occurred() != nullptr) throw nanobind::python_error();
-    return tachk::Status::time_limit;
+    return reachability::Status::time_limit;
   }
 }
+
+}  // namespace tachk::bind

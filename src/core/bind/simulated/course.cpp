@@ -10,25 +10,25 @@
 #include "fmi/course.hpp"
 #include "simulation.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
 
 void bind_course(nb::module_& m) {
-  using tachk::fmi::Course;
+  using fmi::Course;
   nb::class_<Course>(m, "Course", "A run of a unit under way, which its surroundings take part in. Times are in ticks.")
       .def(nb::new_([](const std::string& path) {
-             return std::make_unique<Course>(std::make_shared<const tachk::fmi::Blueprint>(path));
+             return std::make_unique<Course>(std::make_shared<const fmi::Blueprint>(path));
            }),
            nb::arg("path"))
       .def(
           "number",
-          [](Course& self, std::uint32_t place, int type) {
-            return self.number(place, static_cast<tachk::fmi::Type>(type));
-          },
+          [](Course& self, std::uint32_t place, int type) { return self.number(place, static_cast<fmi::Type>(type)); },
           nb::arg("place"), nb::arg("type"), "The value of a variable.")
       .def(
           "set_number",
           [](Course& self, std::uint32_t place, int type, std::int64_t value) {
-            self.set_number(place, static_cast<tachk::fmi::Type>(type), value);
+            self.set_number(place, static_cast<fmi::Type>(type), value);
           },
           nb::arg("place"), nb::arg("type"), nb::arg("value"), "Sets a parameter or an input.")
       .def("ticks", &Course::ticks, nb::arg("place"), "Whether the last transition used a channel.")
@@ -40,3 +40,5 @@ void bind_course(nb::module_& m) {
       .def("react", &Course::react, "What happens now: whether something did.")
       .def_prop_ro("over", [](const Course& self) { return self.ending().has_value(); });
 }
+
+}  // namespace tachk::bind

@@ -7,6 +7,8 @@
 
 #include "simulation/runs.hpp"
 
+namespace tachk::bind {
+
 // Does the work without the lock of Python; nothing comes of it if it takes more seconds, where these are not negative.
 // Ctrl-C becomes its exception.
 template <class Order, class Work>
@@ -21,7 +23,9 @@ void interruptibly(Order& order, double seconds, const Work& work) {
   try {
     const nanobind::gil_scoped_release released;
     work();
-  } catch (const tachk::Stopped&) {
+  } catch (const simulation::Stopped&) {
     if (PyErr_Occurred() != nullptr) throw nanobind::python_error();
   }
 }
+
+}  // namespace tachk::bind

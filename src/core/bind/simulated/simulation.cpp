@@ -16,7 +16,13 @@
 #include "program/program.hpp"
 #include "simulation/runs.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using simulation::Ending;
+using simulation::Policy;
+using simulation::RunRecord;
+using simulation::Simulation;
 
 namespace {
 
@@ -25,8 +31,7 @@ std::vector<std::int64_t> widened(const std::vector<std::uint32_t>& numbers) {
 }
 
 // The runs; none of them if the time is over. Ctrl-C becomes its exception.
-std::vector<tachk::RunRecord> run_interruptibly(const tachk::Simulation& simulation, tachk::Order order,
-                                                double seconds) {
+std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulation::Order order, double seconds) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
   order.stop = [=] {
@@ -37,70 +42,70 @@ std::vector<tachk::RunRecord> run_interruptibly(const tachk::Simulation& simulat
   try {
     const nb::gil_scoped_release released;
     return simulation.run(order);
-  } catch (const tachk::Stopped&) {
+  } catch (const simulation::Stopped&) {
     if (PyErr_Occurred() != nullptr) throw nb::python_error();
     return {};
   }
 }
 
 void bind_run_record(nb::module_& m) {
-  nb::class_<tachk::RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
-      .def_ro("ending", &tachk::RunRecord::ending)
-      .def_ro("end", &tachk::RunRecord::end)
-      .def_ro("lasts", &tachk::RunRecord::lasts, "Whether time can pass in the last state.")
-      .def_ro("transitions", &tachk::RunRecord::transitions)
+  nb::class_<RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
+      .def_ro("ending", &RunRecord::ending)
+      .def_ro("end", &RunRecord::end)
+      .def_ro("lasts", &RunRecord::lasts, "Whether time can pass in the last state.")
+      .def_ro("transitions", &RunRecord::transitions)
       .def_prop_ro(
-          "fault", [](const tachk::RunRecord& self) { return std::make_tuple(self.fault, self.position); },
+          "fault", [](const RunRecord& self) { return std::make_tuple(self.fault, self.position); },
           "(kind, code position) of the run-time error of a run with the ending FAULT.")
       .def(
-          "times", [](const tachk::RunRecord& self) { return as_array(std::vector(self.times)); },
+          "times", [](const RunRecord& self) { return as_array(std::vector(self.times)); },
           "Of the initial state and of each transition.")
       .def(
-          "sizes", [](const tachk::RunRecord& self) { return as_array(widened(self.sizes)); },
+          "sizes", [](const RunRecord& self) { return as_array(widened(self.sizes)); },
           "How many edges each action has; the initial one none.")
       .def(
-          "edges", [](const tachk::RunRecord& self) { return as_array(widened(self.edges)); },
+          "edges", [](const RunRecord& self) { return as_array(widened(self.edges)); },
           "The numbers of these edges, one action after the other.")
       .def(
-          "observed", [](const tachk::RunRecord& self) { return as_array(std::vector(self.observed)); },
+          "observed", [](const RunRecord& self) { return as_array(std::vector(self.observed)); },
           "What was observed, row by row; floating point numbers as their bits.")
       .def(
-          "clocks", [](const tachk::RunRecord& self) { return as_array(std::vector(self.clocks)); },
+          "clocks", [](const RunRecord& self) { return as_array(std::vector(self.clocks)); },
           "The values of the clocks, row by row.");
 }
 
 }  // namespace
 
 void bind_simulation(nb::module_& m) {
-  nb::enum_<tachk::Policy>(m, "Policy")
-      .value("STOCHASTIC", tachk::Policy::stochastic)
-      .value("UNIFORM", tachk::Policy::uniform)
-      .value("EARLIEST", tachk::Policy::earliest)
-      .value("LATEST", tachk::Policy::latest);
-  nb::enum_<tachk::Ending>(m, "Ending")
-      .value("HORIZON", tachk::Ending::horizon)
-      .value("DEADLOCK", tachk::Ending::deadlock)
-      .value("TIME_LOCK", tachk::Ending::time_lock)
-      .value("ZENO", tachk::Ending::zeno)
-      .value("STEPS", tachk::Ending::steps)
-      .value("FAULT", tachk::Ending::fault)
-      .value("INITIAL", tachk::Ending::initial)
-      .value("END_OF_TIME", tachk::Ending::end_of_time);
-  m.def("finest_ticks", [] { return tachk::finest_ticks; }, "How many ticks are a unit of time where a run is short.");
-  m.def("coarsest_ticks", [] { return tachk::coarsest_ticks; }, "How many they are at least.");
-  m.def("latest_end", [] { return tachk::latest_end; }, "The longest run, in ticks.");
+  nb::enum_<Policy>(m, "Policy")
+      .value("STOCHASTIC", Policy::stochastic)
+      .value("UNIFORM", Policy::uniform)
+      .value("EARLIEST", Policy::earliest)
+      .value("LATEST", Policy::latest);
+  nb::enum_<Ending>(m, "Ending")
+      .value("HORIZON", Ending::horizon)
+      .value("DEADLOCK", Ending::deadlock)
+      .value("TIME_LOCK", Ending::time_lock)
+      .value("ZENO", Ending::zeno)
+      .value("STEPS", Ending::steps)
+      .value("FAULT", Ending::fault)
+      .value("INITIAL", Ending::initial)
+      .value("END_OF_TIME", Ending::end_of_time);
+  m.def("finest_ticks", [] { return flow::finest_ticks; }, "How many ticks are a unit of time where a run is short.");
+  m.def("coarsest_ticks", [] { return flow::coarsest_ticks; }, "How many they are at least.");
+  m.def("latest_end", [] { return flow::latest_end; }, "The longest run, in ticks.");
   bind_run_record(m);
-  nb::class_<tachk::Simulation>(m, "Simulation", "Runs of a program with their probabilities.")
+  nb::class_<Simulation>(m, "Simulation", "Runs of a program with their probabilities.")
       .def(nb::new_([](const std::vector<std::int64_t>& image, const std::vector<std::int64_t>& chances) {
-             return std::make_unique<tachk::Simulation>(tachk::decode_program(image), chances);
+             return std::make_unique<Simulation>(program::decode_program(image), chances);
            }),
            nb::arg("image"), nb::arg("chances"))
       .def(
           "run",
-          [](const tachk::Simulation& self, tachk::Policy policy, std::uint64_t seed, std::uint64_t first,
-             std::uint64_t runs, tachk::Ticks until, tachk::Ticks ticks_per_unit, std::uint64_t steps, unsigned threads,
-             bool actions, bool observed, bool clocks, double seconds) {
-            tachk::RunLimits limits;
+          [](const Simulation& self, Policy policy, std::uint64_t seed, std::uint64_t first, std::uint64_t runs,
+             flow::Ticks until, flow::Ticks ticks_per_unit, std::uint64_t steps, unsigned threads, bool actions,
+             bool observed, bool clocks, double seconds) {
+            simulation::RunLimits limits;
             limits.until = until;
             limits.steps = steps;
             return run_interruptibly(
@@ -112,3 +117,5 @@ void bind_simulation(nb::module_& m) {
           nb::arg("clocks"), nb::arg("seconds"),
           "The runs of these numbers, in order; none if that takes more seconds, where these are not negative.");
 }
+
+}  // namespace tachk::bind

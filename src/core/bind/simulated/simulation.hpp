@@ -2,8 +2,12 @@
 
 #include <nanobind/nanobind.h>
 
+namespace tachk::bind {
+
 // Adds the simulator to the module, and what is asked of runs.
 void bind_simulation(nanobind::module_& m);
 void bind_trials(nanobind::module_& m);
 void bind_splitting(nanobind::module_& m);
 void bind_course(nanobind::module_& m);
+
+}  // namespace tachk::bind

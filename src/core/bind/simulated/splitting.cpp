@@ -15,31 +15,34 @@
 #include "reachability/distances.hpp"
 #include "simulation.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using reachability::Distances;
 
 void bind_splitting(nb::module_& m) {
-  nb::class_<tachk::Distances>(m, "Levels", "How far discrete states are from the first goal of a program.")
+  nb::class_<Distances>(m, "Levels", "How far discrete states are from the first goal of a program.")
       .def(
           "__init__",
-          [](tachk::Distances* self, const std::vector<std::int64_t>& image, std::size_t zones) {
-            tachk::Program program = tachk::decode_program(image);
+          [](Distances* self, const std::vector<std::int64_t>& image, std::size_t zones) {
+            program::Program program = program::decode_program(image);
             const nb::gil_scoped_release released;
-            new (self) tachk::Distances(tachk::distances(std::move(program), zones));
+            new (self) Distances(reachability::distances(std::move(program), zones));
           },
           nb::arg("image"), nb::arg("zones"))
-      .def_prop_ro("top", [](const tachk::Distances& self) { return self.levels.top(); })
-      .def_ro("states", &tachk::Distances::states)
-      .def_ro("whole", &tachk::Distances::whole)
-      .def_ro("reached", &tachk::Distances::reached);
+      .def_prop_ro("top", [](const Distances& self) { return self.levels.top(); })
+      .def_ro("states", &Distances::states)
+      .def_ro("whole", &Distances::whole)
+      .def_ro("reached", &Distances::reached);
   m.def(
       "split",
-      [](const tachk::Simulation& simulation, const tachk::Distances& levels, const tachk::Asked& asked,
+      [](const simulation::Simulation& simulation, const Distances& levels, const simulation::Asked& asked,
          std::uint64_t seed, std::uint64_t first, std::uint64_t replications, std::uint64_t effort, unsigned threads,
          std::uint64_t most_steps, double seconds) {
-        tachk::SplittingOrder order{seed, first, replications, effort, threads, most_steps, {}};
+        simulation::SplittingOrder order{seed, first, replications, effort, threads, most_steps, {}};
         std::vector<std::tuple<double, std::uint64_t, std::uint64_t>> result;
         interruptibly(order, seconds, [&] {
-          for (const tachk::Replication& each : tachk::split(simulation, levels.levels, asked, order))
+          for (const simulation::Replication& each : simulation::split(simulation, levels.levels, asked, order))
             result.emplace_back(each.probability, each.transitions, each.unknown);
         });
         return result;
@@ -49,3 +52,5 @@ void bind_splitting(nb::module_& m) {
       "(estimate, transitions, unknown runs) of these replications; none if that takes more seconds, where these are "
       "not negative.");
 }
+
+}  // namespace tachk::bind

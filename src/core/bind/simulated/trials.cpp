@@ -13,26 +13,30 @@
 #include "interruption.hpp"
 #include "simulation.hpp"
 
+namespace tachk::bind {
+
 namespace nb = nanobind;
+using simulation::Asked;
+using simulation::Trial;
 
 namespace {
 
 // One array for each field, so that a million runs are not a million objects.
 struct Trials {
-  std::vector<tachk::Trial> trials;
+  std::vector<Trial> trials;
 
   template <class T, class Field>
   nb::object column(Field field) const {
     std::vector<T> values;
     values.reserve(trials.size());
-    for (const tachk::Trial& trial : trials) values.push_back(static_cast<T>(field(trial)));
+    for (const Trial& trial : trials) values.push_back(static_cast<T>(field(trial)));
     return as_array(std::move(values));
   }
 };
 
-Trials ask(const tachk::Simulation& simulation, const tachk::Asked& asked, tachk::TrialOrder order, double seconds) {
+Trials ask(const simulation::Simulation& simulation, const Asked& asked, simulation::TrialOrder order, double seconds) {
   Trials result;
-  interruptibly(order, seconds, [&] { result.trials = tachk::trials(simulation, asked, order); });
+  interruptibly(order, seconds, [&] { result.trials = simulation::trials(simulation, asked, order); });
   return result;
 }
 
@@ -41,28 +45,28 @@ Trials ask(const tachk::Simulation& simulation, const tachk::Asked& asked, tachk
 namespace {
 
 void bind_asked(nb::module_& m) {
-  nb::class_<tachk::Asked>(m, "Asked", "What runs are asked, with the numbers that the program has for it.")
+  nb::class_<Asked>(m, "Asked", "What runs are asked, with the numbers that the program has for it.")
       .def(nb::init<>())
       .def_prop_rw(
-          "until", [](const tachk::Asked& self) { return self.bound.until; },
-          [](tachk::Asked& self, tachk::Ticks until) { self.bound.until = until; })
+          "until", [](const Asked& self) { return self.bound.until; },
+          [](Asked& self, flow::Ticks until) { self.bound.until = until; })
       .def_prop_rw(
-          "steps", [](const tachk::Asked& self) { return self.bound.steps; },
-          [](tachk::Asked& self, std::uint64_t steps) { self.bound.steps = steps; })
+          "steps", [](const Asked& self) { return self.bound.steps; },
+          [](Asked& self, std::uint64_t steps) { self.bound.steps = steps; })
       .def_prop_rw(
-          "bound_clock", [](const tachk::Asked& self) { return self.bound.clock; },
-          [](tachk::Asked& self, std::uint16_t clock) { self.bound.clock = clock; })
+          "bound_clock", [](const Asked& self) { return self.bound.clock; },
+          [](Asked& self, std::uint16_t clock) { self.bound.clock = clock; })
       .def_prop_rw(
-          "bound_value", [](const tachk::Asked& self) { return self.bound.value; },
-          [](tachk::Asked& self, tachk::Ticks value) { self.bound.value = value; })
+          "bound_value", [](const Asked& self) { return self.bound.value; },
+          [](Asked& self, flow::Ticks value) { self.bound.value = value; })
       .def_prop_rw(
-          "ticks_per_unit", [](const tachk::Asked& self) { return self.bound.ticks_per_unit; },
-          [](tachk::Asked& self, tachk::Ticks ticks) { self.bound.ticks_per_unit = ticks; })
-      .def_rw("goal", &tachk::Asked::goal)
-      .def_rw("lost", &tachk::Asked::lost)
-      .def_rw("observed", &tachk::Asked::observed)
-      .def_rw("clock", &tachk::Asked::clock)
-      .def_rw("largest", &tachk::Asked::largest);
+          "ticks_per_unit", [](const Asked& self) { return self.bound.ticks_per_unit; },
+          [](Asked& self, flow::Ticks ticks) { self.bound.ticks_per_unit = ticks; })
+      .def_rw("goal", &Asked::goal)
+      .def_rw("lost", &Asked::lost)
+      .def_rw("observed", &Asked::observed)
+      .def_rw("clock", &Asked::clock)
+      .def_rw("largest", &Asked::largest);
 }
 
 }  // namespace
@@ -72,44 +76,36 @@ void bind_trials(nb::module_& m) {
   nb::class_<Trials>(m, "Trials", "What came of runs: an array of each property, in the order of the runs.")
       .def(
           "answers",
-          [](const Trials& self) {
-            return self.column<std::int8_t>([](const tachk::Trial& trial) { return trial.answer; });
-          },
+          [](const Trials& self) { return self.column<std::int8_t>([](const Trial& trial) { return trial.answer; }); },
           "1 where the goal is reached, 0 where it is not, 2 where that is not known.")
       .def(
           "endings",
-          [](const Trials& self) {
-            return self.column<std::int8_t>([](const tachk::Trial& trial) { return trial.ending; });
-          },
+          [](const Trials& self) { return self.column<std::int8_t>([](const Trial& trial) { return trial.ending; }); },
           "The number of the `Ending`.")
       .def(
           "ends",
-          [](const Trials& self) {
-            return self.column<std::int64_t>([](const tachk::Trial& trial) { return trial.end; });
-          },
+          [](const Trials& self) { return self.column<std::int64_t>([](const Trial& trial) { return trial.end; }); },
           "The moment at which the goal is reached, or up to which the run was looked at, in ticks.")
       .def(
           "transitions",
           [](const Trials& self) {
-            return self.column<std::int64_t>([](const tachk::Trial& trial) { return trial.transitions; });
+            return self.column<std::int64_t>([](const Trial& trial) { return trial.transitions; });
           },
           "How many the run has.")
       .def(
           "measured",
-          [](const Trials& self) {
-            return self.column<double>([](const tachk::Trial& trial) { return trial.measured; });
-          },
+          [](const Trials& self) { return self.column<double>([](const Trial& trial) { return trial.measured; }); },
           "The extreme value of what is measured.")
       .def(
           "fault",
           [](const Trials& self, std::size_t number) {
-            const tachk::Trial& trial = self.trials.at(number);
+            const Trial& trial = self.trials.at(number);
             return std::make_tuple(trial.fault, trial.position);
           },
           nb::arg("number"), "(kind, code position) of the run-time error of a run with the ending FAULT.");
   m.def(
       "trials",
-      [](const tachk::Simulation& simulation, const tachk::Asked& asked, tachk::Policy policy, std::uint64_t seed,
+      [](const simulation::Simulation& simulation, const Asked& asked, simulation::Policy policy, std::uint64_t seed,
          std::uint64_t first, std::uint64_t runs, unsigned threads, std::uint64_t most_steps, double seconds) {
         return ask(simulation, asked, {seed, first, runs, threads, policy, most_steps, {}}, seconds);
       },
@@ -117,3 +113,5 @@ void bind_trials(nb::module_& m) {
       nb::arg("runs"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("seconds"),
       "The runs of these numbers, in order; none if that takes more seconds, where these are not negative.");
 }
+
+}  // namespace tachk::bind

@@ -243,12 +243,12 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* again, f
     unit.require(Mode::event, "UpdateDiscreteStates");
     Course& course = unit.course();
     const bool happened = course.react();
-    const tachk::Ticks next = course.next_event();
+    const tachk::flow::Ticks next = course.next_event();
     *again = happened && (next <= course.now() || course.ticking());
     *over = course.ending().has_value();
     *nominals_changed = false;
     *states_changed = false;
-    *known = next < tachk::never;
+    *known = next < tachk::flow::never;
     *next_time = *known ? unit.course().scale().seconds(course.start() + next) : 0.0;
   });
 }

@@ -8,7 +8,11 @@
 
 #include "monitoring/offline/value_ranges.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::linear {
+
+using offline::Stream;
+using offline::StreamNode;
+using offline::Truth;
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -272,7 +276,7 @@ LinearSignal LinearMonitor::changes(std::size_t number, double yes, double no) c
         sampled<double>([&](AtomEvaluator& atoms, const Samples& samples, std::size_t first, std::size_t count,
                             double* out) { atoms.left_value(number, samples, first, count, out); });
     // Where columns may be shifted apart, a change of any of them may be one of the value.
-    const std::vector<std::size_t> columns = columns_of(what);
+    const std::vector<std::size_t> columns = offline::columns_of(what);
     const auto moves = [&](std::size_t n) {
       if (columns.size() < 2) return left[n] != left[n - 1];
       return std::any_of(columns.begin(), columns.end(),
@@ -304,7 +308,7 @@ auto LinearMonitor::runs(std::size_t number) const -> std::vector<Run> {
                          Truth* out) { atoms.truth(number, samples, first, count, out); });
   const auto start_of = [&](std::size_t row) { return static_cast<double>(ticks_[row] - ticks_[0]); };
   std::vector<Run> result;
-  if (columns_of(program_.atoms[number]).size() < 2) {
+  if (offline::columns_of(program_.atoms[number]).size() < 2) {
     for (std::size_t row = 0; row < holding.size(); ++row) {
       if (row > 0 && holding[row] == holding[row - 1]) continue;
       if (row > 0) result.back().until = start_of(row);
@@ -321,7 +325,7 @@ auto LinearMonitor::runs(std::size_t number) const -> std::vector<Run> {
     for (std::vector<double>& column : columns) std::reverse(column.begin(), column.end());
     std::reverse(truths.begin(), truths.end());
   }
-  const std::vector<std::size_t> uncertain = first_uncertain(program_.atoms[number], columns, truths);
+  const std::vector<std::size_t> uncertain = offline::first_uncertain(program_.atoms[number], columns, truths);
   for (std::size_t row = 0; row < count; ++row) {
     Run run{start_of(row), holding[row] != 0, 0, std::nullopt};
     const std::size_t other = uncertain[behind ? count - 1 - row : row];
@@ -508,7 +512,7 @@ void LinearMonitor::fill(const StreamNode& leaf, Stream<Truth>& out) const {
     out.append(cell, at != leaf.dual);
     out.append(cell + 1, inner != leaf.dual);
   };
-  if (leaf.kind == StreamKind::change) {
+  if (leaf.kind == offline::StreamKind::change) {
     for (const LinearPiece& piece : changes(leaf.source, 1, 0)) put(piece.start, piece.at != 0, false);
     return;
   }
@@ -525,17 +529,17 @@ void LinearMonitor::fill(const StreamNode& leaf, Stream<Truth>& out) const {
 }
 
 LinearMonitor::Judgement LinearMonitor::truth() const {
-  OfflineMonitor<Truth> monitor(refined(), {true, {}}, Leaves::single);
+  offline::OfflineMonitor<Truth> monitor(refined(), {true, {}}, offline::Leaves::single);
   monitor.judge(cell_of_tick(length() * refinement_),
                 [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
   return {monitor.verdict(), monitor.lasting(), monitor.violation()};
 }
 
-Signal<Truth> LinearMonitor::truth_signal(std::size_t node) const {
-  OfflineMonitor<Truth> monitor(refined(), {false, {node}}, Leaves::single);
+offline::Signal<Truth> LinearMonitor::truth_signal(std::size_t node) const {
+  offline::OfflineMonitor<Truth> monitor(refined(), {false, {node}}, offline::Leaves::single);
   monitor.judge(cell_of_tick(length() * refinement_),
                 [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
   return monitor.signal(0);
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::linear

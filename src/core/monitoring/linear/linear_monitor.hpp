@@ -12,7 +12,7 @@
 #include "monitoring/monitor_samples.hpp"
 #include "monitoring/offline/offline_monitor.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::linear {
 
 // What atoms are worth.
 // space: the distance of the two sides, where columns of numbers are linear between samples (of samples with the same
@@ -40,12 +40,12 @@ class LinearMonitor {
   // The truth of the formula. Only for `space`. Instants at which columns cross are rounded to parts of a tick, but
   // stay on their side of the ticks; cells count in such parts.
   struct Judgement {
-    Range<Truth> verdict;
-    Truth lasting;  // see OfflineMonitor
-    std::optional<FirstViolation> violation;
+    offline::Range<offline::Truth> verdict;
+    offline::Truth lasting;  // see OfflineMonitor
+    std::optional<offline::FirstViolation> violation;
   };
   Judgement truth() const;
-  Signal<Truth> truth_signal(std::size_t node) const;
+  offline::Signal<offline::Truth> truth_signal(std::size_t node) const;
   // Parts of a tick in which `truth` counts.
   std::int64_t refinement() const { return refinement_; }
   std::int64_t length() const { return end_ - ticks_.front(); }
@@ -74,7 +74,7 @@ class LinearMonitor {
   LinearSignal ahead(const MonitorNode& node, bool high, const LinearSignal* f, const LinearSignal& g) const;
   LinearSignal behind(const MonitorNode& node, const LinearSignal* f, const LinearSignal& g) const;
   MonitorProgram refined() const;
-  void fill(const StreamNode& leaf, Stream<Truth>& out) const;
+  void fill(const offline::StreamNode& leaf, offline::Stream<offline::Truth>& out) const;
 
   MonitorProgram program_;
   RobustnessKind measure_;
@@ -86,4 +86,4 @@ class LinearMonitor {
   std::vector<std::array<std::optional<LinearSignal>, 2>> known_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::linear

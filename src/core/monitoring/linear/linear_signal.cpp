@@ -6,7 +6,7 @@
 #include <deque>
 #include <limits>
 
-namespace tachk {
+namespace tachk::monitoring::linear {
 namespace {
 
 double end_of(const LinearSignal& signal, std::size_t number) {
@@ -342,4 +342,4 @@ LinearSignal strict_since(const LinearSignal& f, const LinearSignal& g) {
   return result.take();
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::linear

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace tachk {
+namespace tachk::monitoring::linear {
 
 inline constexpr double without_end = std::numeric_limits<double>::infinity();
 
@@ -47,4 +47,4 @@ LinearSignal supremum(const LinearSignal& signal, const LinearWindow& window);
 LinearSignal strict_until(const LinearSignal& f, const LinearSignal& g);
 LinearSignal strict_since(const LinearSignal& f, const LinearSignal& g);
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::linear

@@ -1,6 +1,6 @@
 #include "monitoring/offline/monitor_graph.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 StreamGraph::StreamGraph(const MonitorProgram& program, Leaves leaves) : program_(&program), leaves_(leaves) {
   for (const MonitorNode& node : program.nodes) {
@@ -185,4 +185,4 @@ std::size_t StreamGraph::since(std::size_t left, std::size_t right, const Monito
   return node.upper == unbounded ? core : join(core, window(right, offsets, dual), !dual);
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

@@ -10,7 +10,7 @@
 #include "monitoring/monitor_cells.hpp"
 #include "monitoring/monitor_program.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 // What makes a stream. All of them are monotone: negation is pushed down to the leaves. "Join" is `or` and maximum,
 // "meet" is `and` and minimum; dual operators exchange the two, and false with true.
@@ -77,4 +77,4 @@ class StreamGraph {
   std::map<std::pair<std::size_t, bool>, std::size_t> known_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

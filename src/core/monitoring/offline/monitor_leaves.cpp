@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <type_traits>
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 namespace {
 
 template <class Value>
@@ -254,4 +254,4 @@ void ChangeLeaf<Value>::settle(Stream<Value>& out) {
 template class ChangeLeaf<Truth>;
 template class ChangeLeaf<Robustness>;
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

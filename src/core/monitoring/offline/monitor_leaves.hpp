@@ -11,7 +11,7 @@
 #include "monitoring/offline/monitor_graph.hpp"
 #include "monitoring/offline/monitor_stream.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 // What a combination of atoms is worth at each sample of a block.
 template <class Value>
@@ -82,4 +82,4 @@ class ChangeLeaf {
   double before_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

@@ -8,7 +8,7 @@
 #include "monitoring/offline/stream_until.hpp"
 #include "monitoring/offline/stream_windows.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 namespace stream_operators {
 
 template <class Value, bool Dual>
@@ -151,4 +151,4 @@ std::unique_ptr<StreamOperator<Value>> make_operator(const StreamNode& node) {
 template std::unique_ptr<StreamOperator<Truth>> make_operator<Truth>(const StreamNode& node);
 template std::unique_ptr<StreamOperator<Robustness>> make_operator<Robustness>(const StreamNode& node);
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

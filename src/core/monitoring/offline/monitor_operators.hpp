@@ -13,7 +13,7 @@
 #include "monitoring/offline/monitor_graph.hpp"
 #include "monitoring/offline/monitor_stream.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 // What is known about the end of the trace.
 struct TraceEnd {
@@ -46,4 +46,4 @@ class StreamOperator {
 template <class Value>
 std::unique_ptr<StreamOperator<Value>> make_operator(const StreamNode& node);
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

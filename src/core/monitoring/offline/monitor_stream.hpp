@@ -9,7 +9,7 @@
 
 #include "monitoring/monitor_cells.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 using Truth = std::uint8_t;  // 0 or 1
 using Robustness = double;
@@ -105,4 +105,4 @@ class Stream {
   std::size_t size_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

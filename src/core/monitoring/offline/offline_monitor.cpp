@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 template <class Value>
 OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests, Leaves leaves)
@@ -361,4 +361,4 @@ Signal<Value> OfflineMonitor<Value>::signal(std::size_t number) const {
 template class OfflineMonitor<Truth>;
 template class OfflineMonitor<Robustness>;
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

@@ -13,7 +13,7 @@
 #include "monitoring/offline/monitor_operators.hpp"
 #include "monitoring/offline/monitor_stream.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 // Every continuation of the trace has a value between the two.
 template <class Value>
@@ -141,4 +141,4 @@ class OfflineMonitor {
   std::vector<std::size_t> needed_;  // scratch of trim
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

@@ -8,7 +8,7 @@
 #include "monitoring/monitor_cells.hpp"
 #include "monitoring/offline/stream_pieces.hpp"
 
-namespace tachk::stream_operators {
+namespace tachk::monitoring::offline::stream_operators {
 
 // The parts of a stream up to the end of the trace and after it.
 template <class Value, bool Dual>
@@ -82,4 +82,4 @@ class Splice : public Cloneable<Splice<Value, Dual>, Value> {
   std::array<std::size_t, 3> at_{};
 };
 
-}  // namespace tachk::stream_operators
+}  // namespace tachk::monitoring::offline::stream_operators

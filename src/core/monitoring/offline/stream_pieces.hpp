@@ -9,7 +9,7 @@
 #include "monitoring/offline/monitor_operators.hpp"
 #include "monitoring/offline/monitor_stream.hpp"
 
-namespace tachk::stream_operators {
+namespace tachk::monitoring::offline::stream_operators {
 
 constexpr std::size_t burst = 4096;  // pieces that one call reads at most
 
@@ -71,4 +71,4 @@ class Pair {
   bool begun_ = false;
 };
 
-}  // namespace tachk::stream_operators
+}  // namespace tachk::monitoring::offline::stream_operators

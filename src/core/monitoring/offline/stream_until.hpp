@@ -8,7 +8,7 @@
 #include "monitoring/monitor_cells.hpp"
 #include "monitoring/offline/stream_pieces.hpp"
 
-namespace tachk::stream_operators {
+namespace tachk::monitoring::offline::stream_operators {
 
 // f S (0,oo) g. On a piece with constant f and g that is entered with value x, which is bottom before the trace, the
 // value is f and (g or x), but f and x at the first cell if that is an instant.
@@ -136,4 +136,4 @@ class Until : public Cloneable<Until<Value, Dual>, Value> {
   std::size_t due_ = 256;
 };
 
-}  // namespace tachk::stream_operators
+}  // namespace tachk::monitoring::offline::stream_operators

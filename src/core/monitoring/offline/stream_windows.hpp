@@ -8,7 +8,7 @@
 #include "monitoring/monitor_cells.hpp"
 #include "monitoring/offline/stream_pieces.hpp"
 
-namespace tachk::stream_operators {
+namespace tachk::monitoring::offline::stream_operators {
 
 // The join over a window with both ends (Lemire 2006): candidates in falling order, each with the end of its piece.
 template <class Value, bool Dual>
@@ -171,4 +171,4 @@ class Suffix : public Cloneable<Suffix<Value, Dual>, Value> {
   std::size_t at_ = 0;
 };
 
-}  // namespace tachk::stream_operators
+}  // namespace tachk::monitoring::offline::stream_operators

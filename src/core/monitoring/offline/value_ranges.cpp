@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 namespace {
 
 struct Interval {
@@ -155,4 +155,4 @@ std::vector<std::size_t> first_uncertain(const MonitorAtom& atom, const std::vec
   return result;
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

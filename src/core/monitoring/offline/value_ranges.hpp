@@ -8,7 +8,7 @@
 #include "monitoring/monitor_program.hpp"
 #include "monitoring/offline/monitor_stream.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::offline {
 
 // The columns that an atom reads, each once.
 std::vector<std::size_t> columns_of(const MonitorAtom& atom);
@@ -18,4 +18,4 @@ std::vector<std::size_t> columns_of(const MonitorAtom& atom);
 std::vector<std::size_t> first_uncertain(const MonitorAtom& atom, const std::vector<std::vector<double>>& columns,
                                          const std::vector<Truth>& holding);
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::offline

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace tachk {
+namespace tachk::monitoring::online {
 namespace {
 
 // Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits.
@@ -259,4 +259,4 @@ void MonitorGroup::keep(const Samples& samples) {
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

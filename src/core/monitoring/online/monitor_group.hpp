@@ -14,7 +14,7 @@
 #include "monitoring/online/online_monitor.hpp"
 #include "monitoring/ticks.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 
 // Why a row is not taken. Nothing has changed then.
 enum class RowFault {
@@ -137,4 +137,4 @@ class MonitorGroup {
   std::size_t faulty_column_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -1,6 +1,6 @@
 #include "monitoring/online/online_graph.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 namespace {
 
 Literal until(OnlineGraph& graph, const MonitorNode& node, Literal left, Literal right, bool ahead) {
@@ -127,4 +127,4 @@ OnlineGraph make_online_graph(const MonitorProgram& program) {
   return graph;
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -12,7 +12,7 @@
 #include "monitoring/monitor_cells.hpp"
 #include "monitoring/monitor_program.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 
 enum class OnlineKind : std::uint8_t {
   constant_false,
@@ -94,4 +94,4 @@ struct WindowShape {
   bool last_open;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -8,7 +8,9 @@
 
 #include "monitoring/online/online_rewriting.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
+
+using offline::Robustness;
 namespace {
 
 constexpr std::size_t margin = 8;  // bytes before a block of truth values; the last one belongs to the sample before
@@ -48,9 +50,9 @@ OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative, bool all
     if (leaf.change) truth_.know(leaf.node, {0, 1}, false);
   truth_.step(-1, false);  // what holds without any sample
   if (quantitative) {
-    margins_.whole = std::make_unique<OfflineMonitor<Robustness>>(program_, Requests{});
+    margins_.whole = std::make_unique<offline::OfflineMonitor<Robustness>>(program_, offline::Requests{});
     if (std::optional<MonitorProgram> other = falling_sooner(program_))
-      margins_.sooner = std::make_unique<OfflineMonitor<Robustness>>(std::move(*other), Requests{});
+      margins_.sooner = std::make_unique<offline::OfflineMonitor<Robustness>>(std::move(*other), offline::Requests{});
     margins_.waiting.columns.resize(program_.columns);
   }
 }
@@ -126,18 +128,18 @@ void OnlineMonitor::catch_up() {
   for (std::vector<double>& column : margins_.waiting.columns) column.clear();
 }
 
-Range<Robustness> OnlineMonitor::robustness() {
+offline::Range<Robustness> OnlineMonitor::robustness() {
   if (margins_.whole && !progress_.finished) {
     catch_up();
     narrow(margins_.whole->so_far());
-    if (margins_.sooner) narrow({Bounds<Robustness>::least, margins_.sooner->so_far().high});
+    if (margins_.sooner) narrow({offline::Bounds<Robustness>::least, margins_.sooner->so_far().high});
   }
   narrow(margins_.robustness);
   return margins_.robustness;
 }
 
 // What the range and the verdict say is true, so are the bounds found before.
-void OnlineMonitor::narrow(const Range<Robustness>& range) {
+void OnlineMonitor::narrow(const offline::Range<Robustness>& range) {
   margins_.robustness.low = std::max(margins_.robustness.low, range.low);
   margins_.robustness.high = std::min(margins_.robustness.high, range.high);
   if (verdict() == Decision::yes) margins_.robustness.low = std::max(margins_.robustness.low, 0.0);
@@ -313,4 +315,4 @@ std::size_t OnlineMonitor::bytes() const {
   return total;
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -14,7 +14,7 @@
 #include "monitoring/offline/offline_monitor.hpp"
 #include "monitoring/online/online_truth.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 
 class OnlineMonitor {
  public:
@@ -44,7 +44,7 @@ class OnlineMonitor {
   std::optional<Cell> violated_since() const { return truth_.violated_since(); }
   // Bounds of the robustness of every continuation; they never widen. Without `quantitative` those that the verdict
   // gives. At the end they are the narrowest, before they need not be.
-  Range<Robustness> robustness();
+  offline::Range<offline::Robustness> robustness();
   std::int64_t origin() const { return progress_.origin; }
   std::int64_t now() const { return progress_.now; }
   bool finished() const { return progress_.finished; }
@@ -71,7 +71,7 @@ class OnlineMonitor {
                    std::size_t end);
   void follow_changes(Leaf& leaf, const double* values, const std::int64_t* ticks, std::size_t begin, std::size_t end);
   void hold_until(Cell end);
-  void narrow(const Range<Robustness>& range);
+  void narrow(const offline::Range<offline::Robustness>& range);
   void take_margins(const Samples& samples);
   void catch_up();
 
@@ -96,10 +96,12 @@ class OnlineMonitor {
 
   // What tells the robustness, where it is asked for.
   struct Margins {
-    std::unique_ptr<OfflineMonitor<Robustness>> whole;
-    std::unique_ptr<OfflineMonitor<Robustness>> sooner;  // of another form, for upper bounds before the end
+    std::unique_ptr<offline::OfflineMonitor<offline::Robustness>> whole;
+    std::unique_ptr<offline::OfflineMonitor<offline::Robustness>>
+        sooner;  // of another form, for upper bounds before the end
     Waiting waiting;
-    Range<Robustness> robustness{Bounds<Robustness>::least, Bounds<Robustness>::greatest};
+    offline::Range<offline::Robustness> robustness{offline::Bounds<offline::Robustness>::least,
+                                                   offline::Bounds<offline::Robustness>::greatest};
   };
 
   // How far time has come.
@@ -124,4 +126,4 @@ class OnlineMonitor {
   Progress progress_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -8,7 +8,7 @@
 
 #include "monitoring/monitor_cells.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 namespace {
 
 struct Part {
@@ -120,4 +120,4 @@ class Rewriting {
 
 std::optional<MonitorProgram> falling_sooner(const MonitorProgram& program) { return Rewriting(program).run(); }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -9,7 +9,7 @@
 
 #include "monitoring/monitor_cells.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 
 // The cells from `first` to before `end`.
 struct Span {
@@ -141,4 +141,4 @@ class SpanSet {
   std::size_t head_ = 0;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::monitoring::online {
 namespace {
 
 // Appends the cells of `spans` that are in `set`.
@@ -414,4 +414,4 @@ std::size_t TruthEngine::bytes() const {
   return total;
 }
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -12,7 +12,7 @@
 #include "monitoring/online/online_graph.hpp"
 #include "monitoring/online/online_spans.hpp"
 
-namespace tachk {
+namespace tachk::monitoring::online {
 
 enum class Decision : std::int8_t { no = 0, yes = 1, undetermined = 2 };
 
@@ -98,4 +98,4 @@ class TruthEngine {
   bool settled_ = false;
 };
 
-}  // namespace tachk
+}  // namespace tachk::monitoring::online

@@ -6,9 +6,12 @@
 
 #include "zones/patience.hpp"
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
-Ahead::Ahead(const ZoneGraph& graph, const PassedList& passed, bool subsumption, unsigned threads)
+using zones::ConstZoneRef;
+using zones::Patience;
+
+Ahead::Ahead(const symbolic::ZoneGraph& graph, const states::PassedList& passed, bool subsumption, unsigned threads)
     : passed_(passed), graph_(graph), latest_(threads) {
   for (std::uint32_t n = 0; n < threads; ++n)
     finders_.push_back(std::make_unique<Finder>(graph, passed, subsumption, n));
@@ -115,14 +118,15 @@ void Ahead::sift_and_go_on(std::vector<std::uint32_t> further) {
 
 bool Ahead::same_discrete(const Found& one, const Found& other) const {
   if (one.key != other.key) return false;
-  if (one.discrete != HashIndex::absent || other.discrete != HashIndex::absent) return one.discrete == other.discrete;
+  if (one.discrete != states::HashIndex::absent || other.discrete != states::HashIndex::absent)
+    return one.discrete == other.discrete;
   const std::int32_t* slots = harvest(one).slots(one.slots);
   return std::equal(slots, slots + graph_.program().state_slots, harvest(other).slots(other.slots));
 }
 
 void Ahead::compare(Found& found, Found* before) const {
   const int dimension = graph_.program().dimension();
-  const ZoneOperations& operations = graph_.operations();
+  const zones::ZoneOperations& operations = graph_.operations();
   const ConstZoneRef zone = harvest(found).zone(found.zone);
   const ConstZoneRef abstract = harvest(found).zone(found.abstract);
   const bool whole = graph_.program().diagonals.empty();  // or a piece may be covered although the zone is not
@@ -174,4 +178,4 @@ std::optional<Ahead::Result> Ahead::result(std::uint32_t node, const GoalWatch& 
   return Result{&harvest, &harvest.expansions[block_.places[block_.next].expansion]};
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

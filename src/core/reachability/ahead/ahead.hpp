@@ -22,11 +22,11 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
 class Ahead final {
  public:
-  Ahead(const ZoneGraph& graph, const PassedList& passed, bool subsumption, unsigned threads);
+  Ahead(const symbolic::ZoneGraph& graph, const states::PassedList& passed, bool subsumption, unsigned threads);
 
   // What was found of a state; nothing if it was not among those that were looked at, or if other goals are open by
   // now. States are asked for in the order in which they were given.
@@ -85,8 +85,8 @@ class Ahead final {
   const Harvest& harvest(const Found& found) const { return finders_[found.finder]->harvest(); }
   bool same_discrete(const Found& one, const Found& other) const;
 
-  const PassedList& passed_;
-  const ZoneGraph& graph_;
+  const states::PassedList& passed_;
+  const symbolic::ZoneGraph& graph_;
   std::vector<std::unique_ptr<Finder>> finders_;
   std::vector<std::vector<Found*>> latest_;  // of each thread: the last one with a discrete state, by keys
   std::atomic<bool> stop_{false};
@@ -98,4 +98,4 @@ class Ahead final {
   std::optional<Team> team_;  // ends before what it works on
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cstring>
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
-Finder::Finder(const ZoneGraph& graph, const PassedList& passed, bool subsumption, std::uint32_t number)
+using states::HashIndex;
+using symbolic::Effect;
+using symbolic::Successor;
+using zones::ConstZoneRef;
+
+Finder::Finder(const symbolic::ZoneGraph& graph, const states::PassedList& passed, bool subsumption,
+               std::uint32_t number)
     : passed_(passed),
       subsumption_(subsumption),
       whole_(graph.program().diagonals.empty()),
@@ -82,7 +88,7 @@ struct Finder::Receiving {
 struct Finder::Stepping {
   Finder& finder;
   Expansion& expansion;
-  SlotSet written{};
+  program::SlotSet written{};
 
   bool counts() const { return finder.deadlocks_.counts(); }
   void possible(ConstZoneRef guarded, const Effect& effect) const { finder.deadlocks_.pass(guarded, effect); }
@@ -119,7 +125,7 @@ std::uint32_t Finder::own_coverer(const Found& found) const {
 }
 
 void Finder::look(Found& found, const Successor& successor) {
-  const ZoneView packed = graph_.packed(successor.slots, successor.zone);
+  const states::ZoneView packed = graph_.packed(successor.slots, successor.zone);
   found.hash = passed_.hash(packed);
   // One of several pieces of a zone may be covered although the whole is not.
   found.apart = subsumption_ &&
@@ -127,13 +133,14 @@ void Finder::look(Found& found, const Successor& successor) {
                  ((whole_ || !passed_.covers(found.discrete, packed)) && !passed_.would_cover(found.discrete, packed)));
   try {
     found.meets = goals_.meets_any(successor.slots, successor.zone);
-  } catch (const ModelFault&) {  // the search will meet it as well
+  } catch (const machine::ModelFault&) {  // the search will meet it as well
     found.meets = true;
   }
 }
 
 template <class R>
-void Finder::expand(SymbolicState& source, std::uint32_t node, Harvest& harvest, Expansion& expansion, R&& receiver) {
+void Finder::expand(symbolic::SymbolicState& source, std::uint32_t node, Harvest& harvest, Expansion& expansion,
+                    R&& receiver) {
   expansion.first_edge = harvest.edges.size();
   try {
     deadlocks_.begin(node, source);
@@ -209,4 +216,4 @@ void Finder::look_up(std::size_t early) {
   expansion.last = now().found.size();
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

@@ -15,11 +15,11 @@
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
 class Finder final {
  public:
-  Finder(const ZoneGraph& graph, const PassedList& passed, bool subsumption, std::uint32_t number);
+  Finder(const symbolic::ZoneGraph& graph, const states::PassedList& passed, bool subsumption, std::uint32_t number);
 
   // Begins a block of states: no edge of `taken` need be told. What has been done early is kept unless goals have been
   // settled since.
@@ -45,7 +45,7 @@ class Finder final {
   // States of the next block, and how many of them have been expanded; what was found is in the next harvest.
   struct Early {
     std::vector<std::uint32_t> nodes;
-    std::vector<SymbolicState> sources;  // at least as many
+    std::vector<symbolic::SymbolicState> sources;  // at least as many
     std::size_t done = 0;
     std::vector<Expansion> expansions;
   };
@@ -58,22 +58,23 @@ class Finder final {
   // One that was found before for the same discrete state and covers the zone. It may belong to a state that comes
   // later; then it is not stored yet when the search asks for it, and does not count.
   std::uint32_t own_coverer(const Found& found) const;
-  void look(Found& found, const Successor& successor);
+  void look(Found& found, const symbolic::Successor& successor);
   // Notes the edges of a transition.
   void count(std::span<const std::uint32_t> edges, Expansion& expansion, Harvest& harvest) const;
   template <class R>
-  void expand(SymbolicState& source, std::uint32_t node, Harvest& harvest, Expansion& expansion, R&& receiver);
+  void expand(symbolic::SymbolicState& source, std::uint32_t node, Harvest& harvest, Expansion& expansion,
+              R&& receiver);
 
-  const PassedList& passed_;
+  const states::PassedList& passed_;
   bool subsumption_;
   bool whole_;  // zones have one abstraction each
   std::uint32_t number_;
-  ZoneGraph graph_;
+  symbolic::ZoneGraph graph_;
   GoalWatch goals_;
   std::uint64_t goals_then_ = 0;
   DeadlockWatch deadlocks_;
-  DiscreteStates::Reader reader_;
-  SymbolicState source_;
+  states::DiscreteStates::Reader reader_;
+  symbolic::SymbolicState source_;
   std::vector<std::uint8_t> taken_;
   Harvest harvests_[2];
   std::size_t now_ = 0;
@@ -81,4 +82,4 @@ class Finder final {
   Early early_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

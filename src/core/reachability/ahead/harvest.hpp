@@ -10,7 +10,7 @@
 #include "states/store.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
 // A successor that no stored state covered when it was found.
 struct Found {
@@ -28,10 +28,10 @@ struct Found {
   bool meets = true;          // it may meet a goal
   // That it covers none of the stored states, nor of those found for earlier states, and none of these covers it.
   bool apart = false;
-  std::uint32_t own_coverer = none;  // one of the same harvest
-  const Found* coverer = nullptr;    // that one, or one of another harvest; nullptr: none covers it
-  Found* before = nullptr;           // the one with the same discrete state that was found before
-  std::uint32_t node = no_node;      // its number, once it is stored
+  std::uint32_t own_coverer = none;      // one of the same harvest
+  const Found* coverer = nullptr;        // that one, or one of another harvest; nullptr: none covers it
+  Found* before = nullptr;               // the one with the same discrete state that was found before
+  std::uint32_t node = states::no_node;  // its number, once it is stored
 };
 
 // A successor of which only the step has been computed.
@@ -39,7 +39,7 @@ struct Step {
   std::uint32_t slots;
   std::uint32_t zone;
   std::uint32_t transitions;
-  SlotSet written;
+  program::SlotSet written;
 };
 
 // What was found of a state: ranges of what the harvest holds.
@@ -66,7 +66,7 @@ class Harvest final {
     expansions.clear();
   }
 
-  std::uint32_t keep(ConstZoneRef zone, const ZoneOperations& operations) {
+  std::uint32_t keep(zones::ConstZoneRef zone, const zones::ZoneOperations& operations) {
     if (zones_used_ == zones_.size()) zones_.emplace_back(operations);
     zones_[zones_used_].assign(zone);
     return static_cast<std::uint32_t>(zones_used_++);
@@ -76,7 +76,7 @@ class Harvest final {
     slots_.insert(slots_.end(), slots, slots + count);
     return static_cast<std::uint32_t>(first);
   }
-  ConstZoneRef zone(std::uint32_t number) const { return zones_[number].get(); }
+  zones::ConstZoneRef zone(std::uint32_t number) const { return zones_[number].get(); }
   const std::int32_t* slots(std::uint32_t first) const { return slots_.data() + first; }
   std::size_t zones() const { return zones_used_; }
 
@@ -87,8 +87,8 @@ class Harvest final {
 
  private:
   std::size_t zones_used_ = 0;
-  std::vector<ZoneBuffer> zones_;
+  std::vector<zones::ZoneBuffer> zones_;
   std::vector<std::int32_t> slots_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
 class Pace final {
  public:
@@ -49,4 +49,4 @@ class Pace final {
   double seconds_by_several_ = 0;  // for a state
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

@@ -3,7 +3,7 @@
 #include <system_error>
 #include <utility>
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 namespace {
 
 void pause() {
@@ -67,4 +67,4 @@ void Team::serve(unsigned member) {
   }
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace tachk {
+namespace tachk::reachability::ahead {
 
 class Team final {
  public:
@@ -40,4 +40,4 @@ class Team final {
 // Waits until a number is no longer the given one: most often that takes less time than to fall asleep.
 void await_change(const std::atomic<std::uint32_t>& number, std::uint32_t from);
 
-}  // namespace tachk
+}  // namespace tachk::reachability::ahead

@@ -7,7 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace tachk {
+namespace tachk::reachability::merging {
 
 class Corridor final {
  public:
@@ -33,4 +33,4 @@ class Corridor final {
   std::unordered_set<std::vector<std::int32_t>, Hash> states_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability::merging

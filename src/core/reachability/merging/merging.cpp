@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
-namespace tachk {
+namespace tachk::reachability::merging {
 
-ZoneView Merging::united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
+using states::ZoneView;
+
+ZoneView Merging::united(states::PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
   fresh_.clear();
   if (!allowed_) return zone;
   passed.wait_from(first);
-  if (first == no_node || !check_.asks()) return zone;
+  if (first == states::no_node || !check_.asks()) return zone;
   const std::size_t looked = passed.unite(discrete, zone, first, united_.get(), fresh_);
   check_.tell(!fresh_.empty(), looked);
   return fresh_.empty() ? zone : ZoneView{united_.get(), zone.dimension};
@@ -19,12 +21,12 @@ void Merging::stored(std::uint32_t node) {
   fresh_.clear();
 }
 
-std::vector<std::uint32_t> Merging::origins(const PassedList& passed, std::uint32_t node) const {
+std::vector<std::uint32_t> Merging::origins(const states::PassedList& passed, std::uint32_t node) const {
   std::vector<std::uint32_t> found{node};
   std::vector<bool> known(passed.size(), false);
   known[node] = true;
   const auto add = [&](std::uint32_t origin) {
-    if (origin == no_node || known[origin]) return;
+    if (origin == states::no_node || known[origin]) return;
     known[origin] = true;
     found.push_back(origin);
   };
@@ -39,4 +41,4 @@ std::vector<std::uint32_t> Merging::origins(const PassedList& passed, std::uint3
   return found;
 }
 
-}  // namespace tachk
+}  // namespace tachk::reachability::merging

@@ -14,23 +14,24 @@
 #include "states/store.hpp"
 #include "zones/zone_buffer.hpp"
 
-namespace tachk {
+namespace tachk::reachability::merging {
 
 class Merging final {
  public:
   // Not `allowed`: nothing is united.
-  Merging(bool allowed, const ZoneOperations& operations)
-      : allowed_(allowed), check_(allowed, AdaptiveCheck::short_first), united_(operations) {}
+  Merging(bool allowed, const zones::ZoneOperations& operations)
+      : allowed_(allowed), check_(allowed, states::AdaptiveCheck::short_first), united_(operations) {}
 
   // The union of the zone with as many as possible of those that wait in this discrete state, in nodes from `first` on.
-  ZoneView united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first);
+  states::ZoneView united(states::PassedList& passed, std::uint32_t discrete, states::ZoneView zone,
+                          std::uint32_t first);
   // The node that has the zone returned last.
   void stored(std::uint32_t node);
 
   // Whether anything has been united.
   bool any() const { return !parts_.empty(); }
   // A node and all through which its states are reached.
-  std::vector<std::uint32_t> origins(const PassedList& passed, std::uint32_t node) const;
+  std::vector<std::uint32_t> origins(const states::PassedList& passed, std::uint32_t node) const;
 
   std::size_t bytes() const { return parts_.capacity() * sizeof(Part); }
 
@@ -41,10 +42,10 @@ class Merging final {
   };
 
   bool allowed_;
-  AdaptiveCheck check_;
-  ZoneBuffer united_;
+  states::AdaptiveCheck check_;
+  zones::ZoneBuffer united_;
   std::vector<std::uint32_t> fresh_;  // what the zone returned last has been made of, besides what was new
   std::vector<Part> parts_;
 };
 
-}  // namespace tachk
+}  // namespace tachk::reachability::merging

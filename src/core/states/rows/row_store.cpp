@@ -4,7 +4,7 @@
 
 #include "zones/contract.hpp"
 
-namespace tachk {
+namespace tachk::states::rows {
 namespace {
 
 __extension__ typedef unsigned __int128 Wide;
@@ -77,4 +77,4 @@ void RowStore::release(std::uint32_t number) {
   free_.push_back(number);
 }
 
-}  // namespace tachk
+}  // namespace tachk::states::rows

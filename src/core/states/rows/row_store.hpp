@@ -9,7 +9,7 @@
 #include "states/memory.hpp"
 #include "zones/zone_ref.hpp"
 
-namespace tachk {
+namespace tachk::states::rows {
 
 class RowStore {
  public:
@@ -20,7 +20,7 @@ class RowStore {
   // One zone fewer has the row. Its memory is used again once none has.
   void release(std::uint32_t number);
 
-  ZoneRows zone(const std::uint32_t* numbers) const { return {rows_.blocks(), numbers, rows_.shift()}; }
+  zones::ZoneRows zone(const std::uint32_t* numbers) const { return {rows_.blocks(), numbers, rows_.shift()}; }
   // How many different ones there are.
   std::size_t size() const { return rows_.size() - free_.size(); }
   // What one row takes, as a rule.
@@ -43,4 +43,4 @@ class RowStore {
   std::vector<std::uint64_t> hashes_;  // of the rows that are being looked up
 };
 
-}  // namespace tachk
+}  // namespace tachk::states::rows

@@ -3,9 +3,9 @@
 #include <cstring>
 #include <utility>
 
-namespace tachk {
+namespace tachk::states::rows {
 
-ZoneShelf::ZoneShelf(const ZoneOperations& operations, int dimension, std::uint32_t rows_after,
+ZoneShelf::ZoneShelf(const zones::ZoneOperations& operations, int dimension, std::uint32_t rows_after,
                      std::size_t least_block_bytes)
     : operations_(operations),
       dimension_(dimension),
@@ -17,7 +17,7 @@ ZoneShelf::ZoneShelf(const ZoneOperations& operations, int dimension, std::uint3
   rows_.emplace(operations_.row_bytes);
 }
 
-std::uint32_t ZoneShelf::add(ConstZoneRef zone) {
+std::uint32_t ZoneShelf::add(zones::ConstZoneRef zone) {
   if (free_.empty() && next_look_ != 0 && records_.size() == next_look_) reconsider();
   std::uint32_t record = records_.size();
   if (free_.empty()) {
@@ -30,7 +30,7 @@ std::uint32_t ZoneShelf::add(ConstZoneRef zone) {
   return record;
 }
 
-void ZoneShelf::put(std::uint32_t record, ConstZoneRef zone) {
+void ZoneShelf::put(std::uint32_t record, zones::ConstZoneRef zone) {
   if (!rows_) {
     std::memcpy(records_[record], zone.bytes, operations_.bytes);
     return;
@@ -77,4 +77,4 @@ std::size_t ZoneShelf::bytes() const {
   return records_.bytes() + (rows_ ? rows_->bytes() : 0) + free_.capacity() * sizeof(std::uint32_t);
 }
 
-}  // namespace tachk
+}  // namespace tachk::states::rows

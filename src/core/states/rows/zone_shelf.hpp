@@ -12,26 +12,27 @@
 #include "states/rows/row_store.hpp"
 #include "zones/zone.hpp"
 
-namespace tachk {
+namespace tachk::states::rows {
 
 class ZoneShelf {
  public:
   // `rows_after`: at how many zones it is looked at first; 0: they always are lists of rows.
-  ZoneShelf(const ZoneOperations& operations, int dimension, std::uint32_t rows_after, std::size_t least_block_bytes);
+  ZoneShelf(const zones::ZoneOperations& operations, int dimension, std::uint32_t rows_after,
+            std::size_t least_block_bytes);
 
-  const ZoneOperations& operations() const { return operations_; }
+  const zones::ZoneOperations& operations() const { return operations_; }
   int dimension() const { return dimension_; }
 
   // The record of one more zone.
-  std::uint32_t add(ConstZoneRef zone);
+  std::uint32_t add(zones::ConstZoneRef zone);
   void remove(std::uint32_t record);
 
-  bool equals(std::uint32_t record, ConstZoneRef zone) const {
+  bool equals(std::uint32_t record, zones::ConstZoneRef zone) const {
     return rows_ ? operations_.rows.equal(rows(record), zone, dimension_)
                  : std::memcmp(records_[record], zone.bytes, operations_.bytes) == 0;
   }
   // Whether the zone of a record contains this one; with `bounds` (may be null), simulates it.
-  bool covers(std::uint32_t record, ConstZoneRef inner, const ClockBounds* bounds) const {
+  bool covers(std::uint32_t record, zones::ConstZoneRef inner, const zones::ClockBounds* bounds) const {
     if (bounds == nullptr)
       return rows_ ? operations_.rows.include(rows(record), inner, dimension_)
                    : operations_.includes(whole(record), inner, dimension_);
@@ -39,7 +40,7 @@ class ZoneShelf {
                  : operations_.simulates(whole(record), inner, dimension_, *bounds);
   }
   // The other way round.
-  bool is_covered(std::uint32_t record, ConstZoneRef outer, const ClockBounds* bounds) const {
+  bool is_covered(std::uint32_t record, zones::ConstZoneRef outer, const zones::ClockBounds* bounds) const {
     if (bounds == nullptr)
       return rows_ ? operations_.rows.lie_in(rows(record), outer, dimension_)
                    : operations_.includes(outer, whole(record), dimension_);
@@ -47,7 +48,7 @@ class ZoneShelf {
                  : operations_.simulates(outer, whole(record), dimension_, *bounds);
   }
   // The zone itself, or a copy in `buffer`.
-  ConstZoneRef read(std::uint32_t record, ZoneRef buffer) const {
+  zones::ConstZoneRef read(std::uint32_t record, zones::ZoneRef buffer) const {
     if (!rows_) return whole(record);
     operations_.rows.assemble(buffer, rows(record), dimension_);
     return buffer;
@@ -58,16 +59,16 @@ class ZoneShelf {
 
  private:
   std::size_t list_bytes() const { return static_cast<std::size_t>(dimension_) * sizeof(std::uint32_t); }
-  ConstZoneRef whole(std::uint32_t record) const { return {records_[record]}; }
-  ZoneRows rows(std::uint32_t record) const {
+  zones::ConstZoneRef whole(std::uint32_t record) const { return {records_[record]}; }
+  zones::ZoneRows rows(std::uint32_t record) const {
     return rows_->zone(reinterpret_cast<const std::uint32_t*>(records_[record]));
   }
-  void put(std::uint32_t record, ConstZoneRef zone);
+  void put(std::uint32_t record, zones::ConstZoneRef zone);
   // Holds the zones the other way if that takes less memory.
   void reconsider();
   void hold_whole();
 
-  ZoneOperations operations_;
+  zones::ZoneOperations operations_;
   int dimension_;
   std::size_t least_block_bytes_;
   RecordPool records_;            // zones, or lists of the numbers of their rows
@@ -76,4 +77,4 @@ class ZoneShelf {
   std::uint64_t next_look_;  // at how many records; 0: never
 };
 
-}  // namespace tachk
+}  // namespace tachk::states::rows

@@ -13,7 +13,9 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::monitoring;
+using namespace tachk::monitoring::linear;
+using namespace tachk::monitoring::offline;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

@@ -12,7 +12,8 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::monitoring;
+using namespace tachk::monitoring::offline;
 
 // The values of all nodes on the cells from 0 to far behind the end of the trace; after the last one nothing changes.
 template <class Value>

@@ -16,7 +16,9 @@
 
 namespace {
 
-using namespace tachk;
+using namespace tachk::monitoring;
+using namespace tachk::monitoring::offline;
+using namespace tachk::monitoring::online;
 using Random = std::mt19937;
 
 std::int64_t below(Random& random, std::int64_t limit) {
