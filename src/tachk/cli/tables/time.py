@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.job import limited, unhurried
+from tachk.base.job import OutOfTimeError, StoppedError, current_job, limited, unhurried
 from tachk.base.records import dataclass
 from tachk.cli.arguments import split_definitions
 from tachk.cli.destination import destination
@@ -21,6 +21,7 @@ from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.model.grid import grid_of
 from tachk.report.time_report import TimedInterval, TimedRow, times_to_csv, times_to_json, times_to_text
+from tachk.verify.times import Times
 
 _MOST_ROWS = 10_000
 
@@ -55,30 +56,23 @@ def run_time(
     twice = [name for name in grid.names if name in constants]
     if twice:
         raise UsageError(f"{twice[0]} is set by -D and by --over")
-    rows = []
-    warned = False
+    rows: list[TimedRow] = []
     with destination(output) as out:
         assert out is not None
         with limited(limits.seconds):
             for values in grid.cells():
+                given = dict(zip(grid.names, values, strict=True))
+                chosen = {name: value for name, value in given.items() if isinstance(value, int)}
+                if rows and chosen == given and current_job().seconds_left == 0:
+                    rows.append(TimedRow(chosen, rows[0].network, _unknown(OutOfTimeError.reason)))
+                    continue
                 with unhurried(inf):  # a table as far as it goes
-                    model = api.load(asked.model, **constants, **dict(zip(grid.names, values, strict=True)))
-                chosen = {name: model.constants[name] for name in grid.names}
-                if not warned:
+                    model = api.load(asked.model, **constants, **given)
+                if not rows:
                     print_diagnostics((*model.refusals, *model.warnings))
-                    warned = True
-                times = model.time(
-                    asked.start,
-                    asked.end,
-                    last=asked.last,
-                    best=asked.best or not asked.worst,
-                    worst=asked.worst or not asked.best,
-                    settled=asked.settled,
-                    limits=limits,
-                    trace=traces,
-                )
-                rows.append(TimedRow(chosen, model.network, times))
-                if times.reason == INTERRUPTED:
+                chosen = {name: model.constants[name] for name in grid.names}
+                rows.append(TimedRow(chosen, model.network, _times(model, asked, limits, traces)))
+                if rows[-1].times.reason == INTERRUPTED:
                     break
         between = TimedInterval(asked.model, asked.start, asked.end, asked.last)
         match form:
@@ -92,6 +86,27 @@ def run_time(
         for reason in dict.fromkeys(row.times.reason for row in rows if row.times.reason):
             print(f"some times are unknown: {reason}", file=sys.stderr)
     return worst(_statuses(rows))
+
+
+def _times(model: api.Model, asked: TimeArguments, limits: Limits, traces: bool) -> Times:
+    """What is measured of a model; unknown where a limit ends that."""
+    try:
+        return model.time(
+            asked.start,
+            asked.end,
+            last=asked.last,
+            best=asked.best or not asked.worst,
+            worst=asked.worst or not asked.best,
+            settled=asked.settled,
+            limits=limits,
+            trace=traces,
+        )
+    except StoppedError as error:
+        return _unknown(error.reason)
+
+
+def _unknown(reason: str) -> Times:
+    return Times(None, None, None, reason)
 
 
 def _statuses(rows: Iterable[TimedRow]) -> Iterator[ExitStatus]:

@@ -28,6 +28,8 @@ def short_answer(found: Mapping[str, Any] | None) -> str:
     match found["kind"]:
         case "probability" | "splitting":
             return interval_text(found["low"], found["high"])
+        case "unknown":
+            return "unknown"
         case "test":
             return str(found["answer"])
         case "mean" if found["low"] is not None:

@@ -7,13 +7,13 @@ from math import isfinite
 from typing import Any
 
 from tachk.base.plain_data import Fields, PlainData
-from tachk.simulation.statistics.answers import StatisticalAnswer
+from tachk.simulation.statistics.answers import NoEstimate, StatisticalAnswer
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, Split
 from tachk.simulation.statistics.sampling import SampledRuns
 from tachk.simulation.statistics.trajectories import Trajectory
 
 
-def estimates_document(model: str, found: Sequence[Estimate], settings: Settings) -> dict[str, Any]:
+def estimates_document(model: str, found: Sequence[Estimate | NoEstimate], settings: Settings) -> dict[str, Any]:
     return {"model": model, **_PLAIN.of(settings), "answers": _PLAIN(list(found))}
 
 
@@ -57,6 +57,7 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
         "whole=rare.whole transitions=rare.transitions unknown=rare.unknown",
     ),
     DrawnRuns: _answer("trajectories", "runs picked interval"),
+    NoEstimate: _answer("unknown", "reason"),
     Trajectory: Fields("run=number ending end lines"),
     SampledRuns: Fields("runs hits unknown transitions endings"),
 }

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import ceil, floor, isfinite, log10
 from typing import assert_never
 
+from tachk.simulation.statistics.answers import NoEstimate
 from tachk.simulation.statistics.deciding import Decision
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, Split
 from tachk.simulation.statistics.sampling import SampledRuns, told_endings
@@ -14,7 +15,7 @@ from tachk.simulation.statistics.trajectories import Polyline
 _POINTS = 6
 
 
-def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
+def answer_lines(found: Estimate | NoEstimate, settings: Settings) -> Iterator[str]:
     """The answer, then how it came about."""
     confidence = f"confidence {settings.confidence:.6g}"
     match found:
@@ -38,6 +39,8 @@ def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
                 yield f"  run {run.number}, until {run.end:.6g}, {run.ending}"
                 for line in run.lines:
                     yield f"    {line.name}: {_points(line)}"
+        case NoEstimate(_, reason):
+            yield f"{_head(found)}: unknown ({reason})"
         case never:
             assert_never(never)
 
@@ -60,7 +63,7 @@ def interval_text(low: float, high: float) -> str:
     return f"{floor(low * scale) / scale:.{shown}f} to {ceil(high * scale) / scale:.{shown}f}"
 
 
-def _head(found: Estimate) -> str:
+def _head(found: Estimate | NoEstimate) -> str:
     return f"{found.query.name}: {' '.join(found.query.text.split())}"
 
 

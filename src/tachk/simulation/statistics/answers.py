@@ -16,6 +16,7 @@ from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.query import Expectation, Query
+from tachk.model.statistical import StatisticalQuery
 from tachk.simulation.statistics.deciding import Decision
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Settings, Split, estimate
 from tachk.simulation.statistics.sampling import SampledRuns
@@ -49,6 +50,14 @@ class StatisticalAnswer:
     def met(self) -> bool | None:
         """Whether the answer is as expected (see `as_expected`); None where there is none."""
         return None if self.found is None else as_expected(self.found, self.query.expectation)
+
+
+@dataclass(frozen=True, slots=True)
+class NoEstimate:
+    """A query that was left open, and why."""
+
+    query: StatisticalQuery
+    reason: str
 
 
 def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+from tachk.base.job import StoppedError, unhurried
 from tachk.base.records import dataclass
 from tachk.base.span import Source as Text
 from tachk.cli.actions.simulation.models import simulated_model
@@ -15,6 +16,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
+from tachk.engine.outcome import INTERRUPTED
 from tachk.frontend.queries.queries import is_statistical
 from tachk.frontend.queries.statistical import read_statistical
 from tachk.model.query import Expectation
@@ -23,13 +25,15 @@ from tachk.report.json_text import json_text
 from tachk.report.statistics.json import estimates_document
 from tachk.report.statistics.text import answer_lines
 from tachk.simulation.orders import ordered, orders_of
-from tachk.simulation.statistics.answers import as_expected
+from tachk.simulation.statistics.answers import NoEstimate, as_expected
 from tachk.simulation.statistics.deciding import Errors
 from tachk.simulation.statistics.estimate import Estimate, Settings, estimate
 from tachk.simulation.statistics.rare import Splitting
 from tachk.simulation.statistics.sampling import RunSource
 from tachk.syntax.source_files import read_source
 from tachk.verify.questions import Questions
+
+_READING = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +80,28 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
         Splitting(asked.relative, asked.effort) if asked.splitting else None,
     )
     statuses: list[ExitStatus] = []
-    found: list[Estimate] = []
+    found: list[Estimate | NoEstimate] = []
+    reason = ""
     for query, expectation in _queries(model, asked, typed, statuses):
-        seen = network if query.network is None else ordered(query.network, orders).network
-        found.append(estimate(seen, query, settings))
-        statuses.append(_status(found[-1], expectation))
-    if asked.picture is not None:
+        if not reason:
+            try:
+                seen = network if query.network is None else ordered(query.network, orders).network
+                answer = estimate(seen, query, settings)
+            except StoppedError as error:
+                reason = error.reason
+            except KeyboardInterrupt:
+                reason = INTERRUPTED
+            else:
+                found.append(answer)
+                statuses.append(_status(answer, expectation))
+                continue
+        found.append(NoEstimate(query, reason))
+        statuses.append(ExitStatus.INTERRUPTED if reason == INTERRUPTED else ExitStatus.UNKNOWN)
+    answered = [each for each in found if not isinstance(each, NoEstimate)]
+    if asked.picture is not None and (answered or not reason):
         from tachk.report.statistics.picture import plot_estimates
 
-        plot_estimates(found, network.time_unit, asked.picture)
+        plot_estimates(answered, network.time_unit, asked.picture)
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form is ReportForm.JSON:
             out.write(json_text(estimates_document(models[0], found, settings)))
@@ -115,7 +132,9 @@ def _queries(
         if not is_statistical(query):
             continue
         try:
-            yield read_statistical(query, loaded), query.expectation
+            with unhurried(_READING):  # it is told even where the time for an answer is over
+                asked_query = read_statistical(query, loaded)
+            yield asked_query, query.expectation
         except InputError as error:
             if typed:
                 raise

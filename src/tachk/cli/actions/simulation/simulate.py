@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import StoppedError
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_files import holds_steps, run_files
@@ -19,6 +20,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
+from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.policy import SCRIPT, Policy
 from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
 from tachk.model.network import Network
@@ -77,6 +79,7 @@ class _Tally:
         truths: for each formula how many runs have each verdict.
         violating: for each formula the runs on which it is false.
         done, missed: how often each ordered fault happened, and how often the model did not allow it.
+        stopped: why not all runs were drawn; empty if they were.
     """
 
     transitions: int = 0
@@ -87,6 +90,11 @@ class _Tally:
     violating: dict[str, list[int]] = field(default_factory=dict)
     done: Counter[str] = field(default_factory=Counter)
     missed: Counter[str] = field(default_factory=Counter)
+    stopped: str = ""
+
+    @property
+    def runs(self) -> int:
+        return self.endings.total()
 
     def add(self, run: Simulated) -> None:
         self.transitions += run.transitions
@@ -130,20 +138,33 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     file = asked.runs_file
     with nullcontext() if file is None else run_files(file, model, definitions, asked.runs) as write:
         numbers = range(asked.first, asked.first + asked.runs)
-        for run in runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed)):
-            tally.add(run)
+        drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
+        for run, violating in _judged(drawn, runs, formulas, tally):
             counted = iter(runs.counts(run))
             tally.done.update(dict(zip(wanted.done, counted, strict=False)))
             tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
-            if not observed or not len(run.times):
-                continue
-            violating = _is_kept(runs, run, formulas, tally)
-            if write is not None and (violating or asked.all_runs):
+            if write is not None and len(run.times) and (violating or asked.all_runs):
                 write(run, runs)
     _print(asked, tally, network, formulas)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
-    return worst([faults, exit_status(truths)])
+    stopped = {"": ExitStatus.AS_EXPECTED, INTERRUPTED: ExitStatus.INTERRUPTED}.get(tally.stopped, ExitStatus.UNKNOWN)
+    return worst([faults, exit_status(truths), stopped])
+
+
+def _judged(
+    drawn: Iterator[Simulated], runs: Runs, formulas: tuple[NamedFormula, ...], tally: _Tally
+) -> Iterator[tuple[Simulated, bool]]:
+    """The runs, and whether each is written. Where a limit or the user ends that, the tally says so."""
+    try:
+        for run in drawn:
+            kept = _is_kept(runs, run, formulas, tally) if len(run.times) else not formulas
+            tally.add(run)
+            yield run, kept
+    except StoppedError as error:
+        tally.stopped = error.reason
+    except KeyboardInterrupt:
+        tally.stopped = INTERRUPTED
 
 
 def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tally: _Tally) -> bool:
@@ -165,6 +186,8 @@ def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterabl
             print(json.dumps(_json(asked, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
         return
     runs = "1 run" if asked.runs == 1 else f"{asked.runs} runs"
+    if tally.stopped:
+        runs = f"{tally.runs} of {runs}"
     print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
     for ending, count in tally.endings.most_common():
         number, end = tally.examples[ending]
@@ -182,6 +205,8 @@ def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterabl
         print(f"{name}: {told}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
         low, high = _violations(counts, asked.confidence)
         print(f"  probability of a violation: {low:.4g} to {high:.4g}, confidence {asked.confidence:.6g}")
+    if tally.stopped:
+        print(f"unknown what the other runs do ({tally.stopped})")
 
 
 def _violations(counts: Counter[Truth], confidence: float) -> tuple[float, float]:
@@ -193,7 +218,8 @@ def _json(asked: Simulating, tally: _Tally, formulas: Mapping[str, str]) -> dict
     """``formulas``: their texts by their names."""
     return {
         "model": asked.model,
-        "runs": asked.runs,
+        "runs": tally.runs,
+        **({"not_drawn": asked.runs - tally.runs, "reason": tally.stopped} if tally.stopped else {}),
         "first": asked.first,
         "until": asked.until,
         "seed": asked.seed,
