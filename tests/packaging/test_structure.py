@@ -119,18 +119,6 @@ def test_lark_has_an_upper_bound_because_what_is_private_to_it_is_read() -> None
     assert tuple(int(part) for part in version("lark").split(".")[:2]) < tuple(int(part) for part in below.groups())
 
 
-def test_the_packages_are_those_of_the_layers_and_of_the_guide() -> None:
-    there = {path.name for path in PYTHON.iterdir() if (path / "__init__.py").is_file()}
-    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
-        "contracts"
-    ]
-    layers = {name for layer in contracts[0]["layers"] for name in layer.split(" | ")}
-    table = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", CONTRIBUTING.read_text(encoding="utf-8"), re.MULTILINE)
-    told = {name for row in table for name in re.findall(r"`(\w+)`", row)}
-    assert there - {"testing"} <= layers
-    assert layers <= told
-
-
 def test_no_two_classes_have_the_same_name() -> None:
     places: dict[str, set[str]] = {}
     for path in MODULES:
