@@ -37,6 +37,11 @@ def test_yaml_can_be_read() -> None:
         assert yaml.safe_load(path.read_text(encoding="utf-8")), path
 
 
+def test_the_licences_of_others_are_distributed() -> None:
+    of_others = {path.relative_to(ROOT).as_posix() for path in (ROOT / "third_party").iterdir()}
+    assert {f"{folder}/LICENSE" for folder in of_others} | {"LICENSE"} == set(project()["project"]["license-files"])
+
+
 def test_the_oldest_python_is_the_required_one() -> None:
     assert project()["project"]["requires-python"] == f">={supported_pythons()[0]}"
     assert project()["tool"]["mypy"]["python_version"] == supported_pythons()[0]

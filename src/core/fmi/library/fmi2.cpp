@@ -11,7 +11,7 @@
 #include "fmi/instance.hpp"
 
 extern "C" {
-#include "headers/fmi2Functions.h"
+#include <fmi2Functions.h>
 }
 
 namespace {

@@ -11,7 +11,7 @@
 #include "fmi/instance.hpp"
 
 extern "C" {
-#include "headers/fmi3Functions.h"
+#include <fmi3Functions.h>
 }
 
 namespace {
