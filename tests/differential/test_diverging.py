@@ -30,10 +30,10 @@ VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1, ro
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_search_finds_what_the_oracles_find(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With short beats, and with long ones."""
+    """With short delays, and with long ones."""
     decided = set()
     for seed in range(100, 112):
-        with_states(monkeypatch, "short-beats", 2000 if seed % 2 else 0)
+        with_states(monkeypatch, "short-delays", 2000 if seed % 2 else 0)
         random = Random(seed)
         case = random_case(random, SHAPES[shape])
         for obligation in random_obligations(random, case, 1):

@@ -85,8 +85,8 @@ def without(name: str) -> Options:
         "alu": BY_DEFAULT.off("alu"),
         "merging": BY_DEFAULT.off("merging"),
         "local times": replace(BY_DEFAULT, local_times=LocalTimes.NEVER),
-        "spectators": BY_DEFAULT.off("cone"),
-        "bystanders": BY_DEFAULT.off("unblocked", "sliced"),
+        "cone of influence": BY_DEFAULT.off("cone"),
+        "without what only blocks": BY_DEFAULT.off("unblocked", "sliced"),
         "symmetry": BY_DEFAULT.off("symmetry"),
     }.get(name, BY_DEFAULT)
 

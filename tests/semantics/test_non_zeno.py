@@ -155,9 +155,9 @@ def test_with_a_deadline_only_its_runs_count() -> None:
     assert verdicts(model, "P.a -->[<= 5] P.b")[0].unsupported is not None
 
 
-def test_long_beats_decide_where_short_ones_take_too_many_states(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_delays_decide_where_short_ones_take_too_many_states(monkeypatch: pytest.MonkeyPatch) -> None:
     model = process(WAITING.format(loop="{ guard x < 1; assign x = 0; }"))
-    with_states(monkeypatch, "short-beats", 0)
+    with_states(monkeypatch, "short-delays", 0)
     assert not holds(model, "A<> P.b")
     assert holds(process(WAITING.format(loop=";")), "A<> P.b")
 

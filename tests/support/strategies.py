@@ -13,7 +13,7 @@ from tachk.verify import over_approximations, strategies
 from tachk.verify.strategy import Strategy
 
 TABLES = ("REACHABILITY", "LIVENESS")
-ALWAYS_ANSWER = ("zones", "any-run", "recurring", "long-beats")
+ALWAYS_ANSWER = ("zones", "any-run", "recurring", "long-delays")
 """Without these there may be no answer."""
 
 

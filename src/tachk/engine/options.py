@@ -179,7 +179,7 @@ class Options:
         return "attempts" not in self.without
 
     @property
-    def hold_spectators(self) -> bool:
+    def cone(self) -> bool:
         return "cone" not in self.without
 
     @property

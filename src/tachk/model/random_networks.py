@@ -46,8 +46,8 @@ class Shape:
         clocks_on_broadcast: clock guards on edges that receive a broadcast.
         lower_invariants: invariants with lower bounds.
         deadlocks: predicates that ask for deadlock.
-        spectators: the largest number of further processes that listen and, as a rule, change nothing of the others.
-        bystanders: how many further processes do the same but may also hinder the others, and talk to each other.
+        listeners: the largest number of further processes that listen and, as a rule, change nothing of the others.
+        blockers: how many further processes do the same but may also hinder the others, and talk to each other.
         companions: the largest number of further processes with a clock of their own that mostly move before their
             invariants end, and at once where time stands still.
         apart: how often a process has clocks and variables that no other process uses, and few others.
@@ -81,8 +81,8 @@ class Shape:
     clocks_on_broadcast: bool = True
     lower_invariants: bool = True
     deadlocks: bool = True
-    spectators: int = 0
-    bystanders: int = 0
+    listeners: int = 0
+    blockers: int = 0
     companions: int = 0
     apart: float = 0.0
     exact: float = 0.0
@@ -140,10 +140,10 @@ def random_case(random: Random, shape: Shape = Shape()) -> RandomCase:
         for source in handles[-1]:
             for _ in range(random.choice((1, 2, 2, 3, 3))):
                 _edge(random, shape, used, process, source, random.choice(handles[-1]))
-    for number in range(random.randint(1, shape.spectators) if shape.spectators else 0):
-        _spectator(random, shape, parts, network.process(f"S{number}"))
-    if shape.bystanders:
-        _bystanders(random, shape, parts, network)
+    for number in range(random.randint(1, shape.listeners) if shape.listeners else 0):
+        _listener(random, shape, parts, network.process(f"S{number}"))
+    if shape.blockers:
+        _blockers(random, shape, parts, network)
     for number in range(random.randint(1, shape.companions) if shape.companions else 0):
         _companion(random, parts, network.process(f"C{number}"))
     predicates = tuple(_predicate(random, shape, mentioned, handles).expression for _ in range(shape.predicates))
@@ -249,7 +249,7 @@ def _computed(shape: Shape, units: Term) -> Term:
     return units if shape.unit == 1 else units * shape.unit
 
 
-def _spectator(random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder) -> None:
+def _listener(random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder) -> None:
     clock, number = process.clock("age"), process.integer("seen", 0, INTEGER_TOP)
     own = replace(parts, clocks=[*parts.clocks, clock], integers=[*parts.integers, number])
     heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
@@ -267,12 +267,12 @@ def _spectator(random: Random, shape: Shape, parts: _NetworkParts, process: Proc
             process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
 
 
-def _bystanders(random: Random, shape: Shape, parts: _NetworkParts, network: NetworkBuilder) -> None:
+def _blockers(random: Random, shape: Shape, parts: _NetworkParts, network: NetworkBuilder) -> None:
     """Processes with clocks, variables and channels of their own that also listen to the others."""
     apart = _declare(random, shape, network, prefix="own_")
     heard = [channel for channel in parts.channels if channel[2] or random.random() < 0.2]
     reads = replace(apart, integers=[*apart.integers, *parts.integers])
-    for number in range(shape.bystanders):
+    for number in range(shape.blockers):
         process = network.process(f"B{number}")
         locations = _locations(random, shape, apart, process)
         for source in locations:

@@ -103,12 +103,12 @@ def recurring(problem: Problem) -> Findings:
     return Findings(verdicts)
 
 
-def short_beats(problem: Problem) -> Findings:
+def short_delays(problem: Problem) -> Findings:
     """A search for runs in which a time unit passes again and again, which finds short loops soon."""
     return _diverging(problem, lambda longest: 1 if longest > 1 else None)
 
 
-def long_beats(problem: Problem) -> Findings:
+def long_delays(problem: Problem) -> Findings:
     """A search for runs in which as much time passes again and again as anything in the network waits for: that there
     is none takes many times fewer states so."""
     return _diverging(problem, lambda longest: max(longest, 1))

@@ -64,7 +64,7 @@ def symmetrised(problem: Problem) -> Findings:
     interchangeable."""
 
     def of_all(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
-        return _of_all(problem.network, tuple(targets), tuple(conditions), problem.options.hold_spectators)
+        return _of_all(problem.network, tuple(targets), tuple(conditions), problem.options.cone)
 
     asked = problem.about([task.number for task in problem.tasks if can_be_symmetrised(problem, task)])
     return _searched(asked, of_all) if asked.tasks else Findings({})
@@ -76,7 +76,7 @@ def can_be_symmetrised(problem: Problem, task: Task) -> bool:
     # What is moved in the network without the observer is found out once for many problems.
     return (
         any(names_some(problem.observed.original, question) for question in (task.target, *conditions))
-        and _of_all(problem.network, (task.target,), conditions, problem.options.hold_spectators) is not None
+        and _of_all(problem.network, (task.target,), conditions, problem.options.cone) is not None
     )
 
 
@@ -96,7 +96,7 @@ def abstracted(problem: Problem) -> Findings:
     interchangeable."""
 
     def coarser(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
-        return _less_known(problem.network, tuple(targets), tuple(conditions), problem.options.hold_spectators)
+        return _less_known(problem.network, tuple(targets), tuple(conditions), problem.options.cone)
 
     return _searched(problem, coarser)
 
@@ -104,7 +104,7 @@ def abstracted(problem: Problem) -> Findings:
 def can_be_abstracted(problem: Problem) -> bool:
     """Whether less can be known so that processes become interchangeable."""
     conditions = tuple(trigger.condition for trigger in triggers_of(problem.tasks, problem.network))
-    hold = problem.options.hold_spectators
+    hold = problem.options.cone
     return _less_known(problem.network, tuple(problem.targets), conditions, hold) is not None
 
 
@@ -151,7 +151,7 @@ def _searched(problem: Problem, relaxing: Relaxing) -> Findings:
 
 def reduced_for(network: Network, mentioned: Sequence[Expression], options: Options) -> Transformation:
     """The network as it is searched for what is mentioned."""
-    return cone_of_influence(network, mentioned) if options.hold_spectators else unchanged(network)
+    return cone_of_influence(network, mentioned) if options.cone else unchanged(network)
 
 
 def lowered(

@@ -19,7 +19,7 @@ from tachk.verify.reachability import along_path, depth_first, equal_parts, expl
 from tachk.verify.strategy import Decides, Findings, Problem, Strategy, decided
 from tachk.verify.verdict import Verdict
 
-_FEW, _FEW_BEATS, _SOME, _MANY = 1_000, 2_000, 20_000, 1_000_000
+_FEW, _FEW_DIVERGING, _SOME, _MANY = 1_000, 2_000, 20_000, 1_000_000
 _KNOWN = Decides.REACHED | Decides.UNREACHABLE
 
 REACHABILITY = (
@@ -107,22 +107,22 @@ LIVENESS = (
         _of_liveness(lambda liveness: liveness.recurring),
     ),
     Strategy(
-        "short-beats",
+        "short-delays",
         "search few states for runs in which a time unit passes again and again",
-        _of_liveness(lambda liveness: liveness.short_beats),
-        states=_FEW_BEATS,
+        _of_liveness(lambda liveness: liveness.short_delays),
+        states=_FEW_DIVERGING,
         preliminary=True,
     ),
     Strategy(
-        "long-beats",
+        "long-delays",
         "search for runs in which the longest waiting time passes again and again",
-        _of_liveness(lambda liveness: liveness.long_beats),
+        _of_liveness(lambda liveness: liveness.long_delays),
     ),
 )
 """Whether some run avoids a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
 
 
-PLAIN = frozenset({"few-states", "first-states", "zones", "any-run", "short-beats", "long-beats"})
+PLAIN = frozenset({"few-states", "first-states", "zones", "any-run", "short-delays", "long-delays"})
 """The strategies that search as one expects: reports for people name the others only."""
 
 

@@ -41,8 +41,8 @@ ALONE: Mapping[str, Options] = {
     "passing": replace(NO_REDUCTION, passing=8),
     "local times": replace(NO_REDUCTION, local_times=LocalTimes.ALWAYS),
     "partial order": replace(NO_REDUCTION, partial_order=True),
-    "spectators": NO_REDUCTION.on("cone"),
-    "bystanders": NO_REDUCTION.on("unblocked", "sliced"),
+    "cone of influence": NO_REDUCTION.on("cone"),
+    "without what only blocks": NO_REDUCTION.on("unblocked", "sliced"),
     "symmetry": NO_REDUCTION.on("symmetry"),
 }
 TOGETHER: Mapping[str, Options] = {
@@ -60,7 +60,7 @@ SHAPES = (
     Shape(priorities=True, processes=3, locations=3, clocks=2),
     Shape(hurried=0.6, groups=2, clocks=1, processes=2, locations=3),
     Shape(language=True, faults=0.2, processes=3, locations=3, clocks=2),
-    Shape(spectators=1, bystanders=1, processes=2, clocks=1, locations=3),
+    Shape(listeners=1, blockers=1, processes=2, clocks=1, locations=3),
     Shape(apart=0.7, companions=2, processes=2, clocks=1, locations=3),
 )
 

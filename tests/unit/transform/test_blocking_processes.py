@@ -134,7 +134,7 @@ def test_what_is_reachable_only_without_them_is_looked_for_in_the_whole_network(
 
 
 def test_unreachable_without_what_only_blocks_is_unreachable() -> None:
-    shape = Shape(processes=2, clocks=1, locations=3, bystanders=2, deadlocks=False)
+    shape = Shape(processes=2, clocks=1, locations=3, blockers=2, deadlocks=False)
     limits = Limits(states=20_000)
     smaller = settled = hindered = 0
     for seed in range(150):
