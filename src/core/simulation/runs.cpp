@@ -38,13 +38,16 @@ Simulation::Simulation(program::Program program, std::span<const std::int64_t> c
 std::vector<RunRecord> Simulation::run(const Order& order) const {
   std::vector<RunRecord> records(order.runs);
   share_work(order.threads, order.runs, [&] {
-    return [&, simulator = Simulator(program_, chances_, tables_, order.policy, order.ticks_per_unit)](
-               std::uint64_t n) mutable { run_one(simulator, order, order.first + n, records[n]); };
+    return [&, simulator = Simulator(program_, chances_, tables_, order.policy, order.ticks_per_unit),
+            looks = std::uint64_t{0}](std::uint64_t n) mutable {
+      run_one(simulator, order, order.first + n, records[n], looks);
+    };
   });
   return records;
 }
 
-void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record) const {
+void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record,
+                         std::uint64_t& looks) const {
   const RunLimits& limits = order.limits;
   try {
     if (!simulator.begin(order.seed, number)) {
@@ -73,7 +76,8 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
         continue;
       }
       if (ending) break;
-      if (++record.transitions % between_stops == 0 && order.stop && order.stop()) throw Stopped();
+      ++record.transitions;
+      if (++looks % between_stops == 0 && order.stop && order.stop()) throw Stopped();
       keep(simulator, order.recording, record);
       at_once = simulator.now() == before ? at_once + 1 : 0;
       if (at_once >= limits.steps_at_once) ending = Ending::zeno;

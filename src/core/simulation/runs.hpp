@@ -13,8 +13,8 @@
 
 namespace tachk::simulation {
 
-// So many transitions lie between two looks at whether to stop.
-inline constexpr std::uint64_t between_stops = 1 << 16;
+// So many transitions of all runs of a thread lie between two looks at whether to stop.
+inline constexpr std::uint64_t between_stops = 1 << 10;
 
 // What is kept of a run beside how it ends.
 struct Recording {
@@ -66,7 +66,8 @@ class Simulation {
   const Tables& tables() const { return tables_; }
 
  private:
-  void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record) const;
+  void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record,
+               std::uint64_t& looks) const;
   void keep(Simulator& simulator, const Recording& recording, RunRecord& record) const;
   void keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const;
 

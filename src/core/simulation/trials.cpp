@@ -43,9 +43,8 @@ class Watch {
   // One state after another, with the time that passes in it.
   void go_on(Trial& trial) {
     std::uint64_t at_once = 0;
-    std::uint64_t looks = 0;
     while (true) {
-      if (++looks % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
+      if (++looks_ % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
       const bool notes = asked_.measures() && simulator_.has_hybrid_clocks();
@@ -114,6 +113,7 @@ class Watch {
   const Asked& asked_;
   const TrialOrder& order_;
   Simulator simulator_;
+  std::uint64_t looks_ = 0;
 };
 
 }  // namespace

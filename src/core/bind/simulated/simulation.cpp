@@ -6,13 +6,13 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "../arrays.hpp"
+#include "interruption.hpp"
 #include "program/program.hpp"
 #include "simulation/runs.hpp"
 
@@ -32,20 +32,9 @@ std::vector<std::int64_t> widened(const std::vector<std::uint32_t>& numbers) {
 
 // The runs; none of them if the time is over. Ctrl-C becomes its exception.
 std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulation::Order order, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begun = Clock::now();
-  order.stop = [=] {
-    if (seconds >= 0 && std::chrono::duration<double>(Clock::now() - begun).count() > seconds) return true;
-    const nb::gil_scoped_acquire acquired;
-    return PyErr_CheckSignals() != 0;
-  };
-  try {
-    const nb::gil_scoped_release released;
-    return simulation.run(order);
-  } catch (const simulation::Stopped&) {
-    if (PyErr_Occurred() != nullptr) throw nb::python_error();
-    return {};
-  }
+  std::vector<RunRecord> records;
+  interruptibly(order, seconds, [&] { records = simulation.run(order); });
+  return records;
 }
 
 void bind_run_record(nb::module_& m) {
