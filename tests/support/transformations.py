@@ -25,7 +25,7 @@ from tachk.transform.event_timer import with_event_timer
 from tachk.transform.extension import with_clock
 from tachk.transform.guided import guided
 from tachk.transform.liveness_slice import liveness_preserving_slice
-from tachk.transform.monotone_counters import budgets
+from tachk.transform.monotone_counters import monotone_counters
 from tachk.transform.observed import observed
 from tachk.transform.transformation import Transformation
 from tests.support.observer_agreement import random_watched
@@ -64,7 +64,7 @@ def _guided(random: Random, network: Network, target: Expression) -> Transformat
     if run is None or not run.path:
         return None
     members = {number for number, process in enumerate(relaxed.network.processes) if process.edges}
-    return guided(network, run.path, members, budgets(network, [target]))
+    return guided(network, run.path, members, monotone_counters(network, [target]))
 
 
 def _open(random: Random, network: Network, _: Expression) -> Transformation | None:

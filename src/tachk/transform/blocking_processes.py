@@ -23,7 +23,7 @@ from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Edge, Network, Process
 from tachk.model.traversal import process_expressions
 from tachk.transform.cone_of_influence import every_action_counts, frozen, is_broadcast, outside_cone
-from tachk.transform.monotone_counters import budgets
+from tachk.transform.monotone_counters import monotone_counters
 from tachk.transform.transformation import Exactness, Transformation, reduced, unchanged
 
 
@@ -39,7 +39,7 @@ def without_blocking(network: Network, targets: Sequence[Expression]) -> Transfo
     """
     if every_action_counts(network, targets):
         return unchanged(network)
-    cone = _cone(network, targets, (), budgets(network, targets))
+    cone = _cone(network, targets, (), monotone_counters(network, targets))
     if set(range(len(network.processes))) - cone.members <= outside_cone(network, targets):
         return unchanged(network)
     return reduced(network, _trimmed(network, cone), Exactness.UNREACHABLE)

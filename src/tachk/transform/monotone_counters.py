@@ -1,25 +1,25 @@
-"""Budgets: counters that only go up, of which having more left lets more happen and forces nothing.
+"""Monotone counters: counters that only go up, of which smaller values let more happen and force nothing.
 
-A *budget* is an integer variable that every update raises, and that is read in guards only, where it is smaller than
-something: ``losses < LOSSES``. A process that raises a budget takes something away from the others and gives them
-nothing, so it may be left out where only what is reachable counts (`tachk.transform.blocking_processes`).
+A *monotone counter* is an integer variable that every update raises, and that is read in guards only, where it is
+smaller than something: ``losses < LOSSES``. A process that raises a counter takes something away from the others and
+gives them nothing, so it may be left out where only what is reachable counts (`tachk.transform.blocking_processes`).
 
-That is a simulation. Let one state differ from another only in that budgets have smaller values. It can do all that the
-other can, and reaches such a state again:
+That is a simulation. Let one state differ from another only in that counters have smaller values. It can do all
+that the other can, and reaches such a state again:
 
-- Time passes. Budgets occur in no invariant and no rate. An edge that a budget enables could still stop time over an
-  urgent channel. So no edge whose guard speaks of a budget sends on an urgent channel or is a partner over one. A
+- Time passes. Counters occur in no invariant and no rate. An edge that a counter enables could still stop time over an
+  urgent channel. So no edge whose guard speaks of a counter sends on an urgent channel or is a partner over one. A
   receiver of a broadcast may be one, as the sender alone decides whether a broadcast is possible.
-- The same edges are enabled: a budget stands below ``and`` and ``or`` only, so that the guard stays true. The guard
-  cannot be a run-time error, which ``losses < LOSSES || a[n] > 0`` is only once the budget is used up.
-- Nobody is forced to take part who was not: a process that can receive a broadcast must. An edge that a budget enables
-  may force it, unless another receiving edge of the same location and channel, whose guard speaks of no budget, is
+- The same edges are enabled: a counter stands below ``and`` and ``or`` only, so that the guard stays true. The guard
+  cannot be a run-time error, which ``losses < LOSSES || a[n] > 0`` is only once the counter is at its bound.
+- Nobody is forced to take part who was not: a process that can receive a broadcast must. An edge that a counter enables
+  may force it, unless another receiving edge of the same location and channel, whose guard speaks of no counter, is
   enabled whenever this one is. That is decided with the conditions of which guards consist as unknown truth values.
-- The updates have the same effect. Nothing that is assigned depends on a budget but the budget itself, whose new value
-  is the old one and a constant; a smaller one stays in range where a larger one does, and does not wrap round.
+- The updates have the same effect. Nothing that is assigned depends on a counter but the counter itself, whose new
+  value is the old one and a constant; a smaller one stays in range where a larger one does, and does not wrap round.
 
 Priorities and ``deadlock`` tell what is not possible: nothing is left out there at all. What a target speaks of is no
-budget. Weights of branches and rates of delays do not decide what is reachable.
+monotone counter. Weights of branches and rates of delays do not decide what is reachable.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ _SMALLER = (BinaryOperator.LESS, BinaryOperator.LESS_EQUAL)
 _POSITIVE = (BinaryOperator.AND, BinaryOperator.OR)
 
 
-def budgets(network: Network, targets: Sequence[Expression]) -> frozenset[Variable]:
-    """The variables of a network that are budgets where it is asked whether one of the targets is reachable."""
+def monotone_counters(network: Network, targets: Sequence[Expression]) -> frozenset[Variable]:
+    """The monotone counters of a network where it is asked whether one of the targets is reachable."""
     known = known_values(network, targets)
     raised = {
         target.variable
@@ -137,7 +137,7 @@ def _asks_for_less(condition: Expression, variable: Variable) -> bool:
 
 
 def _forces_nothing(process: Process, edge: Edge, candidates: set[Variable], known: Known) -> bool:
-    """Whether an edge that is enabled only thanks to a budget keeps nothing from happening."""
+    """Whether an edge that is enabled only thanks to a counter keeps nothing from happening."""
     if edge.synchronisation is None:
         return True
     channel = edge.synchronisation.channel

@@ -24,7 +24,7 @@ from tachk.model.network import Network
 from tachk.model.remembered import by_network
 from tachk.transform.blocking_processes import without_blocking
 from tachk.transform.cone_of_influence import cone_of_influence
-from tachk.transform.monotone_counters import budgets
+from tachk.transform.monotone_counters import monotone_counters
 from tachk.transform.transformation import Transformation, unchanged
 from tachk.verify.plan import Task
 from tachk.verify.strategy import Findings, OverApproximation, Problem, ReachedInAbstraction
@@ -50,7 +50,7 @@ def unblocked(problem: Problem) -> Findings:
         rest = without_blocking(possible, mentioned)
         if rest.network is possible:
             return None
-        spared = budgets(possible, mentioned)
+        spared = monotone_counters(possible, mentioned)
         left_out = unexamined(possible, rest.network)
         return OverApproximation(rest.network, targets, conditions, unexamined=left_out, spared=spared)
 

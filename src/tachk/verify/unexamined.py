@@ -13,11 +13,11 @@ from tachk.model.traversal import process_expressions, written_variables
 
 
 def unexamined(network: Network, reduced: Network) -> tuple[str, ...]:
-    """The processes that were held still, and the variables whose updates were left out, in a network that stands for
+    """The processes that were frozen, and the variables whose updates were left out, in a network that stands for
     another: those of them of which something can be a run-time error, by name. What plainly cannot is not named.
 
-    A budget (`tachk.transform.monotone_counters`) that a process that was held still raises, too, is named with them:
-    an update of another process that raises it may go beyond its range only then.
+    A monotone counter (`tachk.transform.monotone_counters`) that a process that was frozen raises, too, is named with
+    them: an update of another process that raises it may go beyond its range only then.
     """
     if network == reduced:
         return ()

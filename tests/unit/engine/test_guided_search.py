@@ -16,7 +16,7 @@ from tachk.meaning.judge.replay import replay
 from tachk.model.run import Transition
 from tachk.transform.blocking_processes import without_blocking
 from tachk.transform.guided import guided
-from tachk.transform.monotone_counters import budgets
+from tachk.transform.monotone_counters import monotone_counters
 from tachk.verify import over_approximations, reachability
 
 MODEL = """
@@ -56,7 +56,7 @@ def along_the_part(text: str) -> tuple[Outcome, list[Transition], set[int], tach
     path = explore(program, goals).goals[0].path
     assert path is not None
     members = {number for number, process in enumerate(reduced.processes) if process.edges}
-    along = guided(model.network, path, members, budgets(model.network, [target]))
+    along = guided(model.network, path, members, monotone_counters(model.network, [target]))
     return explore_along(along, model.network, target, Options(), Limits()), list(path), members, model
 
 

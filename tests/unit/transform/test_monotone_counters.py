@@ -1,4 +1,4 @@
-"""Which variables are budgets."""
+"""Which variables are monotone counters."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
-from tachk.transform.monotone_counters import MOST_CONDITIONS, budgets
+from tachk.transform.monotone_counters import MOST_CONDITIONS, monotone_counters
 
 LINK = """
 int[0, 2] used = 0; bool deaf = false; bool broken = false; bool more[12];
@@ -38,7 +38,7 @@ def found(text: str) -> list[str]:
     loaded = load_model(Source("model.ta", text))
     target = loaded.queries[0].target
     assert target is not None
-    return [variable.name for variable in budgets(loaded.network, [target])]
+    return [variable.name for variable in monotone_counters(loaded.network, [target])]
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def found(text: str) -> list[str]:
         ("", ""),
     ],
 )
-def test_what_only_goes_up_and_forces_nothing_is_a_budget(before: str, after: str) -> None:
+def test_what_only_goes_up_and_forces_nothing_is_a_monotone_counter(before: str, after: str) -> None:
     assert before in LINK
     assert found(LINK.replace(before, after)) == ["used"]
 
@@ -99,7 +99,7 @@ def test_what_is_none(before: str, after: str) -> None:
     assert found(text) == []
 
 
-def test_a_channel_of_an_urgent_broadcast_may_be_received_thanks_to_a_budget() -> None:
+def test_a_channel_of_an_urgent_broadcast_may_be_received_thanks_to_a_counter() -> None:
     assert found(LINK.replace("broadcast chan", "urgent broadcast chan")) == ["used"]
 
 
