@@ -28,24 +28,30 @@ namespace {
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
 using FaultTuple = std::tuple<csv::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
-std::unique_ptr<CsvReader> make_reader(char separator, char point, std::uint32_t cells, std::uint32_t time,
-                                       const std::vector<std::uint32_t>& columns,
-                                       const std::vector<std::uint32_t>& texts,
-                                       const std::vector<std::uint32_t>& arrivals,
-                                       const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line,
-                                       std::uint32_t decimals, std::uint32_t most_decimals,
-                                       std::uint32_t usual_decimals, bool binary, bool rounding) {
-  return std::make_unique<CsvReader>(csv::CsvOptions{separator,
-                                                     point,
-                                                     cells,
-                                                     time,
-                                                     columns,
-                                                     texts,
-                                                     arrivals,
-                                                     unread,
-                                                     dates,
-                                                     first_line,
-                                                     {decimals, most_decimals, usual_decimals, binary, rounding}});
+std::unique_ptr<CsvReader> make_reader(
+    char separator, char point, std::uint32_t cells, std::uint32_t time, const std::vector<std::uint32_t>& columns,
+    const std::vector<std::uint32_t>& texts, const std::vector<std::uint32_t>& arrivals,
+    const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line, std::uint32_t decimals,
+    std::uint32_t most_decimals, std::uint32_t usual_decimals, bool binary, bool rounding, bool shortening) {
+  return std::make_unique<CsvReader>(
+      csv::CsvOptions{separator,
+                        point,
+                        cells,
+                        time,
+                        columns,
+                        texts,
+                        arrivals,
+                        unread,
+                        dates,
+                        first_line,
+                        {decimals, most_decimals, usual_decimals, binary, rounding, shortening}});
+}
+
+std::optional<FaultTuple> fault_of(const CsvReader& self) {
+  const auto& fault = self.fault();
+  if (!fault) return std::nullopt;
+  return FaultTuple{fault->kind,   fault->line, fault->offset,
+                    fault->length, fault->cell, nb::bytes(fault->text.data(), fault->text.size())};
 }
 
 nb::list take_arrivals(CsvReader& self) {
@@ -88,7 +94,7 @@ void bind_csv(nb::module_& m) {
       .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("point"), nb::arg("cells"),
            nb::arg("time"), nb::arg("columns"), nb::arg("texts"), nb::arg("arrivals"), nb::arg("unread"),
            nb::arg("dates"), nb::arg("first_line"), nb::arg("decimals"), nb::arg("most_decimals"),
-           nb::arg("usual_decimals"), nb::arg("binary"), nb::arg("rounding"))
+           nb::arg("usual_decimals"), nb::arg("binary"), nb::arg("rounding"), nb::arg("shortening"))
       .def(
           "feed",
           [](CsvReader& self, const nb::bytes& piece) {
@@ -108,19 +114,18 @@ void bind_csv(nb::module_& m) {
           "decimals", [](const CsvReader& self) { return self.times().decimals(); },
           "Times are counted in units of 10 to the minus this.")
       .def(
-          "rounded", [](const CsvReader& self) { return self.times().rounded(); }, "Whether some time was rounded.")
+          "rounded", [](const CsvReader& self) { return self.times().rounded(); },
+          "Whether some time was rounded.")
+      .def(
+          "shortened", [](const CsvReader& self) { return self.times().shortened(); },
+          "Whether some time was read as the shorter decimal number of a double.")
+      .def(
+          "unprinted", [](const CsvReader& self) { return self.times().unprinted(); },
+          "Whether some time has as many digits, and is not what a double prints as.")
       .def("take_arrivals", &take_arrivals, "Of the columns that tell it, whether each row had a value; before `take`.")
       .def("take", &take_rows,
            "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
-      .def(
-          "fault",
-          [](const CsvReader& self) -> std::optional<FaultTuple> {
-            const auto& fault = self.fault();
-            if (!fault) return std::nullopt;
-            return FaultTuple{fault->kind,   fault->line, fault->offset,
-                              fault->length, fault->cell, nb::bytes(fault->text.data(), fault->text.size())};
-          },
-          "(kind, line, offset, length, cell, line text), or None.");
+      .def("fault", &fault_of, "(kind, line, offset, length, cell, line text), or None.");
 }
 
 }  // namespace tachk::bind

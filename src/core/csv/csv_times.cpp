@@ -12,26 +12,6 @@ namespace {
 
 constexpr std::int64_t furthest_time = std::numeric_limits<std::int64_t>::max() / 2;
 
-// A number of at most fifteen digits is the only one of so many that is nearest to some binary number.
-constexpr std::uint64_t sixteen_digits = 1'000'000'000'000'000;
-constexpr std::uint64_t thirteen_digits = 1'000'000'000'000;
-
-// Whether a number without zeros at its end was a binary one when it was written out, such as 0.30000000000000004, or
-// 7.19999999999999, which is 7.2 but for errors of rounding.
-bool was_binary(const Decimal& number) {
-  if (!number.exact || number.mantissa >= sixteen_digits) return true;
-  if (number.mantissa < thirteen_digits) return false;
-  for (std::uint64_t tail = 10; tail <= 1000; tail *= 10) {
-    const std::uint64_t before = number.mantissa / tail % 1'000'000;
-    if (before == 0 || before == 999'999) return true;
-  }
-  return false;
-}
-
-void drop_zeros(Decimal& number, std::int64_t decimals) {
-  for (; -number.exponent > decimals && number.mantissa % 10 == 0; ++number.exponent) number.mantissa /= 10;
-}
-
 bool same_number(Decimal a, Decimal b) {
   drop_zeros(a, 0);
   drop_zeros(b, 0);
@@ -48,6 +28,21 @@ double value_of(const Decimal& number) {
 CsvTimes::CsvTimes(CsvTimeOptions options) : options_(options) {
   if (options.decimals > options.most_decimals || options.most_decimals > 18)
     throw std::invalid_argument("CsvTimes: options out of range");
+}
+
+// Reads a time that a double prints as as the shortest decimal number of the double, and says whether that changed it.
+bool CsvTimes::shorten(Decimal& time) {
+  if (!options_.shortening || unprinted_) return false;
+  drop_zeros(time, 0);
+  if (!may_be_double(time)) return false;
+  const auto shortest = shorter_if_double(time);
+  if (!shortest) {
+    unprinted_ = true;
+    return false;
+  }
+  const bool is_shorter = !time.exact || shortest->mantissa != time.mantissa;
+  time = *shortest;
+  return is_shorter;
 }
 
 // Rounds a time, and says whether that changed it. Once the logger is seen to have printed a binary floating point
@@ -86,8 +81,9 @@ bool CsvTimes::refine(std::int64_t decimals) {
 
 std::optional<CsvTimeFault> CsvTimes::put(Decimal time) {
   if (time.large) return CsvTimeFault::too_large;
-  const Decimal written = time;
+  const bool is_shorter = may_be_double(time) && shorten(time);
   const bool is_fine = -time.exponent > std::min<std::int64_t>(options_.usual_decimals, options_.most_decimals);
+  const Decimal unrounded = time;
   const bool is_rounded = is_fine && round(time);
   std::uint64_t mantissa = time.mantissa;
   std::int64_t decimals = mantissa == 0 ? 0 : -time.exponent;
@@ -99,17 +95,18 @@ std::optional<CsvTimeFault> CsvTimes::put(Decimal time) {
   if (mantissa > static_cast<std::uint64_t>(furthest_time)) return CsvTimeFault::too_large;
   const auto tick = time.negative ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa);
   if (any_ && tick <= last_) {
-    if (!is_rounded && !last_rounded_) {
+    if (!is_rounded && !is_shorter && !last_changed_) {
       if (tick < last_) return CsvTimeFault::decreasing;
-    } else if (!same_number(written, last_written_)) {
-      return value_of(written) < value_of(last_written_) ? CsvTimeFault::decreasing : CsvTimeFault::merged;
+    } else if (!same_number(unrounded, last_unrounded_)) {
+      return value_of(unrounded) < value_of(last_unrounded_) ? CsvTimeFault::decreasing : CsvTimeFault::merged;
     }
   }
   ticks_.push_back(tick);
   last_ = tick;
-  last_written_ = written;
-  last_rounded_ = is_rounded;
+  last_unrounded_ = unrounded;
+  last_changed_ = is_rounded || is_shorter;
   rounded_ = rounded_ || is_rounded;
+  shortened_ = shortened_ || is_shorter;
   any_ = true;
   return std::nullopt;
 }

@@ -1,7 +1,8 @@
 // The column of exact decimal times: counted in units of the finest decimal among them.
 //
 // Programs that add 0.1 again and again write 0.30000000000000004: as soon as a time was a binary number, all are taken
-// for that, and rounded.
+// for that, and rounded. Programs that print 1764000000.1 with 17 digits write 1764000000.0999999: what a double prints
+// as is read as the shortest decimal number of that double, unless some time cannot have been printed from one.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "decimals/decimal.hpp"
+
 namespace tachk::csv {
 
-// A decimal number as mantissa * 10^exponent. `exact` is false where the mantissa has more digits than fit, `large`
-// says that some of them stand before the point.
-struct Decimal {
-  std::uint64_t mantissa = 0;
-  std::int64_t exponent = 0;
-  bool negative = false;
-  bool exact = true;
-  bool large = false;
-};
+using decimals::Decimal;
 
 struct CsvTimeOptions {
   std::uint32_t decimals = 0;        // the times are counted in units of 10^-decimals at least
@@ -28,6 +23,7 @@ struct CsvTimeOptions {
   std::uint32_t usual_decimals = 9;  // times that were binary numbers are rounded to them
   bool binary = false;               // all times were binary numbers, which shows in some of them only
   bool rounding = false;             // times finer than `most_decimals` are rounded to these
+  bool shortening = true;            // times as doubles are printed are read as their shortest decimal numbers
 };
 
 enum class CsvTimeFault {
@@ -45,6 +41,10 @@ class CsvTimes {
   std::uint32_t decimals() const { return options_.decimals; }
   // Whether some time was rounded.
   bool rounded() const { return rounded_; }
+  // Whether some time was read as the shorter decimal number of a double.
+  bool shortened() const { return shortened_; }
+  // Whether some time has as many digits, and is not what a double prints as.
+  bool unprinted() const { return unprinted_; }
 
   std::size_t size() const { return ticks_.size(); }
   void reserve(std::size_t rows) { ticks_.reserve(rows); }
@@ -52,15 +52,18 @@ class CsvTimes {
   std::vector<std::int64_t> take() { return std::exchange(ticks_, {}); }
 
  private:
+  bool shorten(Decimal& time);
   bool round(Decimal& time);
   bool refine(std::int64_t decimals);
 
   CsvTimeOptions options_;
   bool any_ = false;
   bool rounded_ = false;
+  bool shortened_ = false;
+  bool unprinted_ = false;
   std::int64_t last_ = 0;
-  Decimal last_written_;  // the same as it stands in its row
-  bool last_rounded_ = false;
+  Decimal last_unrounded_;     // the same before it was rounded
+  bool last_changed_ = false;  // rounded or shortened
   std::vector<std::int64_t> ticks_;
 };
 

@@ -6,7 +6,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "decimals/decimal.hpp"
+
 namespace tachk::monitoring {
+
+using decimals::Decimal;
+using decimals::shortest_decimal;
+
 namespace {
 
 constexpr std::array<double, 19> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
@@ -158,6 +164,28 @@ CountedTimes disordered(std::span<const double> times) {
     if (times[n] < times[n - 1]) return faulty(CountedTimes::Fault::backwards, n);
 }
 
+// A decimal number in units of 10^-decimals, rounded half away from zero; it has to fit.
+int128 counted_in(const Decimal& number, int decimals) {
+  std::int64_t shift = number.exponent + decimals;
+  int128 whole = static_cast<int128>(number.mantissa);
+  for (; shift > 0 && whole != 0; --shift) whole *= 10;
+  int128 rest = 0;
+  for (; shift < 0 && (whole != 0 || rest != 0); ++shift) {
+    rest = whole % 10;
+    whole /= 10;
+  }
+  if (rest >= 5) ++whole;
+  return number.negative ? -whole : whole;
+}
+
+// How many decimals the longest of the times needs.
+int needed_decimals(std::span<const double> times) {
+  std::int64_t needed = 0;
+  for (const double time : times)
+    if (time != 0) needed = std::max(needed, -shortest_decimal(time).exponent);
+  return static_cast<int>(std::min<std::int64_t>(needed, most_decimals + 1));
+}
+
 CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* ticks) {
   for (std::size_t n = 0; n < times.size(); ++n)
     if (!std::isfinite(times[n]) || (n > 0 && times[n] < times[n - 1])) return disordered(times);
@@ -169,11 +197,20 @@ CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* tic
     return decimals <= most_decimals && largest * powers[static_cast<std::size_t>(decimals)] < limit;
   };
   int decimals = usual;
-  while (decimals > 0 && !fits(decimals, furthest)) --decimals;
+  if (!fits(decimals, exact_below)) {  // seconds since 1970 have few decimals, all of which can be counted
+    const int needed = needed_decimals(times);
+    result.rounded = needed > decimals;
+    decimals = std::min(decimals, needed);
+  }
+  while (decimals > 0 && !fits(decimals, furthest)) --decimals, result.rounded = true;
   std::size_t merged = 0;
   const auto count = [&] {
     const double power = powers[static_cast<std::size_t>(decimals)];
-    const auto tick = [&](double time) { return static_cast<std::int64_t>(std::nearbyint(time * power)); };
+    const bool exact = fits(decimals, exact_below);
+    const auto tick = [&](double time) {
+      if (exact) return static_cast<std::int64_t>(std::nearbyint(time * power));
+      return static_cast<std::int64_t>(counted_in(shortest_decimal(time), decimals));
+    };
     result.first = tick(times[0]);
     for (std::size_t n = 0; n < times.size(); ++n) ticks[n] = tick(times[n]) - result.first;
     for (merged = 1; merged < times.size(); ++merged)
@@ -181,6 +218,7 @@ CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* tic
     return true;
   };
   if (!count()) {
+    result.rounded = true;
     do {
       if (!fits(decimals + 1, furthest)) return faulty(CountedTimes::Fault::merged, merged);
       ++decimals;
@@ -262,6 +300,7 @@ std::optional<int128> TickScale::tick(double time) {
     if (const auto found = exactly(decimals)) return found;
   const double product = time * static_cast<double>(ticks_);
   if (!(std::fabs(product) < furthest_of_all)) return std::nullopt;
+  if (std::fabs(product) >= exact_below && parts_ == 1) return counted_in(shortest_decimal(time), decimals_);
   return static_cast<int128>(std::nearbyint(product));
 }
 
@@ -293,6 +332,11 @@ CountedTimes counted(std::span<const double> times, int usual, std::int64_t* tic
       break;
     }
   }
+  const auto is_long = [&](double time) {
+    const Decimal number = shortest_decimal(time);
+    return -number.exponent > usual && was_binary(number);
+  };
+  if (decimals > usual && std::any_of(times.begin(), times.end(), is_long)) return rounded(times, usual, ticks);
   result.decimals = decimals;
   return result;
 }

@@ -14,6 +14,7 @@ from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.recordings.monitors.formulas import (
+    NamedFormula,
     check_order,
     names_file,
 )
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
 @checked_arguments
 def monitor(
-    formula: str | os.PathLike[str] | Sequence[str],
+    formula: str | os.PathLike[str] | Sequence[str | NamedFormula],
     trace: Any,
     *,
     time: str | None = None,

@@ -2,6 +2,9 @@
 
 Programs that add 0.1 again and again write 0.30000000000000004. Where a time is such a number, all of them are, and are
 rounded to nine decimals, or to as many more as keep different times of neighbours different. Otherwise times are exact.
+
+Programs that print 1764000000.1 with 17 digits write 1764000000.0999999. If all times of so many digits are what
+floating-point numbers of 64 bits print as, each is read as the shortest decimal number of its own.
 `_core.CsvReader` does the same.
 """
 
@@ -21,6 +24,15 @@ USUAL_DECIMALS = 9
 MOST_DECIMALS = 18
 
 _NEARLY_SHORT = re.compile(r"(0{6}|9{6})\d{1,3}$")
+
+_ALWAYS_SHORTEST = 2**52
+"""Numbers with so many decimals as they have, and fewer units, belong to different floating-point numbers."""
+
+_COMPARED = 19
+"""Digits of a time that are compared with those of its floating-point number."""
+
+_MANY = 40
+"""Digits, so many that rounding shows in none that is compared."""
 
 _MORE = 3
 """Further decimals where neighbours are close, so that their distances are right to a thousandth."""
@@ -59,6 +71,27 @@ def is_binary(text: str) -> bool:
     return decimals > USUAL_DECIMALS and (
         len(digits) > 15 or (len(digits) > 12 and _NEARLY_SHORT.search(digits) is not None)
     )
+
+
+def shortest(text: str, time: Fraction) -> tuple[Fraction, bool] | None:
+    """The shortest decimal number of the floating-point number that a time was printed from, if it is printed so with
+    as many digits; None if it has so many digits, and is not printed so; else the time as it is.
+
+    Also whether that number was a binary one.
+
+    Args:
+        time: what the text says.
+    """
+    mantissa = text.strip().lower().lstrip("+-").partition("e")[0]
+    digits = mantissa.replace(".", "").strip("0")
+    if time.denominator == 1 or len(digits) < 16 or int(digits[:_COMPARED]) < _ALWAYS_SHORTEST:
+        return time, is_binary(text)
+    precision = len(digits) - 1 if len(digits) <= _COMPARED else _MANY
+    printed = f"{abs(float(time)):.{precision}e}".partition("e")[0].replace(".", "")
+    if printed[:_COMPARED] != digits[:_COMPARED]:
+        return None
+    short = repr(float(time))
+    return Fraction(short), is_binary(short)
 
 
 def rounded(time: Fraction, decimals: int) -> Fraction:

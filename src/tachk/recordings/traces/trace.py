@@ -223,6 +223,10 @@ class Trace:
         return f"{float(clock):.9g} {self.unit}".rstrip()
 
 
+SHORTENING_NOTE = "times are printed binary numbers, each read as the shortest decimal number of its 64 bits"
+"""What a report says of times such as 1764000000.0999999, which is how ``%.17g`` prints 1764000000.1."""
+
+
 def rounding_note(decimals: int) -> str:
     """What a report says of times that were rounded."""
     return f"times are rounded to {decimals} {'decimal' if decimals == 1 else 'decimals'}"

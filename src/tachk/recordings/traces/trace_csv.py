@@ -22,7 +22,7 @@ from tachk.recordings.traces.csv_beginning import ByteStream, CsvBeginning, read
 from tachk.recordings.traces.csv_faults import FINEST, is_half_value, told_fault
 from tachk.recordings.traces.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.recordings.traces.logs.labels import Labels
-from tachk.recordings.traces.trace import Ticks, Trace, Values, cut_off_warning, rounding_note
+from tachk.recordings.traces.trace import SHORTENING_NOTE, Ticks, Trace, Values, cut_off_warning, rounding_note
 from tachk.recordings.traces.trace_header import TraceHeader
 
 PIECE = 1 << 20
@@ -145,13 +145,24 @@ class CsvRecording:
 
     def _whole(self, places: dict[str, int], told: _Told) -> _Read:
         """All rows."""
+        read = self._shortened(places, told, shortening=True)
+        if read.reader.shortened() and read.reader.unprinted():
+            # Some times cannot have been printed from doubles, so none was.
+            read = self._shortened(places, told, shortening=False)
+        self._refuse(read.reader)
+        return read
+
+    def _shortened(self, places: dict[str, int], told: _Told, shortening: bool) -> _Read:
+        """All rows, up to a fault.
+
+        Args:
+            shortening: times as doubles are printed are read as their shortest decimal numbers.
+        """
         if self.decimals is not None:
-            rounded = self._rows(self._reader(places, told, self.decimals, self.decimals))
-            self._refuse(rounded.reader)
-            return rounded
+            return self._rows(self._reader(places, told, self.decimals, self.decimals, shortening=shortening))
 
         def count(usual: int, binary: bool = False) -> _Read | None:
-            read = self._rows(self._reader(places, told, 0, MOST_DECIMALS, usual, binary))
+            read = self._rows(self._reader(places, told, 0, MOST_DECIMALS, usual, binary, shortening))
             fault = read.reader.fault()
             merged = fault is not None and fault[0] is CsvFaultKind.TIME_MERGED
             if not binary and read.reader.rounded() and read.reader.decimals() > usual:
@@ -160,7 +171,6 @@ class CsvRecording:
 
         read = fewest_decimals(count)
         assert read is not None
-        self._refuse(read.reader)
         return read
 
     def _rows(self, reader: _core.CsvReader) -> _Read:
@@ -211,6 +221,7 @@ class CsvRecording:
         most_decimals: int,
         usual: int = USUAL_DECIMALS,
         binary: bool = False,
+        shortening: bool = True,
     ) -> _core.CsvReader:
         return _core.CsvReader(
             separator=self.separator,
@@ -228,6 +239,7 @@ class CsvRecording:
             usual_decimals=usual,
             binary=binary,
             rounding=self.decimals is not None,
+            shortening=shortening and not self.dates,
         )
 
     def _taken(
@@ -252,6 +264,8 @@ class CsvRecording:
         if reader.rounded():
             decimals = max(reader.decimals(), USUAL_DECIMALS) if self.decimals is None else self.decimals
             notes.append(rounding_note(decimals))
+        elif reader.shortened():
+            notes.append(SHORTENING_NOTE)
         last = len(self.header.names) - 1
         if open_ended and reader.fault() is None and last in (self.header.time, *places.values()):
             name = self.header.names[last]

@@ -149,6 +149,7 @@ def core(text: bytes, cuts: list[int], decimals: int = 0, texts: tuple[int, ...]
         usual_decimals=9,
         binary=False,
         rounding=False,
+        shortening=True,
     )
     edges = [0, *sorted(cut % (len(text) + 1) for cut in cuts), len(text)]
     for begin, end in pairwise(edges):

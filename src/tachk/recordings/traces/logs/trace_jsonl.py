@@ -27,11 +27,11 @@ from tachk.model.quantity import shortened
 from tachk.recordings.traces.arrivals import belongs, topic_of
 from tachk.recordings.traces.compressed import open_bytes, torn
 from tachk.recordings.traces.csv_beginning import ByteStream
-from tachk.recordings.traces.decimal_times import USUAL_DECIMALS, is_binary, kept_apart, rounded
+from tachk.recordings.traces.decimal_times import USUAL_DECIMALS, is_binary, kept_apart, rounded, shortest
 from tachk.recordings.traces.location_names import location_names, locations_in
 from tachk.recordings.traces.logs.dates import is_date, seconds_of
 from tachk.recordings.traces.logs.sparse import sparse
-from tachk.recordings.traces.trace import Trace, cut_off_warning, rounding_note
+from tachk.recordings.traces.trace import SHORTENING_NOTE, Trace, cut_off_warning, rounding_note
 from tachk.recordings.traces.trace_csv import Rows
 from tachk.recordings.traces.trace_header import TIME_NAMES, agreed_unit, known_unit, name_and_unit
 
@@ -52,12 +52,14 @@ class _Event:
     unit: of the time, where the line says it.
     dated: the time is a date.
     binary: the time was a binary number, by the digits that it is written with.
+    shortest: see `decimal_times.shortest`; and whether that was a binary number.
     """
 
     time: Fraction
     unit: str
     dated: bool
     binary: bool
+    shortest: tuple[Fraction, bool] | None
     values: Mapping[str, Any]
 
 
@@ -81,8 +83,12 @@ class JsonRecording:
         return tuple(dict.fromkeys(column for event in self.events for column in event.values))
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
-        times = [event.time for event in self.events]
-        notes: tuple[str, ...] = ()
+        written = [event.time for event in self.events]
+        short = [event.shortest for event in self.events if event.shortest is not None]
+        if len(short) < len(written):  # some cannot have been printed from floating-point numbers, so none was
+            short = [(event.time, event.binary) for event in self.events]
+        times = [time for time, _ in short]
+        notes = (SHORTENING_NOTE,) if times != written else ()
         if self.decimals is not None:
             exact, times = times, [rounded(time, self.decimals) for time in times]
             if times != exact:
@@ -90,11 +96,11 @@ class JsonRecording:
             if any(a == b and c != d for (a, b), (c, d) in zip(pairwise(times), pairwise(exact), strict=True)):
                 raise self._merged(exact)
         else:
-            counted = kept_apart(times, [event.binary for event in self.events])
+            counted = kept_apart(times, [binary for _, binary in short])
             if counted is None:
                 raise self._merged(times)
             times, decimals = counted
-            notes = () if decimals is None else (rounding_note(decimals),)
+            notes = notes if decimals is None else (rounding_note(decimals),)
         events = [(time, event.values) for time, event in zip(times, self.events, strict=True)]
         trace = sparse(self.name, self.unit, events, dated=all(event.dated for event in self.events)).read(columns)
         return replace(trace, notes=notes, warnings=self.warnings)
@@ -164,20 +170,24 @@ class JsonStream:
         last: tuple[Fraction, Fraction] | None = None
         lines = JsonLines(self.name, self.time)
         notes: tuple[str, ...] = ()
-        binary = False
+        binary, printed = False, True
         for event in lines.events(self._lines()):
             held.update({name: value for name, value in event.values.items() if name in held and value is not None})
             held.update(locations_in(locations, event.values))
-            binary = binary or event.binary
-            time = self._counted(event, decimals, binary)
-            if time != event.time:
+            printed = printed and event.shortest is not None
+            read, long = (event.shortest if printed else None) or (event.time, event.binary)
+            binary = binary or long
+            time = self._counted(read, decimals, binary)
+            if time != read:
                 notes = (rounding_note(USUAL_DECIMALS if self.decimals is None else self.decimals),)
-            if last is not None and last[0] != event.time and last[1] >= time:
+            elif read != event.time and not notes:
+                notes = (SHORTENING_NOTE,)
+            if last is not None and last[0] != read and last[1] >= time:
                 raise UsageError(
-                    f"{self.name}: rounded, the times {shortened(last[0])} and {shortened(event.time)} are the same",
+                    f"{self.name}: rounded, the times {shortened(last[0])} and {shortened(read)} are the same",
                     "give more --decimals, or write times alike that should be equal",
                 )
-            last = event.time, time
+            last = read, time
             if None in held.values():
                 continue
             ticks = np.array([int(time * 10**decimals)], np.int64)
@@ -195,20 +205,20 @@ class JsonStream:
                 np.array([], np.int64), {name: np.array([]) for name in columns or ()}, decimals, notes, lines.warnings
             )
 
-    def _counted(self, event: _Event, decimals: int, binary: bool) -> Fraction:
+    def _counted(self, read: Fraction, decimals: int, binary: bool) -> Fraction:
         """The time as it is counted, where times are binary numbers or not. Raises UsageError where it cannot be."""
         if self.decimals is not None:
-            return rounded(event.time, decimals)
-        time = rounded(event.time, USUAL_DECIMALS) if binary else event.time
+            return rounded(read, decimals)
+        time = rounded(read, USUAL_DECIMALS) if binary else read
         ticks = time * 10**decimals
         if ticks.denominator != 1:
             raise UsageError(
-                f"{self.name}: the time {shortened(event.time)} has too many digits to be counted exactly",
+                f"{self.name}: the time {shortened(read)} has too many digits to be counted exactly",
                 f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}",
             )
         if abs(ticks) > LARGEST_TIME:
             raise UsageError(
-                f"{self.name}: the time {shortened(event.time)} is too large to be counted in units of 1e-{decimals}",
+                f"{self.name}: the time {shortened(read)} is too large to be counted in units of 1e-{decimals}",
                 "allow fewer --decimals",
             )
         return time
@@ -281,7 +291,8 @@ class JsonLines:
         unit = agreed_unit("s" if dated else "", self._unit or None, self._name)
         binary = isinstance(written, str) and not dated and is_binary(written)
         values = {column: _value(value, column, place) for column, value in given.items()}
-        return _Event(instant, unit, dated, binary, values)
+        short = shortest(written, instant) if isinstance(written, str) and not dated else (instant, False)
+        return _Event(instant, unit, dated, binary, short, values)
 
     def _choose(self, given: Mapping[str, Any]) -> None:
         """Which value of all lines is the time, and in which unit: ``time [ms]`` says it."""
