@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
@@ -12,7 +12,7 @@ from tachk.base.span import Source
 from tachk.model.network import Network
 from tachk.recordings.monitors.compiler import arrival_argument, column_name
 from tachk.recordings.monitors.conditions import with_numbers_as_conditions
-from tachk.recordings.monitors.formulas import NamedFormula, formula_source, formulas_in
+from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, formula_source, formulas_in
 from tachk.recordings.monitors.offline import Judging, judge
 from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.node_signal import Truth
@@ -55,9 +55,10 @@ def _formulas_with(source: Source, values: tuple[tuple[str, str], ...]) -> tuple
     return formulas_in(source, dict(values))
 
 
-def columns_with(network: Network, record: Sequence[str], formulas: Iterable[NamedFormula]) -> tuple[Column, ...]:
+def columns_with(network: Network, record: Sequence[str], formulas: Collection[NamedFormula]) -> tuple[Column, ...]:
     """What is recorded: the chosen columns, and those that the formulas read. Raises InputError for arrivals."""
-    read = [each.beside(_of_model(network, each.named_formulas)).within(()) for each in formulas]
+    names = {name for each in formulas for name in each.siblings or {}}
+    read = [each.within(()) for each in beside_columns(formulas, _of_model(network, names))]
     _check_arrivals(network, read)
     needed = dict.fromkeys(name for f in read for name in f.columns - f.constant_names)
     of_rows = {TIME}.difference(_of_model(network, [TIME]))

@@ -18,7 +18,7 @@ from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
-from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, hidden_formulas
 from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.monitors.online import Monitor
@@ -82,7 +82,12 @@ def run_online(
     if isinstance(recording, LivePackets):
         formulas = without_hindsight(formulas, bool(judged.names))
     if not isinstance(recording, LivePackets):
-        formulas = tuple(located(named.beside(recording.columns), recording.columns) for named in formulas)
+        print_warnings(hidden_formulas(formulas, recording.columns))
+        if isinstance(recording, CsvRecording):
+            formulas = beside_columns(formulas, recording.columns)
+        else:  # later lines may have other columns
+            formulas = tuple(named.beside(recording.columns) for named in formulas)
+        formulas = tuple(located(named, recording.columns) for named in formulas)
     monitor = Monitor(
         formulas,
         unit=recording.unit,

@@ -24,7 +24,7 @@ from tachk.logic.sentences import meaning
 from tachk.recordings.monitors import compiler as monitoring
 from tachk.recordings.monitors.constant_lines import ConstantReader, doubled_units
 from tachk.recordings.monitors.given_constants import constants_by_name
-from tachk.recordings.monitors.references import expanded, references
+from tachk.recordings.monitors.references import circle, expanded, references
 from tachk.recordings.traces.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
 from tachk.syntax.formula import Duration, Formula
@@ -87,6 +87,14 @@ class NamedFormula:
         """The names in it that mean other formulas of its file."""
         return references(self.formula, self.siblings or {})
 
+    def circles(self) -> Iterator[Diagnostic]:
+        """A finding for each name in it that means no column but a formula that names itself."""
+        named = {name: each for name, each in (self.siblings or {}).items() if name not in self.constant_names}
+        for place in nodes_of_kind(self.formula, ast.NameExpression):
+            if place.name in named and (around := circle(place.name, named)):
+                message = f"the formula `{place.name}` names itself: {' -> '.join(around)}"
+                yield Diagnostic("E0901", message, place.span, "leave out one of these names, or rename a formula")
+
     def within(self, columns: Collection[str]) -> NamedFormula:
         """The formula over these columns, with other formulas in place of their names; the text is lost."""
         if not self.siblings:
@@ -127,6 +135,23 @@ class NamedFormula:
     def constant_names(self) -> frozenset[str]:
         """The names that are constants where no column has them."""
         return frozenset((*(self.constants or {}), *(self.durations or {}), *(self.given or {})))
+
+
+def beside_columns(formulas: Iterable[NamedFormula], columns: Collection[str]) -> tuple[NamedFormula, ...]:
+    """The formulas where there are these columns. Raises InputError for formulas that name themselves."""
+    beside = tuple(named.beside(columns) for named in formulas)
+    if found := [finding for named in beside for finding in named.circles()]:
+        raise InputError(found)
+    return beside
+
+
+def hidden_formulas(formulas: Iterable[NamedFormula], columns: Collection[str]) -> tuple[str, ...]:
+    """Warnings of names that mean columns, and would mean formulas if there were none of these names."""
+    return tuple(
+        f"`{name}` in the formula `{named.name}` is the column, not the formula of this name"
+        for named in formulas
+        for name in sorted(named.named_formulas.intersection(columns))
+    )
 
 
 # One formula often judges many traces: what it alone tells is kept.
@@ -313,7 +338,7 @@ def _with_constants(
         elif doubled := tuple(doubled_units(each.formula, values.durations)):
             yield doubled
         else:
-            siblings = named if len(named) > 1 and _columns_read(each.formula) & named.keys() else None
+            siblings = named if _columns_read(each.formula) & named.keys() else None
             yield replace(each, constants=values.numbers or None, durations=values.durations or None, siblings=siblings)
 
 

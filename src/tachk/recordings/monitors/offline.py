@@ -17,7 +17,9 @@ from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.conditions import condition_findings
 from tachk.recordings.monitors.formulas import (
     NamedFormula,
+    beside_columns,
     defined,
+    hidden_formulas,
     in_trace_units,
     read_formulas,
 )
@@ -97,7 +99,8 @@ def prepare(
     formulas: Sequence[NamedFormula], recording: TraceSource, interpolation: Interpolation = Interpolation.CONSTANT
 ) -> tuple[Trace, tuple[MonitorProgram, ...]]:
     """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
-    formulas = [named.within(recording.columns) for named in formulas]
+    hidden = hidden_formulas(formulas, recording.columns)
+    formulas = [named.within(()) for named in beside_columns(formulas, recording.columns)]
     of_rows = row_columns(formulas, recording.columns)
     known = tuple(dict.fromkeys((*recording.columns, *of_rows)))
     wanted = {name for named in formulas for name in named.columns}.intersection(known)
@@ -119,7 +122,7 @@ def prepare(
     formulas_in_units = [formula for formula, _ in resolved]
     labels = Texts(trace.texts, trace.labels)
     unmet = tuple(dict.fromkeys(each for formula in formulas_in_units for each in unmet_texts(formula, trace)))
-    trace = replace(trace, warnings=(*trace.warnings, *unmet)) if unmet else trace
+    trace = replace(trace, warnings=(*trace.warnings, *hidden, *unmet)) if hidden or unmet else trace
     programs = tuple(_program(formula, known, trace.ticks_per_unit, booleans, labels) for formula in formulas_in_units)
     unfit = [
         finding

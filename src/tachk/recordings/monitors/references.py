@@ -51,6 +51,20 @@ def references(formula: Formula, named: Mapping[str, Formula]) -> frozenset[str]
     return frozenset(found)
 
 
+def circle(name: str, named: Mapping[str, Formula]) -> tuple[str, ...]:
+    """The formulas by which one names itself, from it to itself in as few steps as there are; empty if it does not."""
+    paths: dict[str, tuple[str, ...]] = {}
+    pending = [(name,)]
+    for path in pending:
+        for inner in sorted(columns_read(named[path[-1]])):
+            if inner == name:
+                return (*path, name)
+            if inner in named and inner not in paths:
+                paths[inner] = (*path, inner)
+                pending.append(paths[inner])
+    return ()
+
+
 def _inside(name: str, named: Mapping[str, Formula]) -> frozenset[str]:
     """The names in a formula, and in those that it names."""
     found: set[str] = set()
