@@ -109,6 +109,7 @@ void bind_csv(nb::module_& m) {
       .def("reserve", &CsvReader::reserve, nb::arg("rows"), "Makes room for this many rows.")
       .def(
           "rows", [](const CsvReader& self) { return self.times().size(); }, "How many rows wait to be taken.")
+      .def("left_out", &CsvReader::left_out, "How many rows come before every column has a value.")
       .def("any_row", &CsvReader::any_row, "Whether a row has been read.")
       .def(
           "decimals", [](const CsvReader& self) { return self.times().decimals(); },

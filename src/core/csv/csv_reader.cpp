@@ -262,6 +262,7 @@ const char* CsvReader::read_line(const char* begin) {
 void CsvReader::begin_later() {
   complete_ = std::all_of(columns_.begin(), columns_.end(), [](const CsvColumn& column) { return column.is_known; });
   if (complete_) return;
+  ++left_out_;
   times_.resize(0);
   for (CsvColumn& column : columns_) {
     column.truths.clear();

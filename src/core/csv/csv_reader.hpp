@@ -89,6 +89,8 @@ class CsvReader {
   const CsvTimes& times() const { return times_; }
   // Whether a row has been read.
   bool any_row() const { return any_row_; }
+  // How many rows there are before every column has a value.
+  std::size_t left_out() const { return left_out_; }
 
   // Hands over what was read since the last time; the numbering of lines and the values to hold go on.
   std::vector<std::int64_t> take_times() { return times_.take(); }
@@ -125,6 +127,7 @@ class CsvReader {
   std::uint64_t line_;
   std::size_t row_ = 0;  // the number of the row that is being read, among those that wait to be taken
   bool any_row_ = false;
+  std::size_t left_out_ = 0;
   bool complete_ = false;  // every column has a value
   bool held_ = false;      // the last cell had no value
   bool cut_off_ = false;

@@ -232,6 +232,12 @@ def rounding_note(decimals: int) -> str:
     return f"times are rounded to {decimals} {'decimal' if decimals == 1 else 'decimals'}"
 
 
+def later_beginning(rows: int) -> str:
+    """What a report says of a trace whose first rows do not give all columns a value."""
+    which = "the first row is" if rows == 1 else f"the first {rows} rows are"
+    return f"{which} left out: until then, some column that is read has no value"
+
+
 def cut_off_warning(name: str, what: str) -> str:
     """What a report says of a file that ends before its end.
 

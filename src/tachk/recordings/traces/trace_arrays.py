@@ -18,7 +18,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.decimal_times import USUAL_DECIMALS
 from tachk.recordings.traces.logs.labels import Labels, texts_in
-from tachk.recordings.traces.trace import FloatTimes, Ticks, Trace, Values, rounding_note
+from tachk.recordings.traces.trace import FloatTimes, Ticks, Trace, Values, later_beginning, rounding_note
 from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, known_unit, read_header
 
 _FIRST_BLOCK = 1 << 8
@@ -78,25 +78,48 @@ class TableRecording:
         arrivals = arriving(columns or (), self.columns)
         wanted = None if columns is None else [name for name in columns if name not in arrivals]
         places = self.header.numbers(wanted, self.name)
-        instants = self._times()
-        times = (_supposed_times(instants) if self.supposing else None) or exact_ticks(instants, self.name)
+        begin = self._first_complete(places)
+        times = self._instants(begin)
         supposing = isinstance(times.ticks, FloatTimes)
         held: dict[str, Values] = {}
         texts = Labels()
         for name, place in places.items():
-            if (words := texts_in(self.cells[place])) is not None:
-                held[name] = texts.codes(words, name, self.name)
+            cells = _behind(self.cells[place], begin)
+            if (words := texts_in(cells)) is not None:
+                held[name] = texts.codes(words, name, self.name, begin)
                 continue
-            supposed = _supposed_values(self.cells[place]) if supposing else None
-            held[name] = held_values(self.cells[place], name, self.name) if supposed is None else supposed
+            supposed = _supposed_values(cells) if supposing else None
+            held[name] = held_values(cells, name, self.name) if supposed is None else supposed
         for name, parts in arrivals.items():
             own = self.header.numbers(parts, self.name).values()
-            held[name] = np.bitwise_or.reduce([present(self.cells[place]) for place in own])
+            held[name] = np.bitwise_or.reduce([present(_behind(self.cells[place], begin)) for place in own])
         for name, values in held.items():
             if len(values) != len(times.ticks):
                 count = len(times.ticks)
                 raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {count} times")
-        return replace(texts.on(trace_of(self.name, times, self.unit, held)), dated=self.dated)
+        trace = replace(texts.on(trace_of(self.name, times, self.unit, held)), dated=self.dated)
+        return replace(trace, notes=(*trace.notes, later_beginning(begin))) if begin else trace
+
+    def _first_complete(self, places: Mapping[str, int]) -> int:
+        """The first row in which every column has a value. Raises UsageError for a column that never has one."""
+        first = {name: _first_known(self.cells[place]) for name, place in places.items()}
+        if (empty := next((name for name, row in first.items() if row is None), None)) is not None:
+            raise UsageError(
+                f"{self.name}: column {empty!r} never has a value",
+                "the trace begins with the first row in which every column that a formula reads has one",
+            )
+        return max((row for row in first.values() if row is not None), default=0)
+
+    def _instants(self, begin: int) -> CountedTimes:
+        """The times from a row on."""
+        times = self._times()
+        if begin == 0:
+            return (_supposed_times(times) if self.supposing else None) or exact_ticks(times, self.name)
+        counted = exact_ticks(times, self.name)
+        assert not isinstance(counted.ticks, FloatTimes)
+        later = counted.ticks[begin:]
+        gone = int(later[0]) if len(later) else 0
+        return replace(counted, ticks=later - gone, first=counted.first + gone)
 
     def supposed(self) -> TableRecording:
         """The same, but times in floating point and numbers are supposed to be in order where a few samples are. The
@@ -328,6 +351,25 @@ def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str, befo
         )
     last: NDArray[np.int64] = np.maximum.accumulate(np.where(known, np.arange(len(values)), 0))
     return values[last]
+
+
+def _first_known(values: Any) -> int | None:
+    """The first row with a value; None if no row has one. What is not a column of cells is told elsewhere."""
+    try:
+        first = [*values[:1]]
+    except (IndexError, KeyError, TypeError):
+        return 0
+    if not first or not is_missing(first[0]):
+        return 0
+    known = np.flatnonzero(present(values))
+    return int(known[0]) if len(known) else None
+
+
+def _behind(values: Any, begin: int) -> Any:
+    """A column from a row on."""
+    if begin == 0:
+        return values
+    return values.iloc[begin:] if hasattr(values, "iloc") else values[begin:]
 
 
 def is_missing(value: object) -> bool:

@@ -22,7 +22,7 @@ from tachk.recordings.traces.csv_beginning import ByteStream, CsvBeginning, read
 from tachk.recordings.traces.csv_faults import FINEST, is_half_value, told_fault
 from tachk.recordings.traces.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.recordings.traces.logs.labels import Labels
-from tachk.recordings.traces.trace import SHORTENING_NOTE, Ticks, Trace, Values, cut_off_warning, rounding_note
+from tachk.recordings.traces.trace import SHORTENING_NOTE, Ticks, Trace, Values, cut_off_warning, later_beginning, rounding_note
 from tachk.recordings.traces.trace_header import TraceHeader
 
 PIECE = 1 << 20
@@ -266,6 +266,8 @@ class CsvRecording:
             notes.append(rounding_note(decimals))
         elif reader.shortened():
             notes.append(SHORTENING_NOTE)
+        if reader.left_out():
+            notes.append(later_beginning(reader.left_out()))
         last = len(self.header.names) - 1
         if open_ended and reader.fault() is None and last in (self.header.time, *places.values()):
             name = self.header.names[last]

@@ -20,8 +20,14 @@ class Labels:
         self._numbers: dict[str, int] = {}
         self._columns: list[str] = []
 
-    def codes(self, words: Sequence[Any], column: str, name: str) -> NDArray[np.float64]:
-        """The numbers of the texts of a column; a missing one means that the text stays. Raises UsageError."""
+    def codes(self, words: Sequence[Any], column: str, name: str, begin: int = 0) -> NDArray[np.float64]:
+        """The numbers of the texts of a column; a missing one means that the text stays.
+
+        Args:
+            begin: the number of the first row.
+
+        Raises UsageError.
+        """
         self._columns.append(column)
         last = -1
         codes = np.empty(len(words))
@@ -30,7 +36,7 @@ class Labels:
                 last = self.number(word)
             elif not (word is None or word != word or type(word).__name__ == "NAType"):
                 raise UsageError(
-                    f"{name}: column {column!r} has texts, and {word!r} in row {row}", "a column has values of one kind"
+                    f"{name}: column {column!r} has texts, and {word!r} in row {begin + row}", "a column has values of one kind"
                 )
             elif last < 0:
                 raise UsageError(
