@@ -54,7 +54,7 @@ def references(formula: Formula, named: Mapping[str, Formula]) -> frozenset[str]
 def circle(name: str, named: Mapping[str, Formula]) -> tuple[str, ...]:
     """The formulas by which one names itself, from it to itself in as few steps as there are; empty if it does not."""
     paths: dict[str, tuple[str, ...]] = {}
-    pending = [(name,)]
+    pending: list[tuple[str, ...]] = [(name,)]
     for path in pending:
         for inner in sorted(columns_read(named[path[-1]])):
             if inner == name:

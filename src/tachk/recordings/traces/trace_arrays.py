@@ -78,18 +78,20 @@ class TableRecording:
         arrivals = arriving(columns or (), self.columns)
         wanted = None if columns is None else [name for name in columns if name not in arrivals]
         places = self.header.numbers(wanted, self.name)
-        begin = self._first_complete(places)
+        known = self._first_known(places)
+        begin = max(known.values(), default=0)
         times = self._instants(begin)
         supposing = isinstance(times.ticks, FloatTimes)
         held: dict[str, Values] = {}
         texts = Labels()
         for name, place in places.items():
-            cells = _behind(self.cells[place], begin)
+            cells = _behind(self.cells[place], known[name])
             if (words := texts_in(cells)) is not None:
-                held[name] = texts.codes(words, name, self.name, begin)
+                held[name] = texts.codes(words, name, self.name, known[name])[begin - known[name] :]
                 continue
             supposed = _supposed_values(cells) if supposing else None
-            held[name] = held_values(cells, name, self.name) if supposed is None else supposed
+            values = held_values(cells, name, self.name) if supposed is None else supposed
+            held[name] = _from(values, begin - known[name])
         for name, parts in arrivals.items():
             own = self.header.numbers(parts, self.name).values()
             held[name] = np.bitwise_or.reduce([present(_behind(self.cells[place], begin)) for place in own])
@@ -100,15 +102,18 @@ class TableRecording:
         trace = replace(texts.on(trace_of(self.name, times, self.unit, held)), dated=self.dated)
         return replace(trace, notes=(*trace.notes, later_beginning(begin))) if begin else trace
 
-    def _first_complete(self, places: Mapping[str, int]) -> int:
-        """The first row in which every column has a value. Raises UsageError for a column that never has one."""
-        first = {name: _first_known(self.cells[place]) for name, place in places.items()}
-        if (empty := next((name for name, row in first.items() if row is None), None)) is not None:
-            raise UsageError(
-                f"{self.name}: column {empty!r} never has a value",
-                "the trace begins with the first row in which every column that a formula reads has one",
-            )
-        return max((row for row in first.values() if row is not None), default=0)
+    def _first_known(self, places: Mapping[str, int]) -> dict[str, int]:
+        """The first row in which each column has a value. Raises UsageError for a column that never has one."""
+        known = {}
+        for name, place in places.items():
+            row = _first_known(self.cells[place])
+            if row is None:
+                raise UsageError(
+                    f"{self.name}: column {name!r} never has a value",
+                    "the trace begins with the first row in which every column that a formula reads has one",
+                )
+            known[name] = row
+        return known
 
     def _instants(self, begin: int) -> CountedTimes:
         """The times from a row on."""
@@ -370,6 +375,15 @@ def _behind(values: Any, begin: int) -> Any:
     if begin == 0:
         return values
     return values.iloc[begin:] if hasattr(values, "iloc") else values[begin:]
+
+
+def _from(values: Values, row: int) -> Values:
+    """What is held from a row on; rows that are left out do not tell whether the values are truth values."""
+    later = values[row:]
+    if row == 0 or later.dtype != np.float64:
+        return later
+    numbers = np.asarray(later, dtype=np.float64)
+    return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
 
 
 def is_missing(value: object) -> bool:

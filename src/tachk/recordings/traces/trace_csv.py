@@ -22,7 +22,15 @@ from tachk.recordings.traces.csv_beginning import ByteStream, CsvBeginning, read
 from tachk.recordings.traces.csv_faults import FINEST, is_half_value, told_fault
 from tachk.recordings.traces.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.recordings.traces.logs.labels import Labels
-from tachk.recordings.traces.trace import SHORTENING_NOTE, Ticks, Trace, Values, cut_off_warning, later_beginning, rounding_note
+from tachk.recordings.traces.trace import (
+    SHORTENING_NOTE,
+    Ticks,
+    Trace,
+    Values,
+    cut_off_warning,
+    later_beginning,
+    rounding_note,
+)
 from tachk.recordings.traces.trace_header import TraceHeader
 
 PIECE = 1 << 20

@@ -132,7 +132,7 @@ def test_fractions_are_exact() -> None:
         ({"t": [0, 1], "p": [1]}, "1 values for 2 times"),
         ({"t": [0, float("nan")], "p": [1, 1]}, "the time of row 1 is missing"),
         ({"t": ["a"], "p": [1]}, "the times are not numbers"),
-        ({"t": [0], "p": [None]}, "no value in the first row"),
+        ({"t": [0], "p": [None]}, "never has a value"),
         ({"t": [0], "p": [[1]]}, "not a one-dimensional array"),
     ],
 )

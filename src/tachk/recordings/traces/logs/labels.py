@@ -36,7 +36,8 @@ class Labels:
                 last = self.number(word)
             elif not (word is None or word != word or type(word).__name__ == "NAType"):
                 raise UsageError(
-                    f"{name}: column {column!r} has texts, and {word!r} in row {begin + row}", "a column has values of one kind"
+                    f"{name}: column {column!r} has texts, and {word!r} in row {begin + row}",
+                    "a column has values of one kind",
                 )
             elif last < 0:
                 raise UsageError(
