@@ -28,23 +28,25 @@ namespace {
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
 using FaultTuple = std::tuple<csv::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
-std::unique_ptr<CsvReader> make_reader(
-    char separator, char point, std::uint32_t cells, std::uint32_t time, const std::vector<std::uint32_t>& columns,
-    const std::vector<std::uint32_t>& texts, const std::vector<std::uint32_t>& arrivals,
-    const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line, std::uint32_t decimals,
-    std::uint32_t most_decimals, std::uint32_t usual_decimals, bool binary, bool rounding, bool shortening) {
+std::unique_ptr<CsvReader> make_reader(char separator, char point, std::uint32_t cells, std::uint32_t time,
+                                       const std::vector<std::uint32_t>& columns,
+                                       const std::vector<std::uint32_t>& texts,
+                                       const std::vector<std::uint32_t>& arrivals,
+                                       const std::vector<std::uint32_t>& unread, bool dates, std::uint64_t first_line,
+                                       std::uint32_t decimals, std::uint32_t most_decimals,
+                                       std::uint32_t usual_decimals, bool binary, bool rounding, bool shortening) {
   return std::make_unique<CsvReader>(
       csv::CsvOptions{separator,
-                        point,
-                        cells,
-                        time,
-                        columns,
-                        texts,
-                        arrivals,
-                        unread,
-                        dates,
-                        first_line,
-                        {decimals, most_decimals, usual_decimals, binary, rounding, shortening}});
+                      point,
+                      cells,
+                      time,
+                      columns,
+                      texts,
+                      arrivals,
+                      unread,
+                      dates,
+                      first_line,
+                      {decimals, most_decimals, usual_decimals, binary, rounding, shortening}});
 }
 
 std::optional<FaultTuple> fault_of(const CsvReader& self) {
@@ -115,8 +117,7 @@ void bind_csv(nb::module_& m) {
           "decimals", [](const CsvReader& self) { return self.times().decimals(); },
           "Times are counted in units of 10 to the minus this.")
       .def(
-          "rounded", [](const CsvReader& self) { return self.times().rounded(); },
-          "Whether some time was rounded.")
+          "rounded", [](const CsvReader& self) { return self.times().rounded(); }, "Whether some time was rounded.")
       .def(
           "shortened", [](const CsvReader& self) { return self.times().shortened(); },
           "Whether some time was read as the shorter decimal number of a double.")
