@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 @checked_arguments
 def monitor(
-    formula: str | os.PathLike[str] | Sequence[str | NamedFormula],
+    formula: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
     trace: Any,
     *,
     time: str | None = None,

@@ -436,7 +436,7 @@ def test_a_robustness_of_0_leaves_the_truth_open(formula: str, truth: str) -> No
 
 @pytest.mark.parametrize("given", [3, ["G (x > 1)", 7]])
 def test_what_is_no_formula_is_refused(given: Any) -> None:
-    with pytest.raises(UsageError, match="a formula cannot be a int|`formula` is 3, but it must be a text"):
+    with pytest.raises(UsageError, match=r"a formula cannot be a int|`formula` is 3, but it must be a text"):
         tachk.monitor(given, {"time": [0], "x": [1]})
 
 
