@@ -92,8 +92,8 @@ def test_hooks_run_the_linters_of_the_script() -> None:
 
 def test_changes_that_are_not_released_have_their_heading() -> None:
     headings = re.findall(r"^## (.*)$", text("CHANGELOG.md"), re.MULTILINE)
-    assert headings[0] == "Unreleased"
-    assert headings[1].startswith(tachk.__version__)
+    assert headings[0] == "[Unreleased]"
+    assert headings[1].startswith(f"[{tachk.__version__}]")
 
 
 def test_every_decision_is_listed() -> None:
