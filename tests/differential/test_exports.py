@@ -7,6 +7,9 @@ from random import Random
 
 import pytest
 
+import tachk
+from tachk.analysis.fold import network_expressions
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Source
 from tachk.base.words import QueryKind
@@ -17,10 +20,11 @@ from tachk.formats.loading.load import load_model
 from tachk.formats.network_document import network_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
-from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
+from tachk.model.expressions import BOOL, Binary, Call, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.random_networks import random_case
+from tachk.model.random_networks import Shape, random_case
+from tachk.model.traversal import walk
 from tachk.verify.verify import verify
 
 
@@ -32,7 +36,7 @@ def reached(network: Network) -> list[str]:
         for process, place in enumerate(places[1:], 1):
             test = Binary(BinaryOperator.AND, test, LocationTest(process, place), BOOL)
         queries.append(Query("q", QueryKind.POSSIBLY, test))
-    verdicts = verify(network, tuple(queries[:40]), Options(), Limits(states=2_000), None, False)
+    verdicts = verify(network, tuple(queries[:40]), Options(), Limits(states=2_000), False)
     return [verdict.answer for verdict in verdicts]
 
 
@@ -46,3 +50,14 @@ def test_random_networks(seed: int) -> None:
         found = [d for d in portability(again, UppaalVersion.UPPAAL_5_0) if d.code.startswith("E")]
         assert found == []
         assert reached(again.network) == answers
+
+
+def test_a_function_made_in_python_is_not_written_without_its_declaration() -> None:
+    for seed in range(200):
+        network = random_case(Random(seed), Shape(clocks=3, copies=0.5)).network
+        model = tachk.Model(network, "random")
+        if any(isinstance(part, Call) for root in network_expressions(network) for part in walk(root)):
+            with pytest.raises(UsageError, match="cannot be written as a model"):
+                tachk.export(model, "xml")
+            return
+    raise AssertionError("no network calls a function")

@@ -43,7 +43,7 @@ def reached(network: Network, sizes: list[int]) -> set[tuple[int, ...]]:
         for process, place in enumerate(places[1:], 1):
             test = Binary(BinaryOperator.AND, test, LocationTest(process, place), BOOL)
         queries.append(Query("q", QueryKind.POSSIBLY, test))
-    verdicts = verify(network, tuple(queries), Options(), Limits(states=20_000), None, False)
+    verdicts = verify(network, tuple(queries), Options(), Limits(states=20_000), False)
     assert not any(verdict.reason for verdict in verdicts)
     return {places for places, verdict in zip(combinations, verdicts, strict=True) if verdict.answer == "holds"}
 

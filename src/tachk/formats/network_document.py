@@ -9,7 +9,7 @@ from tachk.base.span import NOWHERE, Source, Span
 from tachk.formats.network_text import expression_node, type_node
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.made_network import made_model
-from tachk.model.expressions import Expression, LocationTest, Variable
+from tachk.model.expressions import Call, Expression, LocationTest, Variable
 from tachk.model.network import DEFAULT_PRIORITY, Edge, Location, Network, Process
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType, Type, element_type
@@ -36,8 +36,11 @@ def network_document(network: Network, name: str) -> ast.Document:
     if any(process.name != process.template for process in network.processes):
         raise NotWritable("several processes of one template")
     for expression in _expressions(network):
-        if any(isinstance(part, LocationTest) for part in walk(expression)):
-            raise NotWritable("a test of a location in the behaviour")
+        for part in walk(expression):
+            if isinstance(part, LocationTest):
+                raise NotWritable("a test of a location in the behaviour")
+            if isinstance(part, Call) and part.function.operation is None:
+                raise NotWritable(f"the function {part.function.name}, which was made in Python, too")
     declarations = tuple(_declaration(variable, variable.name, network, "") for variable in network.variables)
     templates = tuple(_template(process, network) for process in network.processes)
     priorities = sorted({process.priority for process in network.processes})
@@ -74,8 +77,10 @@ def _expressions(network: Network) -> Iterator[Expression]:
     for process in network.processes:
         for location in process.locations:
             yield from () if location.invariant is None else (location.invariant,)
+            yield from (rate for _, rate in location.rates)
         for edge in process.edges:
             yield from () if edge.guard is None else (edge.guard,)
+            yield from () if edge.synchronisation is None else (edge.synchronisation.channel,)
             yield from edge.updates
 
 
