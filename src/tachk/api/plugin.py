@@ -7,6 +7,7 @@ A plug-in is a distribution of its own, such as ``plugins/munta``. Other modules
 from __future__ import annotations
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.job import current_job, unhurried
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.base.whole_files import write_whole
@@ -87,6 +88,7 @@ __all__ = [
     "channel_named",
     "conditional_constraints",
     "conjuncts",
+    "current_job",
     "depends_on_clocks",
     "disjunctive",
     "evaluate",
@@ -94,6 +96,7 @@ __all__ = [
     "is_strict",
     "prepare",
     "process_expressions",
+    "unhurried",
     "walk",
     "write_whole",
     "written_variables",

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -158,8 +159,11 @@ def limited(seconds: float | None = None, memory: int | None = None) -> Iterator
 
 
 @contextmanager
-def unhurried(seconds: float) -> Iterator[None]:
-    """A part of a job that has at least so many seconds, whatever the job has left: what was found is explained."""
+def unhurried(seconds: float = inf) -> Iterator[None]:
+    """A part of a job that has at least so many seconds, whatever the job has left: what was found is explained.
+
+    Also for a whole function: ``@unhurried()``.
+    """
     outer = _current.get()
     ends = None if outer.ends is None else max(outer.ends, monotonic() + seconds)
     with under_way(replace(outer, ends=ends)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from tachk.base.job import unhurried
 from tachk.engine.options import Limits, Options
 from tachk.frontend.loaded import LoadedModel, other_readings_of
 from tachk.frontend.priority_readings import FIRST
@@ -35,10 +36,9 @@ def answers(
     verdicts = verify(model.network, queries, options, limits, trace)
     if all(verdict.answer is Answer.UNKNOWN for verdict in verdicts):
         return verdicts
-    others = []
-    for place, reading in other_readings_of(model):
-        asked = checked(questions.about(reading))
-        others.append((place, verify(reading.network, asked, options, limits, trace=False)))
+    with unhurried():
+        readings = [(at, each.network, checked(questions.about(each))) for at, each in other_readings_of(model)]
+    others = [(at, verify(network, asked, options, limits, trace=False)) for at, network, asked in readings]
     return tuple(
         agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
         for number, verdict in enumerate(verdicts)

@@ -5,24 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import unhurried
 from tachk.base.operators import BinaryOperator
 from tachk.base.words import QueryKind
-from tachk.engine.exact.concretise import concretise
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Statistics
 from tachk.meaning.discrete import PreparedNetwork, prepare
-from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.expressions import BOOL, Binary, Constant, Expression
 from tachk.model.query import Query
-from tachk.model.run import TimedTrace
-from tachk.transform.transformation import Transformation
-from tachk.verify.extreme_search import INEXACT, ExtremeSearch, FoundExtreme, Question, UndecidedExtremeError
+from tachk.verify.extreme_search import INEXACT, ExtremeSearch, Question, UndecidedExtremeError
 from tachk.verify.fault_explanation import explain
 from tachk.verify.over_approximations import reduced_for
 from tachk.verify.plan import Search, Task
 from tachk.verify.unexamined import unexamined
 from tachk.verify.verdict import Answer, Extreme, Extremes, Verdict
+from tachk.verify.witness import witness
 
 NEVER = "no reachable state satisfies the restriction, so that there is no value"
 
@@ -43,17 +40,22 @@ def _answer(model: PreparedNetwork, task: Task, options: Options, limits: Limits
     try:
         found = search.find(_questions(query))
     except UndecidedExtremeError as error:
-        fault = None if error.fault is None else reduced.lift_fault(explain(searched, error.fault))
+        fault = None if error.fault is None else explain(searched, error.fault)
+        with unhurried():
+            fault = None if fault is None else reduced.lift_fault(fault)
         exact = error.reason != INEXACT
         return replace(verdict, reason=error.reason, exact=exact, fault=fault, statistics=search.statistics)
-    verdict = replace(verdict, statistics=search.statistics, unexamined=unexamined(model.network, reduced.network))
+    with unhurried():
+        left_out = unexamined(model.network, reduced.network)
+    verdict = replace(verdict, statistics=search.statistics, unexamined=left_out)
     if found is None:
         return replace(verdict, answer=Answer.FAILS, notes=(NEVER,))
     extremes = []
     for (expression, _), value in zip(_questions(query), found, strict=True):
         run = None
         if value.value is not None and not value.strict and (trace or not search.exact):
-            run, possible = _run(reduced, _where_it_is(where, expression, value.value), value, search.exact)
+            target, what = _where_it_is(where, expression, value.value), f"the value {value.value}"
+            run, possible = witness(reduced, value.path, target, search.exact, what)
             if not possible:
                 return _answer(model, task, options.off("cone"), limits, trace)
         if not search.exact and run is None:
@@ -91,24 +93,3 @@ def _by_expression(query: Query, extremes: Sequence[Extreme]) -> tuple[Extremes,
 
 def _where_it_is(where: Expression, expression: Expression, value: int) -> Expression:
     return Binary(BinaryOperator.AND, where, Binary(BinaryOperator.EQUAL, expression, Constant(value), BOOL), BOOL)
-
-
-def _run(
-    reduced: Transformation, target: Expression, found: FoundExtreme, exact: bool
-) -> tuple[TimedTrace | None, bool]:
-    """A replayed run to a value; False where a process that was frozen meets a run-time error on the way."""
-    run = concretise(prepare(reduced.network), found.path, target)
-    if run is None:
-        if exact:
-            raise InternalError(f"the path found for the value {found.value} has no timed run")
-        return None, True
-    whole = reduced.lift(run)
-    if whole is None:
-        return None, False
-    try:
-        replay(prepare(reduced.original), whole, target)
-    except ReplayError as error:
-        if exact:
-            raise InternalError(f"the run found for the value {found.value} does not replay: {error}") from error
-        return None, True
-    return whole, True

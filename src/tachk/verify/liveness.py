@@ -67,7 +67,9 @@ def sliced(problem: Problem) -> Findings:
         searched = _any_run(prepare(reduced.network), query, problem)
         verdict = replace(_of_outcome(query, searched.outcome), query=task.query)
         if verdict.answer is answers_of(task.query)[1]:
-            verdicts[task.number] = replace(verdict, unexamined=unexamined(problem.network, reduced.network))
+            with unhurried():
+                left_out = unexamined(problem.network, reduced.network)
+            verdicts[task.number] = replace(verdict, unexamined=left_out)
         elif verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact:
             verdicts[task.number] = verdict
     return Findings(verdicts)
@@ -120,10 +122,8 @@ def _diverging(problem: Problem, length_of: Callable[[int], int | None]) -> Find
         first = problem.runs.get(task.number)
         if first is None or not task.query.non_zeno:
             continue
-        query, obligation = (
-            task.query,
-            Obligation(_goal(task.query), task.query.begins, task.query.again, task.query.ends),
-        )
+        query = task.query
+        obligation = Obligation(_goal(query), query.begins, query.again, query.ends)
         predicates = [one for one in (obligation.goal, obligation.trigger) if one is not None]
         length = length_of(max(clock_constants(problem.network, predicates).maximum, default=0))
         if length is None:
@@ -141,7 +141,8 @@ def _finished(problem: Problem, task: Task, searched: SearchedRun) -> Verdict:
     """The verdict, with its run."""
     query, outcome = task.query, searched.outcome
     if outcome.fault is not None:
-        fault = outcome.fault if searched.instrumented is None else searched.instrumented.lift_fault(outcome.fault)
+        with unhurried():
+            fault = outcome.fault if searched.instrumented is None else searched.instrumented.lift_fault(outcome.fault)
         outcome = replace(outcome, fault=explain(problem.model, fault))
     verdict = _of_outcome(query, outcome)
     if outcome.run is not None and (problem.trace or not outcome.exact):
@@ -166,6 +167,7 @@ def _any_run(model: PreparedNetwork, query: Query, problem: Problem) -> Searched
     return SearchedRun(outcome, Obligation(avoided, begins, query.again, query.ends))
 
 
+@unhurried()
 def _is_answer(model: PreparedNetwork, query: Query, searched: SearchedRun) -> bool:
     """Whether the run that was found counts, or none was found."""
     run = searched.outcome.run

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import reduce
 
+from tachk.base.job import StoppedError, unhurried
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
@@ -44,7 +45,8 @@ def answer(model: PreparedNetwork, search: Search, options: Options, limits: Lim
             verdict = replace(second, notes=(FLEETING,)) if second.answer is Answer.HOLDS else second
         if verdict.answer is Answer.HOLDS:
             verdict = _with_notes(model, network, task, verdict, options, limits)
-        moves = () if verdict.trace is None else with_observer.moves(verdict.trace)
+        with unhurried():
+            moves = () if verdict.trace is None else with_observer.moves(verdict.trace)
         verdicts[task.number] = replace(lifted(verdict, with_observer), query=task.query, moves=moves)
     return verdicts
 
@@ -64,7 +66,10 @@ def _with_notes(
     Args:
         network: with the observer.
     """
-    triggers = triggers_of([task], network)
+    try:
+        triggers = triggers_of([task], network)
+    except StoppedError:
+        return verdict
     asked = [
         Task(number, Query(trigger.text, QueryKind.POSSIBLY, trigger.condition))
         for number, trigger in enumerate(triggers)

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import inf
 
-from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import unhurried
 from tachk.engine.core_search import RUN_TIME_ERROR
-from tachk.engine.exact.concretise import concretise
 from tachk.engine.guided_search import explore_along, states_along
 from tachk.engine.options import SearchOrder
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Status
 from tachk.engine.symmetry.tables import in_equal_parts
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
-from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.run import RunTimeFault
 from tachk.transform.guided import guided
 from tachk.transform.observed import ObservedNetwork
@@ -29,6 +25,7 @@ from tachk.verify.unanswered import none_begun
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import triggers_of, with_notes
 from tachk.verify.verdict import Answer, Verdict, answers_of
+from tachk.verify.witness import witness
 
 
 def equal_parts(problem: Problem) -> Iterator[Problem]:
@@ -104,7 +101,9 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
     searched, whole = prepare(reduced.network), problem.observed.then(reduced)
 
     def of_the_model(fault: RunTimeFault) -> RunTimeFault:
-        return whole.lift_fault(explain(searched, fault))
+        explained = explain(searched, fault)
+        with unhurried():
+            return whole.lift_fault(explained)
 
     if outcome.fault is not None:
         outcome = replace(outcome, fault=of_the_model(outcome.fault))
@@ -124,6 +123,7 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
+@unhurried()
 def verdict_of(
     watched: ObservedNetwork, reduced: Transformation, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict | None:
@@ -145,36 +145,12 @@ def verdict_of(
         )
     if not trace and outcome.exact:
         return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(watched.network, reduced.network))
-    with unhurried(inf):
-        return _with_run(watched, reduced, task, goal, outcome, verdict)
-
-
-def _with_run(
-    watched: ObservedNetwork,
-    reduced: Transformation,
-    task: Task,
-    goal: GoalOutcome,
-    outcome: Outcome,
-    verdict: Verdict,
-) -> Verdict | None:
-    """The verdict with the run along the path that was found, replayed; None as `verdict_of`."""
-    run = concretise(prepare(reduced.network), goal.path or (), task.target)
+    run, possible = witness(reduced, goal.path or (), task.target, outcome.exact, repr(task.query.text))
     if run is None:
-        if outcome.exact:
-            raise InternalError(f"the path found for {task.query.text!r} has no timed run")
-        return replace(verdict, reason=_INEXACT)
-    run = reduced.lift(run)
-    if run is None:
-        return None if outcome.exact else replace(verdict, reason=_INEXACT)
-    try:
-        replay(prepare(watched.network), run, task.target)
-    except ReplayError as error:
-        if not outcome.exact:
-            return replace(verdict, reason=_INEXACT)
-        raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
+        return None if outcome.exact and not possible else replace(verdict, reason=_INEXACT)
     return replace(
         verdict,
-        answer=answers_of(task.query)[0],
+        answer=on_reached,
         exact=True,
         reason="",
         trace=watched.lift(run),

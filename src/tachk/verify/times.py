@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import InternalError
-from tachk.base.job import limited
+from tachk.base.job import limited, unhurried
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
@@ -111,6 +111,7 @@ def _questions(timed: EventTimer) -> list[tuple[str, Query]]:
     ]
 
 
+@unhurried()
 def _extreme(timed: EventTimer, verdict: Verdict) -> Extreme | None:
     """The value that was found, with its run as one of the network alone, replayed; None where there is no value."""
     if not verdict.extremes:

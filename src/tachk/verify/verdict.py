@@ -6,6 +6,7 @@ from dataclasses import replace
 from enum import StrEnum
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
+from tachk.base.job import unhurried
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.outcome import Statistics
@@ -102,6 +103,7 @@ class Verdict:
         return self.answer.value == expected.value
 
 
+@unhurried()
 def lifted(verdict: Verdict, transformation: Transformation) -> Verdict:
     """A verdict about a transformed network, with its run and its run-time error as those of the original."""
     fault = None if verdict.fault is None else transformation.lift_fault(verdict.fault)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import UnsupportedError
@@ -82,19 +81,19 @@ def _verified(
         return tuple(verdicts.get(number) or not_begun(query, error.reason) for number, query in enumerate(queries))
     answer = partial(_answer, model, options, trace)
     verdicts |= in_order(searches, answer, Shares(limits, len(tasks)), processes(options))
-    found = [with_blame(verdicts[number]) for number in range(len(queries))]
-    return non_zeno.noted(_examined(network, _with_momentary_triggers(network, found, limits)))
+    left = replace(limits, seconds=current_job().seconds_left)
+    with unhurried():  # what has been decided is told; the searches for notes have the limits that are left
+        found = [with_blame(verdicts[number]) for number in range(len(queries))]
+        return non_zeno.noted(_examined(network, _with_momentary_triggers(network, found, left)))
 
 
-def _with_momentary_triggers(network: Network, found: Sequence[Verdict], limits: Limits) -> Sequence[Verdict]:
+def _with_momentary_triggers(network: Network, found: Sequence[Verdict], left: Limits) -> Sequence[Verdict]:
     """The verdicts with notes about what is true for no time, of which only observers may speak."""
     if all(verdict.query.observer is None for verdict in found):
         return found
     from tachk.verify.momentary import with_momentary_triggers
 
-    left = replace(limits, seconds=current_job().seconds_left)
-    with unhurried(inf):  # what takes its time there has the limits that are left
-        return with_momentary_triggers(network, found, left, _decided_plainly)
+    return with_momentary_triggers(network, found, left, _decided_plainly)
 
 
 def _decided_plainly(network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import pytest
@@ -17,7 +18,8 @@ from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
-from tachk.engine.options import Limits
+from tachk.engine import core_search, liveness, measuring, zone
+from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.formats.loading.load import load_model
 from tachk.meaning.discrete import prepare
@@ -174,3 +176,70 @@ def test_making_the_instances_of_edges_ends(looks: Iterator[int]) -> None:
     model = prepare(load_model(Source("m.ta", SELECT)).network)
     with pytest.raises(OutOfTimeError), limited(50):
         _ = model.instances
+
+
+MANY = """
+int[0, 3] n; chan c;
+process P() {
+    clock x;
+    init location A { invariant x <= 5; to B { guard x >= 1; sync c!; assign n = (n + 1) % 4; } }
+    location B { invariant x <= 9; to A { assign x = 0; } }
+}
+process Q() { init location I { to I { sync c?; } } }
+system P, Q;
+property reached : E<> P.B && n == 2;
+property always : A[] n < 4;
+property fails : A[] n < 2;
+property inevitable : A<> n == 3;
+property leads : P.A --> P.B;
+property soon : P.A -->[<= 2] P.B;
+property stays : E[] n <= 2;
+property most : sup: n;
+property latest : sup: P.x;
+property formula : G (P.A -> F[0,2] P.B);
+property wrong : A[] 1 / (2 - n) >= 0;
+"""
+
+
+@pytest.mark.parametrize("name", [query.name for query in load_model(Source("m.ta", MANY)).queries])
+def test_what_the_search_decides_at_the_last_moment_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The time is over as soon as the first search of the engine has ended."""
+    model = load_model(Source("m.ta", MANY))
+    (query,) = (query for query in model.queries if query.name == name)
+    options = Options().off("unblocked", "sliced")
+    (usual,) = verify(model.network, [query], options)
+    late = [0.0]
+
+    def ended(*arguments: Any) -> Any:
+        found = core_search.run_in_slices(*arguments)
+        late[0] = 1e9
+        return found
+
+    monkeypatch.setattr(module, "monotonic", lambda: monotonic() + late[0])
+    for engine in (zone, liveness, measuring):
+        monkeypatch.setattr(engine, "run_in_slices", ended)
+    (hurried,) = verify(model.network, [query], options, Limits(seconds=1000))
+    assert late[0] > 0
+    assert (hurried.answer, hurried.reason, hurried.trace) == (usual.answer, usual.reason, usual.trace)
+    assert (hurried.fault is None) is (usual.fault is None)
+
+
+def test_a_query_that_takes_all_the_time_leaves_the_others_their_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    text = "clock x; process P() { init location A { to A { guard x >= 1; } } } system P;"
+    text += "property quick : A[] P.A; property slow : A[] x >= 0 && P.A;"
+    usual = answers(text, Limits())
+    assert [verdict.answer for verdict in usual] == [Answer.HOLDS] * 2
+    real = reachability.explore
+
+    def last_is_slow(program: Any, goals: Any, options: Any, limits: Limits) -> Outcome:
+        found = real(program, goals, options, limits)
+        if program.maximum_constants and current_job().about == ("slow",):
+            now[0] += 1000
+            return Outcome((GoalOutcome(Status.UNDECIDED),), Statistics(), TIME_LIMIT)
+        return found
+
+    monkeypatch.setattr(module, "monotonic", lambda: now[0])
+    monkeypatch.setattr(reachability, "explore", last_is_slow)
+    quick, slow = answers(text, Limits(seconds=100))
+    assert (quick.answer, slow.answer, slow.reason) == (Answer.HOLDS, Answer.UNKNOWN, TIME_LIMIT)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tachk import Limits, Options, Verdict
-from tachk.api.plugin import Network, Query, bytes_, write_whole
+from tachk.api.plugin import Network, Query, bytes_, current_job, unhurried, write_whole
 from tachk.api.proofs import StateBlock, find_proof, is_provable, observed
 from tachk_munta.actions import refused
 from tachk_munta.certificate import certificate_of
@@ -81,7 +81,10 @@ def write_proofs(folder: Path, network: Network, verdicts: Sequence[Verdict], op
     for query in asked:
         proof: MuntaProof | str = "for Munta, runs never end and never wait for ever"
         if query.target is not None:
-            proof = munta_proof(network, query, options, limits)
+            seconds = current_job().seconds_left
+            left = limits if seconds is None else replace(limits, seconds=seconds)
+            with unhurried():  # the time is that of the search for a proof
+                proof = munta_proof(network, query, options, left)
         if isinstance(proof, str):
             print(f"error: no proof for Munta of {query.name}: {proof}", file=sys.stderr)
             missing = True

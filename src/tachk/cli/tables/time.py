@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Iterator
-from math import inf
 from pathlib import Path
 
 from tachk.api import model as api
@@ -66,7 +65,7 @@ def run_time(
                 if rows and chosen == given and current_job().seconds_left == 0:
                     rows.append(TimedRow(chosen, rows[0].network, _unknown(OutOfTimeError.reason)))
                     continue
-                with unhurried(inf):  # a table as far as it goes
+                with unhurried():  # a table as far as it goes
                     model = api.load(asked.model, **constants, **given)
                 if not rows:
                     print_diagnostics((*model.refusals, *model.warnings))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
 
 from tachk.analysis.fold import Known, known_values
 from tachk.analysis.recurrent_edges import all_runs_end, lasting_edges
@@ -110,7 +109,7 @@ def deep_check(
     try:
         with limited(limits.seconds):
             explored = _explore(network, options, limits)
-            with unhurried(inf):
+            with unhurried():
                 found = [*_reached_parts(explored, warnings), *_stuck_parts(explored)]
             found.append(_zeno_part(explored, options, limits))
     except StoppedError:

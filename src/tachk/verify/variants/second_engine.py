@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
-from tachk.base.job import StoppedError, current_job, limited
+from tachk.base.job import StoppedError, current_job, limited, unhurried
 from tachk.engine.options import Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, Outcome
 from tachk.meaning.discrete import PreparedNetwork, prepare
@@ -103,7 +103,11 @@ def answer(model: PreparedNetwork, search: Search, options: Options, limits: Lim
 
 def _explained(watched: ObservedNetwork, outcome: Outcome) -> Outcome:
     def of_the_model(fault: RunTimeFault | None) -> RunTimeFault | None:
-        return None if fault is None else watched.lift_fault(explain(prepare(watched.network), fault))
+        if fault is None:
+            return None
+        explained = explain(prepare(watched.network), fault)
+        with unhurried():
+            return watched.lift_fault(explained)
 
     goals = tuple(replace(goal, fault=of_the_model(goal.fault)) for goal in outcome.goals)
     return replace(outcome, goals=goals, fault=of_the_model(outcome.fault))

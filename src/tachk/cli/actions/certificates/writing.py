@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from tachk.base.job import unhurried
 from tachk.base.whole_files import whole_bytes
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain
@@ -26,8 +27,9 @@ def write_certificates(
     UNKNOWN if a limit keeps one from being made.
     """
     statuses = [ExitStatus.AS_EXPECTED]
-    provable = [verdict for verdict in verdicts if is_provable(verdict)]
-    model = digest(network)
+    with unhurried():
+        provable = [verdict for verdict in verdicts if is_provable(verdict)]
+        model = digest(network)
     names = []
     with whole_bytes(path) as file:
         writer = CertificateWriter(file)
