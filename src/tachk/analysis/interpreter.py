@@ -75,7 +75,7 @@ class ValueOperations(NamedTuple, Generic[N, T]):
 
 
 class Domain(Protocol[N, T, P]):
-    """What the interpreter computes with. Run-time errors are noted by the operations that can meet them."""
+    """The operations with which the interpreter computes. Those that can meet a run-time error note it."""
 
     @property
     def values(self) -> ValueOperations[N, T]: ...
@@ -90,8 +90,11 @@ class Domain(Protocol[N, T, P]):
     def deadlock(self, span: Span) -> T: ...
 
     def under(self, condition: T, action: Callable[[], _A], of: Expression | None = None) -> _A | None:
-        """What an action gives where a condition holds; None where it never does. If that is the truth of an expression
-        which depends on clocks, the action is done everywhere, unless the truth is known."""
+        """Does an action where a condition holds, and gives its result; None where the condition never holds.
+
+        If ``of``, of which the condition is the truth, depends on clocks, the action is done everywhere, unless the
+        truth is known.
+        """
 
     def each(self, variable: Variable) -> Iterator[None]:
         """Gives a variable all its values, one by one or several at once."""
@@ -146,7 +149,7 @@ class Domain(Protocol[N, T, P]):
     def loop(self, condition: Callable[[], T], body: Callable[[], T], test_first: bool, span: Span) -> T: ...
 
     def claim(self, truth: T, span: Span) -> None:
-        """What is not true is a run-time error."""
+        """Checks an assertion: a run-time error where it is not true."""
 
 
 # ---- expressions -----------------------------------------------------------------------------------------------------

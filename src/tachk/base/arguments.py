@@ -1,4 +1,4 @@
-"""Arguments of the wrong type, told to programs in words before anything is done with them."""
+"""Types of arguments: a public function refuses an argument of the wrong type, in words, before it does anything."""
 
 from __future__ import annotations
 

@@ -17,10 +17,10 @@ _MOST_PIECES: Final = 16
 
 
 class AwaitedPipe(Protocol):
-    """What comes through a pipe. Whoever opened the pipe closes it."""
+    """The bytes that come through a pipe. The caller that opened the pipe closes it."""
 
     def read1(self, size: int, /) -> bytes | None:
-        """What has come; empty at the end, None if nothing has come for a while."""
+        """The bytes that have come; empty at the end, None if none have come for a while."""
         ...
 
 

@@ -1,7 +1,8 @@
 """Results as plain data for programs: one walker derives the JSON of a result from its dataclass.
 
-An object is told as its attributes, a member of an enumeration as its value, an exact number as a string such as
-``"5/2"``, tuples and arrays as lists. A `Fields` says which attributes of a class are told, and under which names.
+The walker writes an object as a dictionary of its attributes, a member of an enumeration as its value, an exact number
+as a string such as ``"5/2"``, tuples and arrays as lists. A `Fields` lists the attributes of a class that the
+dictionary has, and their names there.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ _ATOMS = frozenset({str, int, float, bool, type(None)})
 
 
 class Fields:
-    """What is told of the objects of a class, in order.
+    """The attributes of a class that its JSON has, in order.
 
     Args:
         names: of attributes, with blanks between; ``key=attribute`` under another name, ``key=first.second`` for an
@@ -53,8 +54,8 @@ class PlainData:
     """The walker.
 
     Args:
-        forms: of classes: what is told of their objects, or a function that makes the plain data. Of a dataclass
-            that is not among them all fields are told.
+        forms: for classes, the `Fields` of their JSON or a function that makes it. The JSON of a dataclass that is not
+            among them has all its fields.
     """
 
     def __init__(self, forms: Mapping[type, Fields | Callable[[Any], object]] | None = None) -> None:

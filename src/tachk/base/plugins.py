@@ -23,7 +23,7 @@ def plugins(table: str) -> tuple[Any, ...]:
 
 
 def separate_plugin(use: str) -> Any:
-    """What a distribution of its own has for a use.
+    """The function that a distribution of its own has for a use.
 
     Raises:
         UsageError: it is not installed; names what to install.

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all: whoever is broken off in between leaves what was there before."""
+"""Files that are written whole or not at all: a program that is interrupted leaves the file of before."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
     Extremes: Fields("expression lower=least upper=largest"),
     Extreme: Fields("value strict trace=run"),
 }
-"""What is told of the parts of a run, but for what needs its network: runs and run-time errors."""
+"""The JSON of the parts of a `RunRecord`, but for runs and run-time errors: their names need the network."""
 
 
 def _told(view: TraceView, every_step: bool) -> TraceView:

@@ -17,7 +17,7 @@ from tachk.transform.transformation import Exactness, Transformation
 
 @dataclass(frozen=True, slots=True)
 class Extension(Transformation):
-    """What is added only watches, or keeps something from happening: without it, each run is one of the original."""
+    """The added parts only watch, or keep something from happening: a run without them is a run of the original."""
 
     def lift(self, run: TimedTrace) -> TimedTrace:
         """The run without what was added; it ends, and goes round, as it does."""

@@ -23,9 +23,9 @@ class Exactness(Flag):
 
     NOTHING = 0
     REACHABLE = auto()
-    """What is reached in it is reachable in the original."""
+    """A state that is reached in it is reachable in the original."""
     UNREACHABLE = auto()
-    """What is not reached in it is unreachable in the original: it over-approximates."""
+    """A state that is not reached in it is unreachable in the original: it over-approximates."""
     INFINITE_RUNS = auto()
     """Whether a run avoids something for ever, or ends without it."""
     SAME_STATES = REACHABLE | UNREACHABLE

@@ -41,7 +41,7 @@ Relaxing = Callable[[Sequence[Expression], Sequence[Expression]], OverApproximat
 
 
 def unblocked(problem: Problem) -> Findings:
-    """Without the processes that can only block those on which the targets depend."""
+    """Searches the network without the processes that can only block those on which the targets depend."""
     network = problem.network
 
     def relaxed(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
@@ -60,8 +60,8 @@ def unblocked(problem: Problem) -> Findings:
 
 
 def symmetrised(problem: Problem) -> Findings:
-    """With targets that name some of several interchangeable processes asked of all of them: all remain
-    interchangeable."""
+    """Searches for the symmetrised targets: for each target, the disjunction over the orbit of the processes that it
+    names. These processes then remain interchangeable."""
 
     def of_all(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
         return _of_all(problem.network, tuple(targets), tuple(conditions), problem.options.cone)
@@ -71,7 +71,7 @@ def symmetrised(problem: Problem) -> Findings:
 
 
 def can_be_symmetrised(problem: Problem, task: Task) -> bool:
-    """Whether a target names some of several interchangeable processes and can be asked of all of them."""
+    """Whether a target names some, but not all, of several interchangeable processes and its orbit is small enough."""
     conditions = tuple(trigger.condition for trigger in triggers_of([task], problem.network))
     # What is moved in the network without the observer is found out once for many problems.
     return (
@@ -92,8 +92,8 @@ def _of_all(
 
 
 def abstracted(problem: Problem) -> Findings:
-    """With less known of the variables by which processes are gone through by number, where that makes these
-    interchangeable."""
+    """Searches the network with an abstraction of the variables that count through processes by number, where the
+    processes then are interchangeable."""
 
     def coarser(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
         return _less_known(problem.network, tuple(targets), tuple(conditions), problem.options.cone)
@@ -102,7 +102,7 @@ def abstracted(problem: Problem) -> Findings:
 
 
 def can_be_abstracted(problem: Problem) -> bool:
-    """Whether less can be known so that processes become interchangeable."""
+    """Whether an abstraction of variables makes processes interchangeable."""
     conditions = tuple(trigger.condition for trigger in triggers_of(problem.tasks, problem.network))
     hold = problem.options.cone
     return _less_known(problem.network, tuple(problem.targets), conditions, hold) is not None

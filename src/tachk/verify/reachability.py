@@ -38,24 +38,24 @@ def equal_parts(problem: Problem) -> Iterator[Problem]:
 
 
 def explored(problem: Problem) -> Findings:
-    """A search of the network, without the processes and variables on which no target depends."""
+    """Searches the cone of influence of the targets."""
     return Findings(_explored(problem))
 
 
 def few_states(problem: Problem) -> Findings:
-    """A search for few states, before targets are asked of all interchangeable processes."""
+    """Searches few states, where a search for the symmetrised targets comes next."""
     some = problem.about([task.number for task in problem.tasks if can_be_symmetrised(problem, task)])
     return explored(some) if some.tasks else Findings({})
 
 
 def first_states(problem: Problem) -> Findings:
-    """A search for some states, before variables are abstracted."""
+    """Searches some states, where a search with abstracted variables comes next."""
     return explored(problem) if can_be_abstracted(problem) else Findings({})
 
 
 def depth_first(problem: Problem) -> Findings:
-    """A depth-first search for some states, where variables could be abstracted: a run that nothing hinders is found
-    fast. What this order does not find decides nothing."""
+    """Searches some states depth first, where a search with abstracted variables came before: it finds a run that
+    nothing hinders fast. If it finds none, that decides nothing."""
     options = problem.options
     if options.order is not SearchOrder.AUTO or options.shortest or not can_be_abstracted(problem):
         return Findings({})
@@ -63,7 +63,7 @@ def depth_first(problem: Problem) -> Findings:
 
 
 def along_path(problem: Problem) -> Findings:
-    """A search along the paths that an over-approximation has found."""
+    """Searches along the paths that an over-approximation has found."""
     verdicts: dict[int, Verdict] = {}
     for task in problem.tasks:
         if task.number in problem.reached:

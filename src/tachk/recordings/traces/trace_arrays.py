@@ -359,7 +359,7 @@ def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str, befo
 
 
 def _first_known(values: Any) -> int | None:
-    """The first row with a value; None if no row has one. What is not a column of cells is told elsewhere."""
+    """The first row with a value; None if no row has one. For something that is no column, 0: `_hold` refuses it."""
     try:
         first = [*values[:1]]
     except (IndexError, KeyError, TypeError):

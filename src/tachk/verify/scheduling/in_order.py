@@ -40,7 +40,6 @@ def in_order(
     Args:
         processes: how many may run at the same time.
     """
-
     verdicts: dict[int, Verdict] = {}
     for number, search in enumerate(searches):
         if any(verdict.reason == INTERRUPTED for verdict in verdicts.values()):

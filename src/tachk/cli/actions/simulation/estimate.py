@@ -132,7 +132,7 @@ def _queries(
         if not is_statistical(query):
             continue
         try:
-            with unhurried(_READING):  # it is told even where the time for an answer is over
+            with unhurried(_READING):  # the report needs the query also where there was no time to answer it
                 asked_query = read_statistical(query, loaded)
             yield asked_query, query.expectation
         except InputError as error:
