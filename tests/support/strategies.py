@@ -53,3 +53,8 @@ def without_first_tries() -> Iterator[None]:
     with changed(lambda row: replace(row, states=0) if row.preliminary else row), pytest.MonkeyPatch.context() as patch:
         patch.setattr(over_approximations, "WORTH_CARRYING_OVER", 0)
         yield
+
+
+def switched(options: Options, on: bool, *names: str) -> Options:
+    """The options with what has these names switched on or off."""
+    return options.on(*names) if on else options.off(*names)

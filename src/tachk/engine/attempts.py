@@ -67,7 +67,7 @@ class BudgetedSearch:
 def are_made(options: Options, limits: Limits) -> bool:
     """Whether other searches may answer for all goals."""
     return (
-        options.attempts
+        "attempts" not in options.without
         and options.order is SearchOrder.AUTO
         and not options.shortest
         and (limits.states is None or limits.states > STORED)

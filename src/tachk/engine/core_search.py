@@ -14,7 +14,7 @@ from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import StoppedError, current_job
 from tachk.base.span import NOWHERE, Span
 from tachk.engine.compiler.program import Program
-from tachk.engine.options import Limits, Options
+from tachk.engine.options import REDUCTIONS, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, STATE_LIMIT, TIME_LIMIT, Statistics
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.run import Participant, RunTimeFault, Transition
@@ -51,7 +51,8 @@ def core_options(options: Options) -> _core.Options:
     """What the core takes of the options: its own have the same names, its enumerations the same members."""
     taken = _core.Options()
     for name in _OPTION_NAMES:
-        value, kind = getattr(options, name), type(getattr(taken, name))
+        value = name not in options.without if name in REDUCTIONS else getattr(options, name)
+        kind = type(getattr(taken, name))
         setattr(taken, name, kind[value.name] if isinstance(value, Enum) else kind(value))
     return taken
 

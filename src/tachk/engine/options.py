@@ -91,11 +91,11 @@ REDUCTIONS = {
     "run is found early. For `E<>` and `A[]` with the order `AUTO`: once 20,000 states are stored, explore up to 5,000 "
     "as with `partial_order`, if that is of use in a quarter of the first 256, and then 1,500 depth first with "
     "processes that keep their places, each in a search of its own; not with `shortest`.",
-    "cone": "hold processes still that cannot influence the answer (cone of influence).",
+    "cone": "freeze processes that cannot influence the answer (cone of influence).",
     "symmetry": "search one state for all that differ by an exchange of interchangeable processes.",
     "local-times": "let each process have a time of its own in a search, where that is sound and seems to save states.",
 }
-"""What saves states in searches of all kinds, and is on unless `Options.without` names it."""
+"""Reductions of the states of all searches. Each is on unless `Options.without` names it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,18 +167,6 @@ class Options:
     pace: Pace = Pace.EARLY
 
     @property
-    def alu(self) -> bool:
-        return "alu" not in self.without
-
-    @property
-    def merging(self) -> bool:
-        return "merging" not in self.without
-
-    @property
-    def attempts(self) -> bool:
-        return "attempts" not in self.without
-
-    @property
     def cone(self) -> bool:
         return "cone" not in self.without
 
@@ -193,10 +181,6 @@ class Options:
     def on(self, *names: str) -> Options:
         """These options, with what has these names not switched off."""
         return replace(self, without=self.without - set(names))
-
-    def switched(self, on: bool, *names: str) -> Options:
-        """These options, with what has these names switched on or off."""
-        return self.on(*names) if on else self.off(*names)
 
     def __post_init__(self) -> None:
         _check_range("seed", self.seed, 0, LARGEST_SEED)
@@ -237,10 +221,6 @@ class Limits:
     memory_bytes: int | None = None
     depth: int | None = None
     seconds_each: float | None = None
-
-    def after(self, elapsed: float) -> Limits:
-        """The limits of what is left to do when so many seconds have passed."""
-        return self if self.seconds is None else replace(self, seconds=max(self.seconds - elapsed, 0.0))
 
     def of_states(self, states: int) -> Limits:
         """These limits, and that no more than so many states are stored."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from tachk.engine.outcome import Statistics
-from tachk.verify.strategies import PLAIN
+from tachk.verify.strategies import is_plain
 from tachk.verify.verdict import Verdict
 
 
@@ -21,7 +21,7 @@ def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 def _strategy(verdict: Verdict) -> Iterator[str]:
     """The strategy that decided it, where it is none of those that search as one expects."""
-    if verdict.strategy and verdict.strategy not in PLAIN:
+    if verdict.strategy and not is_plain(verdict.strategy):
         yield f"decided by {verdict.strategy}"
 
 

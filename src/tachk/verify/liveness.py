@@ -45,7 +45,7 @@ from tachk.verify.verdict import Answer, Verdict, answers_of
 
 @dataclass(frozen=True, slots=True)
 class SearchedRun:
-    """What a search for runs has found, and where: in the network with doubled edges, or (None) in the network."""
+    """The outcome of a search for runs, and the doubled network that it searched; None: the network itself."""
 
     outcome: LivenessOutcome
     obligation: Obligation
@@ -53,7 +53,7 @@ class SearchedRun:
 
 
 def sliced(problem: Problem) -> Findings:
-    """Without what certainly neither changes a run that goes on for ever nor ends one.
+    """Searches the slice that preserves liveness.
 
     Only that there is no run is an answer: one that is found has to be shown as one of the whole network.
     """
@@ -83,7 +83,7 @@ def _reduced(network: Network, query: Query) -> Transformation:
 
 
 def any_run(problem: Problem) -> Findings:
-    """A search for any run that avoids the goal: where there is none, there is none that counts."""
+    """Searches for any run that avoids the goal: where there is none, there is none that counts."""
     verdicts, runs = {}, {}
     for task in problem.tasks:
         searched = _any_run(problem.model, task.query, problem)
@@ -95,7 +95,7 @@ def any_run(problem: Problem) -> Findings:
 
 
 def recurring(problem: Problem) -> Findings:
-    """A search for runs that meet something again and again, or end where they may."""
+    """Searches for runs that meet each predicate again and again, or end where they may."""
     verdicts = {}
     for task in problem.tasks:
         first = problem.runs.get(task.number)

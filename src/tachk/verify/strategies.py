@@ -1,6 +1,6 @@
 """How verdicts are decided: for each kind of question, the strategies in the order in which they are tried.
 
-This is the table to read, and to add a line to. What each strategy does stands in the module that it comes from.
+A new strategy is a row here. The module of its function describes what it does.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ REACHABILITY = (
         few_states,
         states=_FEW,
         preliminary=True,
+        plain=True,
     ),
     Strategy(
         "symmetrised",
@@ -53,6 +54,7 @@ REACHABILITY = (
         first_states,
         states=_SOME,
         preliminary=True,
+        plain=True,
         parts=equal_parts,
     ),
     Strategy(
@@ -73,7 +75,7 @@ REACHABILITY = (
         preliminary=True,
         parts=equal_parts,
     ),
-    Strategy("zones", "search all states", explored, parts=equal_parts),
+    Strategy("zones", "search all states", explored, plain=True, parts=equal_parts),
 )
 """Whether some state of a set can be reached: `E<>`, `A[]`, and formulas with deadlines by their observers."""
 
@@ -100,6 +102,7 @@ LIVENESS = (
         "any-run",
         "search for any run that avoids the goal, also one that does not count",
         _of_liveness(lambda liveness: liveness.any_run),
+        plain=True,
     ),
     Strategy(
         "recurring",
@@ -112,24 +115,26 @@ LIVENESS = (
         _of_liveness(lambda liveness: liveness.short_delays),
         states=_FEW_DIVERGING,
         preliminary=True,
+        plain=True,
     ),
     Strategy(
         "long-delays",
         "search for runs in which the longest waiting time passes again and again",
         _of_liveness(lambda liveness: liveness.long_delays),
+        plain=True,
     ),
 )
 """Whether some run avoids a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
 
 
-PLAIN = frozenset({"few-states", "first-states", "zones", "any-run", "short-delays", "long-delays"})
-"""The strategies that search as one expects: reports for people name the others only."""
-
-
 def names() -> dict[str, str]:
     """All that can be switched off by name, with its meaning: strategies in their order, then reductions."""
-    tables = (*REACHABILITY, *LIVENESS)
-    return {strategy.name: strategy.meaning for strategy in tables} | REDUCTIONS
+    return {strategy.name: strategy.meaning for strategy in (*REACHABILITY, *LIVENESS)} | REDUCTIONS
+
+
+def is_plain(name: str) -> bool:
+    """Whether a strategy searches as one expects."""
+    return any(strategy.plain for strategy in (*REACHABILITY, *LIVENESS) if strategy.name == name)
 
 
 def check_names(without: Collection[str]) -> None:
@@ -156,8 +161,9 @@ def avoidable(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
     """Whether runs avoid the goals of a search for ever, as verdicts by the numbers of its tasks."""
+    unobserved = observed(model.network, None)
     verdicts: dict[int, Verdict] = {}
     for task in search.tasks:
-        problem = Problem(model, observed(model.network, None), (task,), options, limits, trace)
+        problem = Problem(model, unobserved, (task,), options, limits, trace)
         verdicts |= decided(problem, LIVENESS)
     return verdicts

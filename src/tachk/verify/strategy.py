@@ -1,9 +1,9 @@
 """Strategies: the ways to decide queries, and the loop that tries those of a table in their order.
 
 A portfolio, as in Huberman, Lukose, Hogg (An economics approach to hard computational problems, Science 275, 1997), run
-one after the other: cheap ways first, each with a budget, and last the one that always answers. What a strategy found
-is only believed as far as it is worth: an over-approximation that does not reach a target proves that nothing does; a
-search of some states proves nothing by what it does not find.
+one after the other: cheap ways first, each with a budget, and last the one that always answers. The loop
+believes a verdict only as far as the strategy can prove it: an over-approximation that does not reach a target proves
+that nothing does; a search of some states that reaches none proves nothing.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ NO_STRATEGY = "none of the strategies that are left decides it"
 
 
 class Decides(Flag):
-    """What the verdicts of a strategy are worth."""
+    """The verdicts of a strategy that can be believed."""
 
     REACHED = auto()
     """A target that it reaches is reachable."""
@@ -77,12 +77,12 @@ class ReachedInAbstraction:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What one strategy has found out about a problem.
+    """The result of one strategy for a problem.
 
     Attributes:
         verdicts: by the numbers of the tasks.
         reached: targets that are reached in an over-approximation, by the numbers of the tasks.
-    runs: what `tachk.verify.liveness` has found that decides nothing yet, by the numbers of the tasks.
+        runs: what `tachk.verify.liveness` has found that decides nothing yet, by the numbers of the tasks.
     """
 
     verdicts: Mapping[int, Verdict]
@@ -95,7 +95,7 @@ class Problem:
     """Queries that one exploration of a network decides, and what is known about them.
 
     Attributes:
-        model: the network with the observer, if there is one.
+        model: the network with the observer, if there is one. It is held here, so that it is prepared once.
         observed: how it was made from the network without.
         limits: of each search. The time is that of the job.
         trace: whether runs are to be shown.
@@ -113,6 +113,7 @@ class Problem:
 
     @property
     def network(self) -> Network:
+        """With the observer."""
         return self.model.network
 
     @property
@@ -144,6 +145,7 @@ class Strategy:
         states: how many states each of its searches may store; None: as many as the limits allow.
         share: of the time that is left, so much at most.
         preliminary: a search for few states, which is of no use where the limits allow no more.
+        plain: it searches as one expects, so that reports for people do not name it.
         parts: the problem in parts that are searched one after the other.
     """
 
@@ -154,6 +156,7 @@ class Strategy:
     states: int | None = None
     share: float = 1.0
     preliminary: bool = False
+    plain: bool = False
     parts: Callable[[Problem], Iterable[Problem]] = as_a_whole
 
 
@@ -178,7 +181,7 @@ def decided(problem: Problem, strategies: Iterable[Strategy]) -> dict[int, Verdi
 
 
 def _found(strategy: Strategy, problem: Problem) -> Findings:
-    """What the strategy finds with its budget."""
+    """The result of the strategy, with its budget."""
     limits = problem.limits
     if strategy.states is not None:
         if strategy.preliminary and limits.states is not None and limits.states <= strategy.states:

@@ -11,6 +11,7 @@ import tachk
 from tachk.base.resources import data_root
 from tachk.engine.options import Extrapolation, LocalTimes, Options, SearchOrder
 from tachk.verify.verdict import Verdict
+from tests.support.strategies import switched
 
 CLASSICS = data_root() / "models" / "classics"
 
@@ -45,7 +46,7 @@ def verdict(model: tachk.Model, query: str, options: Options) -> Verdict:
 
 
 def options(merging: bool, order: SearchOrder = SearchOrder.AUTO) -> Options:
-    return Options(order=order, local_times=LocalTimes.NEVER).off("symmetry").switched(merging, "merging")
+    return switched(Options(order=order, local_times=LocalTimes.NEVER).off("symmetry"), merging, "merging")
 
 
 @pytest.fixture

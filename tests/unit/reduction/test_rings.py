@@ -10,6 +10,7 @@ from tachk.base.resources import data_root
 from tachk.engine.options import LocalTimes
 from tachk.engine.symmetry.detection import find_symmetry
 from tachk.engine.symmetry.tables import tables_of
+from tests.support.strategies import switched
 
 TEXT = """
 const int N = 4;
@@ -125,7 +126,7 @@ def test_a_ring_of_a_prime_number_divides_what_is_stored() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "dining_philosophers.ta", N=5)
     stored = []
     for symmetry in (True, False):
-        options = Options(local_times=LocalTimes.NEVER).off("merging").switched(symmetry, "symmetry")
+        options = switched(Options(local_times=LocalTimes.NEVER).off("merging"), symmetry, "symmetry")
         (verdict,) = model.verify(property="neighbours", options=options)
         assert verdict.answer.value == "holds"
         stored.append(verdict.statistics.states_stored)
@@ -158,7 +159,7 @@ def test_a_ring_is_turned_over_local_times_too() -> None:
     stored = []
     for symmetry in (True, False):
         none, some = model.verify(
-            *queries, options=Options(local_times=LocalTimes.ALWAYS).switched(symmetry, "symmetry")
+            *queries, options=switched(Options(local_times=LocalTimes.ALWAYS), symmetry, "symmetry")
         )
         assert (none.answer.value, some.answer.value) == ("fails", "holds")
         assert some.trace is not None

@@ -8,6 +8,7 @@ from tachk.engine.options import NEVER, Limits, Options
 from tachk.model.fault import RuntimeErrorKind
 from tachk.verify import liveness
 from tachk.verify.verdict import Answer
+from tests.support.strategies import switched
 
 ROUNDS = """\
 int n = 0;
@@ -53,7 +54,7 @@ system P;
 property back : P.c && n == 2 --> P.a;
 """
     early, late = (
-        verdicts(text, options=Options().switched(attempts, "attempts"))["back"] for attempts in (True, False)
+        verdicts(text, options=switched(Options(), attempts, "attempts"))["back"] for attempts in (True, False)
     )
     assert early.answer is late.answer is Answer.FAILS
     assert early.statistics.states_explored < 50 < 500 < late.statistics.states_explored

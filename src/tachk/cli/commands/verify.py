@@ -137,7 +137,7 @@ _DEFAULT = Options()
         name for value in values for name in value.split(",") if name
     ),
     help="Do not use these ways to save states; answers stay the same. symmetry: explore one state for all that differ "
-    "only in which of several interchangeable processes is which; cone: hold processes still that cannot influence the "
+    "only in which of several interchangeable processes is which; cone: freeze processes that cannot influence the "
     "answer; and the strategies that reports name, such as unblocked. A name that there is not lists all.",
 )
 @click.option(
