@@ -52,7 +52,7 @@ class ParquetRecording:
         names = (self.header.names[self.header.time], *places)
         try:
             table = parquet.read_table(self.name, columns=wanted)
-            cells = [_numpy(table.column(raw)) for raw in wanted]
+            cells = [_numpy(raw, table.column(raw), self.name) for raw in wanted]
         except (OSError, ValueError, NotImplementedError) as error:
             raise _unreadable(self.name, error) from None
         if self.rows is not None:
@@ -94,15 +94,22 @@ def _begins_as_parquet(path: str) -> bool:
         return stream.read(4) == b"PAR1"
 
 
-def _numpy(column: Any) -> Any:
-    """A column as NumPy array; decimal numbers become exact fractions, nulls None or NaN."""
+def _numpy(raw: str, column: Any, path: str) -> Any:
+    """A column as NumPy array; decimal numbers become exact fractions, nulls None or NaN. Raises UsageError."""
     import pyarrow as pa
 
     if pa.types.is_decimal(column.type):
         import numpy as np
 
         return np.array([None if v is None else _fraction(v) for v in column.to_pylist()], dtype=object)
-    return column.to_numpy()
+    try:
+        return column.to_numpy()
+    except pa.ArrowException:  # its class tells nothing: "unknown error" for bytes that are no text
+        try:
+            column.validate(full=True)
+        except pa.ArrowInvalid as invalid:
+            error = invalid
+        raise UsageError(f"{path} is damaged: column {raw!r} cannot be read: {error}") from None
 
 
 def _fraction(value: Any) -> Any:

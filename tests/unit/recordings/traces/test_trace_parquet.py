@@ -79,3 +79,14 @@ def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.Mo
     with pytest.raises(UsageError) as error:
         open_trace("a.parquet")
     assert error.value.help == "pip install 'tachk[parquet]'"
+
+
+def test_a_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:
+    offsets, text = pa.py_buffer(b"\0\0\0\0\2\0\0\0"), pa.py_buffer(b"a\xff")
+    path = write(
+        tmp_path / "a.parquet",
+        time=pa.array([0.0]),
+        word=pa.Array.from_buffers(pa.string(), 1, [None, offsets, text]),
+    )
+    with pytest.raises(UsageError, match=r"column 'word' cannot be read: .*Invalid UTF8"):
+        open_trace(path).read(["word"])
