@@ -15,7 +15,7 @@ import numpy as np
 import tachk
 from tachk.base.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.simulation.statistics.estimate import Estimated, Mean, Settings, Split, estimate
 from tachk.simulation.statistics.rare import Splitting
 from tachk.simulation.statistics.sampling import RunSource
@@ -234,7 +234,7 @@ RARE = (
 def _answer(text: str, constants: dict[str, int], query: str, settings: Settings) -> object:
     model = tachk.loads(text, **constants)
     _, unchecked = elaborate_query_file(model.loaded, Text("<query>", query))
-    return estimate(model.network, read_statistical(unchecked[0], model.loaded), settings)
+    return estimate(model.network, StatisticalReader(model.loaded).read(unchecked[0]), settings)
 
 
 def known() -> None:

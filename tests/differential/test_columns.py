@@ -18,7 +18,7 @@ from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, S
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import is_statistical
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.meaning.run_view import RunNames
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import Trajectories
@@ -145,7 +145,7 @@ def columns(trace: Trace) -> dict[str, list[float]]:
 def all_values(loaded: LoadedModel, query: str) -> tuple[Column, ...]:
     (asked,) = Questions("", (), (), (Source("<query>", query),)).about(loaded)
     assert is_statistical(asked)
-    question = read_statistical(asked, loaded).question
+    question = StatisticalReader(loaded).read(asked).question
     assert isinstance(question, Trajectories)
     own = (Column(value.span.text, value, floating=value.type == DOUBLE) for value in question.values)
     return (*all_columns(loaded.network), *own)

@@ -161,14 +161,15 @@ def answers_among(
 def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
     from tachk.base.span import Source
     from tachk.frontend.queries.queries import is_statistical
-    from tachk.frontend.queries.statistical import read_statistical
+    from tachk.frontend.queries.statistical import StatisticalReader
     from tachk.verify.questions import Questions
 
     typed = tuple(Source("<query>", text) for text in queries)
     formulas = Questions("", (), (), typed).about(loaded) if queries else loaded.formulas
+    reader = StatisticalReader(loaded)
     for query in formulas:
         if is_statistical(query):
-            yield read_statistical(query, loaded)
+            yield reader.read(query)
 
 
 def simulated(loaded: LoadedModel, path: str) -> LoadedModel:

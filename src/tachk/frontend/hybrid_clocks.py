@@ -9,8 +9,10 @@ hybrid one needlessly has the same runs, but for the rounding of floating point 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from collections.abc import Set as AbstractSet
 
 from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
+from tachk.base.records import dataclass
 from tachk.base.words import Direction
 from tachk.frontend.passed_arguments import passed_arguments
 from tachk.syntax import ast
@@ -57,7 +59,9 @@ def hybrid_clocks(items: Iterable[ast.Item], taken: Iterable[str] = ()) -> froze
         found |= more
 
 
-def _passed(parameter: ast.Parameter, argument: ast.Expression, clocks: set[str], floating: set[str]) -> frozenset[str]:
+def _passed(
+    parameter: ast.Parameter, argument: ast.Expression, clocks: AbstractSet[str], floating: AbstractSet[str]
+) -> frozenset[str]:
     """The plain clocks among a parameter and its argument, if one of the two is a floating point number."""
     names = frozenset((parameter.name.name, *_names(argument, clocks | floating)))
     return names & clocks if names & floating else frozenset()
@@ -85,9 +89,29 @@ def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
             yield guard
 
 
-def named_clocks(node: ast.Expression, items: Iterable[ast.Item]) -> frozenset[str]:
+@dataclass(frozen=True, slots=True)
+class DeclaredNames:
+    """The names that a model declares and that matter to queries which compute with clocks.
+
+    Attributes:
+        clocks: plain clocks.
+        floating: floating point variables and hybrid clocks.
+        truths: variables, fields and functions whose values are 0 or 1 only.
+    """
+
+    clocks: frozenset[str]
+    floating: frozenset[str]
+    truths: frozenset[str]
+
+
+def declared_names(items: Iterable[ast.Item]) -> DeclaredNames:
+    tree = tuple(items)
+    return DeclaredNames(frozenset(_plain_clocks(tree)), frozenset(_floating(tree)), frozenset(_truths(tree)))
+
+
+def named_clocks(node: ast.Expression, declared: DeclaredNames) -> frozenset[str]:
     """The names of the plain clocks in an expression of a query, also of those inside processes."""
-    return frozenset(_names(node, _plain_clocks(tuple(items))))
+    return frozenset(_names(node, declared.clocks))
 
 
 def _plain_clocks(tree: tuple[ast.Item, ...]) -> set[str]:
@@ -106,18 +130,16 @@ def _declared_names(node: ast.VariableDeclaration | ast.Parameter) -> list[str]:
     return [node.name.name] if isinstance(node, ast.Parameter) else [d.name.name for d in node.declarators]
 
 
-def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: bool) -> frozenset[str]:
+def computed_clocks(node: ast.Expression, declared: DeclaredNames, measured: bool) -> frozenset[str]:
     """The names of the plain clocks with which an expression of a query computes, so that they have to be hybrid ones.
 
     Args:
         measured: the expression is a value and no condition: alone a clock is exact, but everything else computes.
     """
-    tree = tuple(items)
-    clocks, floating = _plain_clocks(tree), _floating(tree)
+    clocks, floating, truths = declared.clocks, declared.floating, declared.truths
     if measured:
         alone = isinstance(node, ast.NameExpression | ast.MemberExpression | ast.IndexExpression)
         return frozenset() if alone else frozenset(_names(node, clocks))
-    truths = _truths(tree)
     found: set[str] = set()
     for inner in nodes_of_kind(node, ast.BinaryExpression, ast.CallExpression):
         if isinstance(inner, ast.CallExpression):
@@ -129,14 +151,16 @@ def computed_clocks(node: ast.Expression, items: Iterable[ast.Item], measured: b
     return frozenset(found)
 
 
-def _sides_compute(node: ast.BinaryExpression, named: set[str], floating: set[str]) -> bool:
+def _sides_compute(node: ast.BinaryExpression, named: AbstractSet[str], floating: AbstractSet[str]) -> bool:
     """Whether a comparison has a floating point number, or a side in which a clock is more than added to numbers."""
     if node.operator not in COMPARISONS:
         return False
     return not _is_exact(node, floating) and any(_names(node, named))
 
 
-def _used(node: ast.Node, clocks: set[str], floating: set[str], truths: set[str]) -> Iterator[str]:
+def _used(
+    node: ast.Node, clocks: AbstractSet[str], floating: AbstractSet[str], truths: AbstractSet[str]
+) -> Iterator[str]:
     match node:
         case ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=ast.RateExpression() as rate, right=value) | (
             ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=value, right=ast.RateExpression() as rate)
@@ -147,7 +171,7 @@ def _used(node: ast.Node, clocks: set[str], floating: set[str], truths: set[str]
         case ast.BinaryExpression(operator=operator, left=left, right=right):
             direct = [side.name for side in (left, right) if isinstance(side, ast.NameExpression)]
             if operator in _ARITHMETIC:
-                yield from clocks.intersection(direct)
+                yield from clocks & {*direct}
             if operator in COMPARISONS and not _is_exact(node, floating):
                 yield from _names(node, clocks)
         case ast.AssignmentExpression(operator=None, target=target, value=value) if _is_copy(
@@ -166,7 +190,7 @@ def _used(node: ast.Node, clocks: set[str], floating: set[str], truths: set[str]
             return
 
 
-def _is_copy(target: ast.Expression, value: ast.Expression, clocks: set[str]) -> bool:
+def _is_copy(target: ast.Expression, value: ast.Expression, clocks: AbstractSet[str]) -> bool:
     """Whether an assignment looks like `x = y` or `x = y + e` with clocks x and y."""
     if not _is_place(target, clocks):
         return False
@@ -176,7 +200,7 @@ def _is_copy(target: ast.Expression, value: ast.Expression, clocks: set[str]) ->
     return _is_place(value, clocks)
 
 
-def _is_place(node: ast.Expression, clocks: set[str]) -> bool:
+def _is_place(node: ast.Expression, clocks: AbstractSet[str]) -> bool:
     while isinstance(node, ast.IndexExpression):
         node = node.base
     match node:
@@ -198,7 +222,7 @@ def _is_floating(node: ast.VariableDeclaration | ast.Parameter) -> bool:
     return _is(node, "double") or (node.type is not None and "hybrid" in node.type.prefixes)
 
 
-def _is_exact(node: ast.Node | None, floating: set[str]) -> bool:
+def _is_exact(node: ast.Node | None, floating: AbstractSet[str]) -> bool:
     """Whether nothing in an expression is a floating point number."""
     return not any(nodes_of_kind(node, ast.FloatLiteral)) and not any(_names(node, floating))
 
@@ -208,7 +232,7 @@ def _draws(node: ast.Node | None) -> bool:
     return any(call.function.span.text.startswith("random") for call in nodes_of_kind(node, ast.CallExpression))
 
 
-def _stops_or_runs(value: ast.Expression, truths: set[str]) -> bool:
+def _stops_or_runs(value: ast.Expression, truths: AbstractSet[str]) -> bool:
     """Whether a rate is certainly 0 or 1."""
     match value:
         case ast.IntegerLiteral(value=number):
@@ -267,7 +291,7 @@ def _is_truth(type_: ast.TypeExpression | None, named: dict[str, ast.TypeExpress
             return False
 
 
-def _names(node: ast.Node | None, among: set[str]) -> Iterator[str]:
+def _names(node: ast.Node | None, among: AbstractSet[str]) -> Iterator[str]:
     """Names, also those of fields and those inside processes."""
     for inner in nodes_of_kind(node, ast.NameExpression, ast.MemberExpression):
         name = inner.name if isinstance(inner, ast.NameExpression) else inner.name.name

@@ -14,9 +14,10 @@ from tachk.cli.main import app
 from tachk.engine.compiler.hybrid import refuse_hybrid
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT
 from tachk.formats.loading.load import load_model
-from tachk.frontend.hybrid_clocks import hybrid_clocks
+from tachk.frontend.hybrid_clocks import declared_names, hybrid_clocks
 from tachk.frontend.loaded import elaborate_query_file
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries import statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.simulation.library import DrawnRun
 from tachk.simulation.statistics.estimate import Estimate, Estimated, Mean, Settings, estimate
 from tachk.simulation.statistics.sampling import RunSource
@@ -214,7 +215,7 @@ def test_runs_are_the_same_with_any_number_of_threads(tmp_path: Path) -> None:
 def answered(text: str, query: str) -> Estimate:
     loaded = load_model(Text("model.ta", text), keeps_doubles=True)
     _, unchecked = elaborate_query_file(loaded, Text("<query>", query))
-    return estimate(loaded.network, read_statistical(unchecked[0], loaded), Settings(RunSource(seed=3), runs=400))
+    return estimate(loaded.network, StatisticalReader(loaded).read(unchecked[0]), Settings(RunSource(seed=3), runs=400))
 
 
 def test_goals_are_reached_within_delays(tmp_path: Path) -> None:
@@ -349,3 +350,23 @@ def test_the_steps_of_a_run_are_its_transitions(tmp_path: Path) -> None:
     assert app.main(command, standalone_mode=False) == 0
     steps = [line.split() for line in run.read_text().splitlines() if not line.startswith("#")]
     assert steps == [["1", "P:", "A", "->", "B"], ["5"]]
+
+
+def test_what_a_model_declares_is_looked_up_once_for_all_queries(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = """clock x; int n = 0;
+    process P() { init location A { to A { guard x >= 1; assign x = 0, n = n + 1; } } }
+    system P;
+    """
+    loaded = load_model(Text("model.ta", plain), keeps_doubles=True)
+    query = "E[<=9; 5](max: 2 * x + n)"
+    _, unchecked = elaborate_query_file(loaded, Text("<query>", f"{query}\n" * 20))
+    lookups: list[object] = []
+    monkeypatch.setattr(statistical, "declared_names", lambda items: (lookups.append(items), declared_names(items))[1])
+    hybrid: list[object] = []
+    real = statistical.with_hybrid_clocks
+    monkeypatch.setattr(
+        statistical, "with_hybrid_clocks", lambda model, names: (hybrid.append(names), real(model, names))[1]
+    )
+    reader = StatisticalReader(loaded)
+    networks = {id(reader.read(each).network) for each in unchecked}
+    assert (len(unchecked), len(networks), len(lookups), hybrid) == (20, 1, 1, [frozenset({"x"})])

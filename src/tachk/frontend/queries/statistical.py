@@ -21,7 +21,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
 from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.findings import DiagnosticCollector
-from tachk.frontend.hybrid_clocks import computed_clocks, named_clocks
+from tachk.frontend.hybrid_clocks import DeclaredNames, computed_clocks, declared_names, named_clocks
 from tachk.frontend.loaded import LoadedModel, with_hybrid_clocks
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.frontend.queries.run_formulas import OperandReader, operators_in, read_run_formula, refuse_foreign
@@ -54,25 +54,38 @@ _EXAMPLE = "for example Pr[<=100](<> P.location), E[<=100; 1000](max: n) or simu
 _ONE_STATE = "write a condition or a number of one state here; Pr takes formulas, for example Pr[<=100](<>[0,3] p)"
 
 
-def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQuery:
-    """The query with its names resolved.
+class StatisticalReader:
+    """Reads statistical queries of one model; what the model declares is looked up once."""
 
-    Raises:
-        InputError: it is wrong.
-        UnsupportedError: it is of a form that is not estimated.
-    """
-    names: frozenset[str] = frozenset()
-    seen = model
-    while True:
-        try:
-            question = _StatisticalQueryReader(query.span, seen).question()
-        except _ComputesError as computes:
-            names |= computes.clocks
-            seen = with_hybrid_clocks(model, names)
-            network = seen.network
-        else:
-            other = network if names else None
-            return StatisticalQuery(query.name, question, query.text, query.title, query.span, other)
+    def __init__(self, model: LoadedModel) -> None:
+        self._model = model
+        self._declared = declared_names(model.items)
+        self._hybrid: dict[frozenset[str], LoadedModel] = {}
+
+    def read(self, query: UncheckedQuery) -> StatisticalQuery:
+        """The query with its names resolved.
+
+        Raises:
+            InputError: it is wrong.
+            UnsupportedError: it is of a form that is not estimated.
+        """
+        names: frozenset[str] = frozenset()
+        seen = self._model
+        while True:
+            try:
+                question = _StatisticalQueryReader(query.span, seen, self._declared).question()
+            except _ComputesError as computes:
+                names |= computes.clocks
+                seen = self._with_hybrid_clocks(names)
+                network = seen.network
+            else:
+                other = network if names else None
+                return StatisticalQuery(query.name, question, query.text, query.title, query.span, other)
+
+    def _with_hybrid_clocks(self, names: frozenset[str]) -> LoadedModel:
+        if names not in self._hybrid:
+            self._hybrid[names] = with_hybrid_clocks(self._model, names)
+        return self._hybrid[names]
 
 
 class _ComputesError(Exception):
@@ -86,7 +99,8 @@ class _ComputesError(Exception):
 class _StatisticalQueryReader:
     """Reads the text of a query from left to right."""
 
-    def __init__(self, span: Span, model: LoadedModel) -> None:
+    def __init__(self, span: Span, model: LoadedModel, declared: DeclaredNames) -> None:
+        self._declared = declared
         self._span = span
         self._text = span.text
         self._at = 0
@@ -285,7 +299,7 @@ class _StatisticalQueryReader:
             raise self._wrong("expected a number, a condition or a clock", span)
         if isinstance(value, Conditional) and isinstance(value.type, ClockType):
             # Which clock is meant changes with the state, as that of a process that a variable names.
-            raise _ComputesError(named_clocks(self._node(span), self._model.items))
+            raise _ComputesError(named_clocks(self._node(span), self._declared))
         return value
 
     def _pure(self, value: Expression | None) -> Expression:
@@ -296,7 +310,7 @@ class _StatisticalQueryReader:
     def _read(self, span: Span, measured: bool) -> ast.Expression:
         """The expression in a text. Raises _ComputesError where it needs clocks to be hybrid."""
         node = self._node(span)
-        clocks = computed_clocks(node, self._model.items, measured) - self._context.hybrid_clocks
+        clocks = computed_clocks(node, self._declared, measured) - self._context.hybrid_clocks
         if clocks:
             raise _ComputesError(clocks)
         return node

@@ -14,7 +14,7 @@ from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.simulator import SimulationEnding
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.model.query import Expectation, Query
 from tachk.model.statistical import StatisticalQuery
 from tachk.simulation.statistics.deciding import Decision
@@ -115,8 +115,9 @@ def answer_statistical(
     try:
         with limited(limits.seconds, limits.memory_bytes):
             loaded = load()
+            reader = StatisticalReader(loaded)
             for number, query in asked.items():
-                found[number] = _answer(loaded, query, number, settings)
+                found[number] = _answer(loaded, reader, query, number, settings)
     except InputError as error:
         return {number: replace(query, diagnostics=error.diagnostics) for number, query in asked.items()}
     except StoppedError as error:
@@ -130,13 +131,13 @@ def answer_statistical(
 
 
 def _answer(
-    loaded: LoadedModel, query: UncheckedQuery, number: int, settings: Settings
+    loaded: LoadedModel, reader: StatisticalReader, query: UncheckedQuery, number: int, settings: Settings
 ) -> StatisticalAnswer | UncheckedQuery:
     began = process_time()
     if loaded.refusals:
         return StatisticalAnswer(query, number, settings, None, loaded.refusals[0].message)
     try:
-        asked = read_statistical(query, loaded)
+        asked = reader.read(query)
         found = estimate(asked.network or loaded.network, asked, settings)
     except InputError as error:
         return replace(query, diagnostics=error.diagnostics)

@@ -16,7 +16,7 @@ from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.model.grid import Values
 from tachk.model.query import Query
 from tachk.simulation.intervals import clopper_pearson
@@ -149,8 +149,9 @@ class Verification:
         if not statistical and self.judge is None:
             return
         seen = with_hybrid_clocks(model, ())
+        reader = StatisticalReader(seen)
         for query in statistical:
-            asked = read_statistical(query, seen)
+            asked = reader.read(query)
             yield _estimated(estimate(asked.network or seen.network, asked, self.settings))
         if self.judge is not None:
             chosen = {name: value for name, value in seen.network.constants if name in model.overrides}

@@ -12,7 +12,7 @@ from tachk.base.diagnostics.diagnostic import InputError, TachkError, Unsupporte
 from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.model.statistical import StatisticalQuery
 from tachk.simulation.statistics.deciding import Decision, Errors
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, estimate
@@ -25,7 +25,7 @@ SURE = Settings(RunSource(seed=4), confidence=0.999, runs=20_000)
 
 def asked(model: tachk.Model, text: str) -> StatisticalQuery:
     _, unchecked = elaborate_query_file(model.loaded, Text("<query>", text))
-    return read_statistical(unchecked[0], model.loaded)
+    return StatisticalReader(model.loaded).read(unchecked[0])
 
 
 def answer(model: str, query: str, settings: Settings = SURE) -> Estimate:

@@ -14,7 +14,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.span import Source as Text
 from tachk.cli.main import app
 from tachk.frontend.loaded import elaborate_query_file
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.model.statistical import Probability
 from tachk.simulation.statistics.rare import Rare, Splitting, split
 from tachk.simulation.statistics.sampling import RunSource
@@ -26,7 +26,7 @@ CHEAP = Splitting(0.15, 300)
 def rare(model: str, query: str, source: RunSource = SEED, splitting: Splitting = CHEAP) -> Rare:
     loaded = tachk.loads(model)
     _, unchecked = elaborate_query_file(loaded.loaded, Text("<query>", query))
-    question = read_statistical(unchecked[0], loaded.loaded).question
+    question = StatisticalReader(loaded.loaded).read(unchecked[0]).question
     assert isinstance(question, Probability)
     return split(loaded.network, question.path, source, 0.95, splitting)
 

@@ -18,7 +18,7 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.engine.outcome import INTERRUPTED
 from tachk.frontend.queries.queries import is_statistical
-from tachk.frontend.queries.statistical import read_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.model.query import Expectation
 from tachk.model.statistical import StatisticalQuery
 from tachk.report.json_text import json_text
@@ -128,12 +128,13 @@ def _queries(
             f"{model.path}: there is no statistical query",
             "give one behind the model, such as 'Pr[<=100](<> P.location)'; `tachk verify` checks all others",
         )
+    reader = StatisticalReader(loaded)
     for query in formulas:
         if not is_statistical(query):
             continue
         try:
             with unhurried(_READING):  # the report needs the query also where there was no time to answer it
-                asked_query = read_statistical(query, loaded)
+                asked_query = reader.read(query)
             yield asked_query, query.expectation
         except InputError as error:
             if typed:
