@@ -49,6 +49,11 @@ _SEE_BELOW = "see below"
 """Instead of values that need more columns than that."""
 _ROOM_FOR_WORDS = 30
 """Columns that a meaning gets, before costs get some."""
+_WRAPPED_ROWS = 300
+"""A table of more rows is printed line by line, and long meanings are not wrapped: rich measures every cell of a table
+several times, which took longer than a search that a limit of one second stops."""
+_NAMES_SHOWN = 20
+"""Of the properties that are unknown for the same reason."""
 
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
@@ -63,7 +68,7 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
     console.print(_title(record))
     if record.verdicts:
         console.print()
-        console.print(_table(record, console.width))
+        _print_table(record, console)
     _print_estimates(record, console)
     for query in record.not_checked:
         if not query.diagnostics:
@@ -156,7 +161,10 @@ def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> Non
         elif verdict.answer is Answer.UNKNOWN:
             unknown.setdefault((verdict.reason, verdict.fault), []).append(verdict.query.name)
     for (reason, fault), names in unknown.items():
-        console.print(Text(f"\n{', '.join(names)} {_are(names)} unknown: {reason}", style="yellow"))
+        listed = (
+            names if len(names) <= _NAMES_SHOWN else [*names[: _NAMES_SHOWN - 1], f"{names[-1]} ({len(names)} in all)"]
+        )
+        console.print(Text(f"\n{', '.join(listed)} {_are(names)} unknown: {reason}", style="yellow"))
         if fault is not None:
             console.print()
             print_fault(record.network, fault, console, record.runs, every_step)
@@ -219,16 +227,22 @@ def _title(record: RunRecord) -> Text:
     return title
 
 
-def _table(record: RunRecord, width: int) -> Table:
+def _print_table(record: RunRecord, console: Console) -> None:
     """One row for each answer; on a narrow terminal without what the answers cost, so that words have room."""
     rows = [_row(record, verdict) for verdict in record.verdicts]
     shown = list(_COLUMNS)
+    widths = {name: max(len(name), *(len(row[name]) for row in rows)) for name in shown}
     for costly in ("memory", "time", "states"):
-        taken = sum(max(len(name), *(len(row[name]) for row in rows)) + _BETWEEN for name in shown[:-1])
-        longest = max(len(row["meaning"]) for row in rows)
-        if taken + min(longest, _ROOM_FOR_WORDS) + _BETWEEN <= width:
+        taken = sum(widths[name] + _BETWEEN for name in shown[:-1])
+        if taken + min(widths["meaning"], _ROOM_FOR_WORDS) + _BETWEEN <= console.width:
             break
         shown.remove(costly)
+    if len(rows) > _WRAPPED_ROWS:
+        for row in ({name: Text(name, style="bold") for name in shown}, *rows):
+            for name in shown[:-1]:
+                row[name].align("right" if name in _COSTS else "left", widths[name])
+            console.print(Text(" " * _BETWEEN).join(row[name] for name in shown), soft_wrap=True)
+        return
     table = Table(box=None, padding=(0, _BETWEEN, 0, 0))
     for name in shown:
         table.add_column(
@@ -236,7 +250,7 @@ def _table(record: RunRecord, width: int) -> Table:
         )
     for row in rows:
         table.add_row(*(row[name] for name in shown))
-    return table
+    console.print(table)
 
 
 def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:

@@ -4,10 +4,12 @@ from dataclasses import replace
 from fractions import Fraction
 from io import StringIO
 
+import pytest
 from rich.console import Console
 
 from tachk.meaning.run_view import Snapshot, TraceView, ViewStep
 from tachk.model.query import Expectation
+from tachk.report import text_report
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
@@ -167,3 +169,24 @@ def test_only_some_of_many_constants_are_listed_those_from_outside_first(record:
     text = printed(replace(record, network=network, definitions=("C17",)))
     assert "lamp.ta   C17 = 17, C0 = 0, " in text
     assert "and 12 more constants" in text
+
+
+def test_long_tables_look_like_short_ones(record: RunRecord, monkeypatch: pytest.MonkeyPatch) -> None:
+    short = [line.rstrip() for line in printed(record).splitlines()]
+    monkeypatch.setattr(text_report, "_WRAPPED_ROWS", 0)
+    assert [line.rstrip() for line in printed(record).splitlines()] == short
+
+
+def test_many_unknown_properties_are_counted(record: RunRecord) -> None:
+    verdicts = tuple(
+        replace(
+            record.verdicts[0],
+            query=replace(record.verdicts[0].query, name=f"q{number}"),
+            answer=Answer.UNKNOWN,
+            reason="time limit",
+        )
+        for number in range(400)
+    )
+    text = printed(replace(record, verdicts=verdicts))
+    assert "q17, q18, q399 (400 in all) are unknown: time limit" in " ".join(text.split())
+    assert "\n? q398 " in text
