@@ -18,7 +18,7 @@ from random import Random
 
 import pytest
 
-import tachk.cli.actions.verifyta
+import tachk.cli.verifyta_answers
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
 from tachk.engine.options import Extrapolation, Options, Pace, SearchOrder
@@ -441,9 +441,9 @@ def test_what_the_engine_is_asked(
     folder: Path, arguments: Sequence[str], expected: Options, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[Options] = []
-    real = tachk.cli.actions.verifyta.verify
+    real = tachk.cli.verifyta_answers.verify
     monkeypatch.setattr(
-        tachk.cli.actions.verifyta, "verify", lambda n, q, how, **k: asked.append(how) or real(n, q, how, **k)
+        tachk.cli.verifyta_answers, "verify", lambda n, q, how, **k: asked.append(how) or real(n, q, how, **k)
     )
     verifyta(*arguments, "m.xml", "true.q")
     assert asked == [expected]

@@ -83,8 +83,8 @@ def prepare(warming: Iterable[Case] = ()) -> None:
     for name in (
         *_HEAVY,
         "tachk.api.model",
-        "tachk.cli.actions.monitor",
-        "tachk.cli.actions.monitor_online",
+        "tachk.cli.commands.monitor",
+        "tachk.cli.monitor_online",
         "tachk.recordings.monitors",
     ):
         try:

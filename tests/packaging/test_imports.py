@@ -104,7 +104,7 @@ UNUSED = {
     *(f"tachk.report.{name}" for name in ("html_report", "json_report", "junit_report", "signal_plot")),
     *(f"tachk.verify.{name}" for name in ("deadlines", "semantic_lint", "extremes", "liveness", "observed_liveness")),
     *(f"tachk.engine.{name}" for name in ("liveness", "smt", "simulation")),
-    "tachk.cli.actions.disagreement",
+    "tachk.cli.disagreement",
     "tachk.frontend.queries.observer_processes",
     "tachk.recordings.monitors.compiler",
     "tachk.syntax.sentences.parser",

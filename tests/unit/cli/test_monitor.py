@@ -15,13 +15,13 @@ import pytest
 from tachk.base import awaited_pipe, job
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.job import limited
-from tachk.cli.actions import monitor_online
-from tachk.cli.actions.judged import Judged, exit_status
-from tachk.cli.actions.monitor import run_monitor
-from tachk.cli.actions.row_by_row import RowByRow
+from tachk.cli import monitor_online
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
+from tachk.cli.judged import Judged, exit_status
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
+from tachk.cli.row_by_row import RowByRow
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.node_signal import Truth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.cli.actions.verifyta_options import _BY_NAME, _STATISTICAL, parse_arguments
+from tachk.cli.verifyta_options import _BY_NAME, _STATISTICAL, parse_arguments
 
 
 @pytest.mark.parametrize("name", sorted(_BY_NAME))

@@ -1,4 +1,4 @@
-"""The options of `tachk completion`."""
+"""`tachk completion`: print a script that lets your shell complete commands."""
 
 from __future__ import annotations
 

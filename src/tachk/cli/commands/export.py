@@ -1,14 +1,25 @@
-"""The options of `tachk export`."""
+"""`tachk export`: write a model for UPPAAL, TChecker, Munta or Graphviz, or as a unit (FMU)."""
 
 from __future__ import annotations
 
+import sys
+from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import click
 
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.whole_files import write_whole
 from tachk.cli import options
-from tachk.formats.catalogue import ExportFormat
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.export_unit import run_export_unit
+from tachk.cli.guard import print_diagnostics
+from tachk.formats.catalogue import ExportFormat, export_model, format_of
+from tachk.formats.exported import Exported, Writing
 
 _UNIT = "fmu"
 """Not one of the formats of texts: a unit for co-simulation."""
@@ -42,12 +53,69 @@ def command(
     With --format fmu it becomes a unit for co-simulation by the standard FMI.
     """
     if format == _UNIT or (format is None and output is not None and output.suffix.lower() == f".{_UNIT}"):
-        from tachk.cli.actions.simulation.export_unit import run_export_unit
-
         options.finish(lambda: run_export_unit(output=output, fmi=fmi or "3", processes=processes, **given), seconds)
         return
-    from tachk.cli.actions.export import run_export
 
     wanted = None if format is None else ExportFormat(format)
     for_unit = tuple(name for name, value in (("--fmi", fmi), ("--processes", processes)) if value is not None)
     options.finish(lambda: run_export(output=output, format=wanted, for_unit=for_unit, **given), seconds)
+
+
+def run_export(
+    *,
+    model: str,
+    output: Path | None,
+    format: ExportFormat | None,
+    definitions: tuple[str, ...],
+    explain: bool,
+    keep_names: bool,
+    observers: bool,
+    for_unit: tuple[str, ...] = (),
+) -> ExitStatus:
+    """Writes a model in another format, with its queries beside it where the format has no place for them.
+
+    Args:
+        format: without it, what the ending of the output says.
+        explain: tell what is written differently, and where.
+        for_unit: options that were given and are for units only. Raises UsageError if there are any.
+    """
+    if for_unit:
+        raise UsageError(f"{for_unit[0]} goes with --format fmu")
+    constants = parse_definitions(definitions)
+    wanted = format or (ExportFormat.XTA if output is None else format_of(output))
+    source = api.load(model, **constants)
+    print_diagnostics(source.warnings)
+    exported = export_model(source.loaded, wanted, Writing(tuple(constants), not keep_names, observers))
+    write_exported(exported, output)
+    if explain:
+        _explain(exported)
+    return ExitStatus.AS_EXPECTED
+
+
+def write_exported(exported: Exported, output: Path | None) -> None:
+    """Writes the file and what belongs beside it; without a name only the text, to standard output."""
+    if output is None:
+        sys.stdout.write(exported.text)
+    else:
+        write_files(files_of(exported, output))
+
+
+def files_of(exported: Exported, output: Path) -> dict[Path, str]:
+    """The file and what belongs beside it, each with its content."""
+    return {output: exported.text} | ({output.with_suffix(".q"): exported.queries} if exported.queries else {})
+
+
+def write_files(files: Mapping[Path, str]) -> None:
+    """Writes files and tells which."""
+    for path, text in files.items():
+        write_whole(path, text)
+    print(f"written: {', '.join(map(str, files))}")
+
+
+def _explain(exported: Exported) -> None:
+    """What was written differently, each step with its place, then the number of each kind."""
+    for step in exported.steps:
+        print(step, file=sys.stderr)
+    counts = Counter(step.kind for step in exported.steps)
+    summary = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing was written differently"
+    print(f"expanded: {summary}", file=sys.stderr)

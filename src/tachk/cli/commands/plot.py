@@ -1,13 +1,18 @@
-"""The options of `tachk plot`."""
+"""`tachk plot`: draw a trace and the violations of properties on it."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
+from tachk.api.monitoring import MonitorReport
 from tachk.cli import options, trace_options
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.judged import Judged, print_warnings
+from tachk.recordings.monitors.offline import Judging, judge
 
 
 @click.command(name="plot", short_help="Draw a trace and the violations of properties on it.")
@@ -31,9 +36,29 @@ def command(
     output: Path, begin: float | None, end: float | None, robustness: bool, seconds: float | None, **given: Any
 ) -> None:
     """Draw a trace, the values of formulas and of their parts on it, and where they are violated."""
-    from tachk.cli.actions.judged import Judged
-    from tachk.cli.actions.plot import PlotArguments, run_plot
-    from tachk.recordings.monitors.offline import Judging
 
     judged, judging = options.distributed(given, Judged, Judging)
     options.finish(lambda: run_plot(judged, judging, PlotArguments(output, begin, end, robustness)), seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class PlotArguments:
+    """Attributes:
+    output: the file of the picture.
+    begin, end: the part that is drawn, in units of the trace; None: all of it.
+    robustness: draw it over time.
+    """
+
+    output: Path
+    begin: float | None = None
+    end: float | None = None
+    robustness: bool = False
+
+
+def run_plot(judged: Judged, judging: Judging, drawn: PlotArguments) -> ExitStatus:
+    """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
+    record = judge(judged.formulas(), judged.recording(), judging, judged.formula)
+    print_warnings(record.trace.warnings)
+    MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)
+    print(f"written: {drawn.output}")
+    return ExitStatus.AS_EXPECTED

@@ -1,13 +1,29 @@
-"""The options of `tachk time`."""
+"""`tachk time`: measure the time between two events, over all runs."""
 
 from __future__ import annotations
 
+import json
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import click
 
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import OutOfTimeError, StoppedError, current_job, limited, unhurried
+from tachk.base.records import dataclass
 from tachk.cli import options
+from tachk.cli.arguments import split_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
+from tachk.engine.options import Limits
+from tachk.engine.outcome import INTERRUPTED
+from tachk.model.grid import grid_of
+from tachk.report.time_report import TimedInterval, TimedRow, times_to_csv, times_to_json, times_to_text
+from tachk.verify.times import Times
 
 
 @click.command(name="time", short_help="Measure the time between two events, over all runs.")
@@ -72,8 +88,100 @@ def command(
     seconds: float | None,
 ) -> None:
     """Measure the least and the largest time between two events, over all runs of a model."""
-    from tachk.cli.tables.time import TimeArguments, run_time
-    from tachk.engine.options import Limits
 
     asked = TimeArguments(model, start, end, last, best, worst, settled, over, definitions)
     options.finish(lambda: run_time(asked, Limits(states=states, seconds=seconds), form, output, traces), seconds)
+
+
+_MOST_ROWS = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class TimeArguments:
+    """What is to be measured, as it was typed."""
+
+    model: str
+    start: str | None
+    end: str
+    last: bool = False
+    best: bool = False
+    worst: bool = False
+    settled: bool = False
+    over: tuple[str, ...] = ()
+    definitions: tuple[str, ...] = ()
+
+
+def run_time(
+    asked: TimeArguments,
+    limits: Limits = Limits(),
+    form: TableForm = TableForm.TEXT,
+    output: Path | None = None,
+    traces: bool = False,
+) -> ExitStatus:
+    """Measures for each combination of the values of constants, and reports in one table."""
+    constants, several = split_definitions(asked.definitions)
+    grid = grid_of((*asked.over, *several), "--over")
+    if len(grid) > _MOST_ROWS:
+        raise UsageError(f"these are {len(grid)} rows, and {_MOST_ROWS} are the most")
+    twice = [name for name in grid.names if name in constants]
+    if twice:
+        raise UsageError(f"{twice[0]} is set by -D and by --over")
+    rows: list[TimedRow] = []
+    with destination(output) as out:
+        assert out is not None
+        with limited(limits.seconds):
+            for values in grid.cells():
+                given = dict(zip(grid.names, values, strict=True))
+                chosen = {name: value for name, value in given.items() if isinstance(value, int)}
+                if rows and chosen == given and current_job().seconds_left == 0:
+                    rows.append(TimedRow(chosen, rows[0].network, _unknown(OutOfTimeError.reason)))
+                    continue
+                with unhurried():  # a table as far as it goes
+                    model = api.load(asked.model, **constants, **given)
+                if not rows:
+                    print_diagnostics((*model.refusals, *model.warnings))
+                chosen = {name: model.constants[name] for name in grid.names}
+                rows.append(TimedRow(chosen, model.network, _times(model, asked, limits, traces)))
+                if rows[-1].times.reason == INTERRUPTED:
+                    break
+        between = TimedInterval(asked.model, asked.start, asked.end, asked.last)
+        match form:
+            case TableForm.TEXT:
+                out.write(times_to_text(between, rows, traces))
+            case TableForm.CSV:
+                out.write(times_to_csv(rows))
+            case TableForm.JSON:
+                print(json.dumps(times_to_json(between, rows), indent=2), file=out)
+    if form is not TableForm.TEXT:
+        for reason in dict.fromkeys(row.times.reason for row in rows if row.times.reason):
+            print(f"some times are unknown: {reason}", file=sys.stderr)
+    return worst(_statuses(rows))
+
+
+def _times(model: api.Model, asked: TimeArguments, limits: Limits, traces: bool) -> Times:
+    """What is measured of a model; unknown where a limit ends that."""
+    try:
+        return model.time(
+            asked.start,
+            asked.end,
+            last=asked.last,
+            best=asked.best or not asked.worst,
+            worst=asked.worst or not asked.best,
+            settled=asked.settled,
+            limits=limits,
+            trace=traces,
+        )
+    except StoppedError as error:
+        return _unknown(error.reason)
+
+
+def _unknown(reason: str) -> Times:
+    return Times(None, None, None, reason)
+
+
+def _statuses(rows: Iterable[TimedRow]) -> Iterator[ExitStatus]:
+    for row in rows:
+        if row.times.reason == INTERRUPTED:
+            yield ExitStatus.INTERRUPTED
+        elif row.times.reason:
+            yield ExitStatus.UNKNOWN

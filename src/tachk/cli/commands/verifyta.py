@@ -1,4 +1,4 @@
-"""`tachk verifyta`, and the program `tachk-verifyta`: their options are UPPAAL's, so click does not read them."""
+"""`tachk verifyta`: check with the options and output of UPPAAL's verifyta."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def command(arguments: tuple[str, ...]) -> None:
 
 
 def _answer(arguments: tuple[str, ...], program: str) -> ExitStatus:
-    from tachk.cli.actions.verifyta_options import help_text, parse_arguments
+    from tachk.cli.verifyta_options import help_text, parse_arguments
 
     given = parse_arguments(arguments)
     if given.wants_help:
@@ -43,7 +43,7 @@ def _answer(arguments: tuple[str, ...], program: str) -> ExitStatus:
     elif not given.model:
         raise UsageError("no model is given", f"{program} [OPTION]... MODEL [QUERIES]; the options are listed by -h")
     else:
-        from tachk.cli.actions.verifyta import run_verifyta
+        from tachk.cli.verifyta_answers import run_verifyta
 
         return run_verifyta(given)
     return ExitStatus.AS_EXPECTED

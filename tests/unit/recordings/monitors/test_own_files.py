@@ -9,13 +9,13 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.actions.judged import Judged
-from tachk.cli.actions.monitor import run_monitor
-from tachk.cli.actions.row_by_row import RowByRow
-from tachk.cli.actions.simulation.models import simulated_model
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.judged import Judged
 from tachk.cli.main import app
 from tachk.cli.reporting import Reporting
+from tachk.cli.row_by_row import RowByRow
+from tachk.cli.simulated_model import simulated_model
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.recordings.monitors.formulas import read_formulas
 from tachk.recordings.traces.node_signal import Truth

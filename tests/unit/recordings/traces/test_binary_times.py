@@ -9,10 +9,10 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.actions.judged import Judged
-from tachk.cli.actions.monitor import run_monitor
-from tachk.cli.actions.row_by_row import RowByRow
+from tachk.cli.commands.monitor import run_monitor
+from tachk.cli.judged import Judged
 from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.row_by_row import RowByRow
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.traces.logs.joined import with_decimals
 from tachk.recordings.traces.trace_files import open_trace

@@ -14,9 +14,9 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.actions.judged import Judged
-from tachk.cli.actions.monitor import run_monitor
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.judged import Judged
 from tachk.cli.main import app
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.traces.node_signal import Truth

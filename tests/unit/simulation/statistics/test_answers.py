@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.cli.actions.run_report import RunReporting
-from tachk.cli.actions.verify import VerifyArguments, run_verify
+from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm
+from tachk.cli.run_report import RunReporting
 from tachk.engine.options import Limits
 from tachk.formats.written_reports import validator
 from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical

@@ -1,1 +1,0 @@
-"""What each command does. Imported only when the command is called."""

@@ -1,1 +1,0 @@
-"""`tachk conform`: a recording held against a model."""

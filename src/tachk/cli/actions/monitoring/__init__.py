@@ -1,1 +1,0 @@
-"""What `tachk monitor` and its relatives tell while they read."""

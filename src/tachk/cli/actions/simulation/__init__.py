@@ -1,1 +1,0 @@
-"""`tachk simulate`: runs of a model are drawn, judged and written; models as units that others run."""

@@ -1,0 +1,238 @@
+"""`tachk estimate`: estimate probabilities by random runs (statistical queries)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+from tachk.base.job import StoppedError, unhurried
+from tachk.base.records import dataclass
+from tachk.base.span import Source as Text
+from tachk.cli import options
+from tachk.cli import simulation_options as drawing
+from tachk.cli.arguments import parse_definitions, split_models_and_queries
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.simulated_model import simulated_model
+from tachk.engine.outcome import INTERRUPTED
+from tachk.frontend.queries.queries import is_statistical
+from tachk.frontend.queries.statistical import StatisticalReader
+from tachk.model.query import Expectation
+from tachk.model.statistical import StatisticalQuery
+from tachk.report.json_text import json_text
+from tachk.report.statistics.json import estimates_document
+from tachk.report.statistics.text import answer_lines
+from tachk.simulation.orders import ordered, orders_of
+from tachk.simulation.statistics.answers import NoEstimate, as_expected
+from tachk.simulation.statistics.deciding import Errors
+from tachk.simulation.statistics.estimate import Estimate, Settings, estimate
+from tachk.simulation.statistics.rare import Splitting
+from tachk.simulation.statistics.sampling import RunSource
+from tachk.syntax.source_files import read_source
+from tachk.verify.questions import Questions
+
+_SHARE = click.FloatRange(0, 0.5, min_open=True)
+
+
+@click.command(name="estimate", short_help="Estimate probabilities by random runs (statistical queries).")
+@click.argument("arguments", metavar="MODEL [QUERY]...", nargs=-1, required=True, help="A model file, and queries.")
+@options.query_files("Answer the statistical queries in this file.")
+@options.definitions
+@click.option("properties", "--property", metavar="NAME", multiple=True, help="Answer this property of the model.")
+@options.faults
+@drawing.confidence(0.8, "How probable it is, at least, that an interval contains what it is for.")
+@drawing.half_width("Draw runs until the interval of a probability is at most 2 E wide.")
+@drawing.runs("Draw N runs, whatever comes of them.")
+@click.option(
+    "alpha",
+    "--alpha",
+    metavar="A",
+    type=_SHARE,
+    default=0.05,
+    show_default=True,
+    help="Of Pr >= p: say `fails` with at most this probability where Pr is at least p + D.",
+)
+@click.option(
+    "beta",
+    "--beta",
+    metavar="B",
+    type=_SHARE,
+    default=0.05,
+    show_default=True,
+    help="Of Pr >= p: say `holds` with at most this probability where Pr is at most p - D.",
+)
+@click.option(
+    "delta",
+    "--delta",
+    metavar="D",
+    type=_SHARE,
+    default=0.01,
+    show_default=True,
+    help="Half the region in which both answers are right.",
+)
+@drawing.seed("The same seed gives the same answers.")
+@drawing.threads("answers")
+@drawing.most_steps("most_steps", "Give up a run after N transitions; it counts as unknown.")
+@click.option(
+    "most_runs",
+    "--max-runs",
+    metavar="N",
+    type=options.Count(1, 10**9),
+    default=1_000_000,
+    show_default=True,
+    help="End a test that has no decision after N runs.",
+)
+@drawing.splitting
+@click.option(
+    "picture",
+    "--plot",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Draw when goals are reached, how means are spread, and trajectories into this .svg, .png or .pdf file.",
+)
+@options.report(ReportForm.TEXT, ReportForm.JSON)
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Answer statistical queries of a model by random runs: Pr, E and simulate.
+
+    \b
+    tachk estimate queue.ta 'Pr[<=100](<> waiting >= 5)'
+    tachk estimate queue.ta 'Pr[<=100](<> waiting >= 5) >= 0.5' --delta 0.02
+    tachk estimate queue.ta 'E[<=100; 5000](max: waiting)'
+
+    Without a query tachk answers all statistical queries of the model.
+    Exit status: 0 every test holds or is as expected, 10 one is not or a run ends with a run-time error, 20 one is
+    not decided, 2 bad input, 3 something that is not simulated.
+    """
+
+    asked, reporting = options.distributed(given, Estimating, Reporting)
+    options.finish(lambda: run_estimate(asked, reporting), seconds)
+
+
+_READING = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Estimating:
+    """What is asked, as it was typed."""
+
+    arguments: tuple[str, ...]
+    query_files: tuple[Path, ...] = ()
+    definitions: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
+    confidence: float = 0.95
+    half_width: float = 0.05
+    runs: int | None = None
+    alpha: float = 0.05
+    beta: float = 0.05
+    delta: float = 0.01
+    seed: int = 0
+    threads: int = 1
+    most_steps: int | None = None
+    most_runs: int = 1_000_000
+    splitting: bool = False
+    relative: float = 0.1
+    effort: int = 1000
+    picture: Path | None = None
+
+
+def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
+    """Answers the queries in their order, and reports."""
+    models, typed = split_models_and_queries(asked.arguments)
+    if len(models) > 1:
+        raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
+    model = simulated_model(models[0], **parse_definitions(asked.definitions))
+    print_diagnostics((*model.refusals, *model.warnings))
+    orders = orders_of(asked.faults)
+    network = ordered(model.network, orders).network
+    settings = Settings(
+        RunSource(asked.seed, 0, asked.threads, asked.most_steps),
+        asked.confidence,
+        asked.half_width,
+        asked.runs,
+        Errors(asked.alpha, asked.beta, asked.delta),
+        asked.most_runs,
+        Splitting(asked.relative, asked.effort) if asked.splitting else None,
+    )
+    statuses: list[ExitStatus] = []
+    found: list[Estimate | NoEstimate] = []
+    reason = ""
+    for query, expectation in _queries(model, asked, typed, statuses):
+        if not reason:
+            try:
+                seen = network if query.network is None else ordered(query.network, orders).network
+                answer = estimate(seen, query, settings)
+            except StoppedError as error:
+                reason = error.reason
+            except KeyboardInterrupt:
+                reason = INTERRUPTED
+            else:
+                found.append(answer)
+                statuses.append(_status(answer, expectation))
+                continue
+        found.append(NoEstimate(query, reason))
+        statuses.append(ExitStatus.INTERRUPTED if reason == INTERRUPTED else ExitStatus.UNKNOWN)
+    answered = [each for each in found if not isinstance(each, NoEstimate)]
+    if asked.picture is not None and (answered or not reason):
+        from tachk.report.statistics.picture import plot_estimates
+
+        plot_estimates(answered, network.time_unit, asked.picture)
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None and reporting.form is ReportForm.JSON:
+            out.write(json_text(estimates_document(models[0], found, settings)))
+        elif out is not None:
+            out.writelines(f"{line}\n" for each in found for line in answer_lines(each, settings))
+    return worst(statuses)
+
+
+def _queries(
+    model: api.Model, asked: Estimating, typed: tuple[str, ...], statuses: list[ExitStatus]
+) -> Iterator[tuple[StatisticalQuery, Expectation | None]]:
+    """What is to be answered. What is wrong with a query of a file or a model is told, and does not keep others from
+    being answered."""
+    loaded = model.loaded
+    named = [query for query in loaded.formulas if query.name in asked.properties]
+    missing = set(asked.properties) - {query.name for query in named}
+    if missing:
+        raise UsageError(f"{model.path} has no property {min(missing)!r}")
+    files = tuple(read_source(path) for path in asked.query_files)
+    given = Questions(model.path, (), files, tuple(Text("<query>", text) for text in typed))
+    formulas = [*named, *(given.about(loaded) if typed or files or not named else ())]
+    if not any(map(is_statistical, formulas)):
+        raise UsageError(
+            f"{model.path}: there is no statistical query",
+            "give one behind the model, such as 'Pr[<=100](<> P.location)'; `tachk verify` checks all others",
+        )
+    reader = StatisticalReader(loaded)
+    for query in formulas:
+        if not is_statistical(query):
+            continue
+        try:
+            with unhurried(_READING):  # the report needs the query also where there was no time to answer it
+                asked_query = reader.read(query)
+            yield asked_query, query.expectation
+        except InputError as error:
+            if typed:
+                raise
+            print_diagnostics(error.diagnostics)
+            statuses.append(ExitStatus.BAD_INPUT)
+        except UnsupportedError as error:
+            if typed:
+                raise
+            print_diagnostics([error.diagnostic])
+            statuses.append(ExitStatus.UNSUPPORTED)
+
+
+def _status(found: Estimate, expectation: Expectation | None) -> ExitStatus:
+    met = as_expected(found, expectation)
+    if met is None:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED if met else ExitStatus.NOT_AS_EXPECTED

@@ -1,1 +1,0 @@
-"""Commands that vary constants of a model."""

@@ -1,0 +1,116 @@
+"""`tachk replay`: execute a run on a model, and judge it."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli import simulation_options as drawing
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.judged import exit_status
+from tachk.cli.run_signals import judged_run, write_run
+from tachk.cli.simulated_model import model_of_run
+from tachk.cli.terminal import console
+from tachk.meaning.run_view import RunNames, view_trace
+from tachk.model.quantity import duration
+from tachk.report.run.telling import Telling
+from tachk.report.run.trace_text import print_trace
+from tachk.simulation.formulas import formulas_for
+from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.replaying import replay_claims
+
+
+@click.command(name="replay", short_help="Execute a run on a model, and judge it.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument(
+    "file",
+    metavar="RUN",
+    type=options.type_of_file,
+    help="A run that tachk step or tachk simulate wrote (.run), or a report of tachk verify --format json.",
+)
+@drawing.property_of_report
+@options.definitions
+@click.option("clocks", "--clocks", is_flag=True, help="Print the value of every clock after each step.")
+@click.option(
+    "every_step", "--every-step", is_flag=True, help="Print each step of repeated rounds, and what is hidden."
+)
+@click.option("quiet", "-q", "--quiet", is_flag=True, help="Print the outcome only.")
+@click.option(
+    "formulas",
+    "--monitor",
+    metavar="FORMULA",
+    help="Judge the run by a formula, a sentence, or a file of them or a model.",
+)
+@drawing.record
+@click.option(
+    "output",
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write the signals of the run: .csv, .jsonl, .parquet, .vcd; or the run itself: .run.",
+)
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Execute a run step by step on a model, by the semantics that judges counterexamples.
+
+    Exit status: 0 it is a run of the model, 10 it is none, or violates a formula, 20 a formula is undetermined, 2 bad
+    input.
+    """
+
+    (asked,) = options.distributed(given, Replaying)
+    options.finish(lambda: run_replay(asked), seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class Replaying:
+    """What is asked, as it was typed."""
+
+    model: str
+    file: Path
+    prop: str | None = None
+    definitions: tuple[str, ...] = ()
+    clocks: bool = False
+    every_step: bool = False
+    quiet: bool = False
+    formulas: str | None = None
+    record: tuple[str, ...] = ()
+    output: Path | None = None
+
+
+def run_replay(asked: Replaying) -> ExitStatus:
+    """Executes the run, prints and writes it as far as it is one."""
+    claimed = read_claims(asked.file, asked.prop)
+    about = model_of_run(asked.model, asked.definitions, claimed)
+    network = about.model.network
+    names = RunNames(network)
+    replayed = replay_claims(names, claimed)
+    trace = replayed.trace
+    if not asked.quiet:
+        telling = Telling(asked.clocks, asked.every_step)
+        print_trace(view_trace(network, trace), console(sys.stdout), network.time_unit, telling)
+    for name, value in about.of_run.items():
+        print(f"with {name} = {value}, as the run says")
+    steps = f"{len(claimed.claims)} step{'s' if len(claimed.claims) != 1 else ''}"
+    when = duration(trace.states[-1].time, network.time_unit)
+    if replayed.refusal is None:
+        print(f"{asked.file}: a run of {asked.model}: {steps}, to {when}")
+    else:
+        where = f"step {replayed.refusal.step} of {steps} cannot be taken from {when} on"
+        print(f"{asked.file}: no run of {asked.model}: {where}")
+        print_diagnostics([refusal_diagnostic(replayed.refusal)])
+    statuses = [ExitStatus.AS_EXPECTED if replayed.refusal is None else ExitStatus.NOT_AS_EXPECTED]
+    formulas = formulas_for(asked.formulas, network, about.constants)
+    if asked.output is not None:
+        write_run(asked.output, names, trace, asked.record, formulas, asked.model, about.constants)
+    truths = judged_run(names, trace, formulas, str(asked.file))
+    for name, truth in truths.items():
+        print(f"{name}: {truth}")
+    return worst([*statuses, exit_status(set(truths.values()))])

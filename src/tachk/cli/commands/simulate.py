@@ -1,0 +1,319 @@
+"""`tachk simulate`: draw random runs of a model."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import StoppedError
+from tachk.cli import options
+from tachk.cli import simulation_options as drawing
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.judged import exit_status
+from tachk.cli.reporting import TableForm
+from tachk.cli.run_files import holds_steps, run_files
+from tachk.cli.scripted import Script, run_script
+from tachk.cli.simulated_model import simulated_model
+from tachk.engine.outcome import INTERRUPTED
+from tachk.engine.simulation.policy import SCRIPT, Policy
+from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
+from tachk.model.network import Network
+from tachk.recordings.monitors.formulas import NamedFormula
+from tachk.recordings.traces.node_signal import Truth
+from tachk.report.statistics.text import times_text
+from tachk.simulation.formulas import columns_with, formulas_for, truths_on
+from tachk.simulation.intervals import clopper_pearson
+from tachk.simulation.orders import ordered, orders_of
+from tachk.simulation.runs import Runs
+from tachk.simulation.tables import decimal_time
+from tachk.simulation.times import horizon_of
+
+
+@click.command(name="simulate", short_help="Draw random runs of a model.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument(
+    "script",
+    metavar="[FILE]",
+    type=options.type_of_file,
+    required=False,
+    help="With --policy script: the run, as tachk step writes it.",
+)
+@drawing.runs("How many runs.", default=1)
+@click.option(
+    "--until",
+    metavar="TIME",
+    default="100",
+    show_default=True,
+    help="How long they are: a number of time units of the model, or a duration such as 3 min.",
+)
+@drawing.seed("The same seed gives the same runs.")
+@click.option(
+    "--policy",
+    type=click.Choice([*(policy.value for policy in Policy), SCRIPT]),
+    default=Policy.STOCHASTIC.value,
+    show_default=True,
+    help="How long a process waits before it acts; script FILE: one run, all decisions are in the file.",
+)
+@click.option(
+    "first", "--first", metavar="N", type=options.Count(0, 2**62), default=0, help="The number of the first run; 0."
+)
+@drawing.threads("runs")
+@drawing.most_steps("steps", "End a run after N transitions.")
+@options.faults
+@drawing.record
+@click.option(
+    "formulas",
+    "--monitor",
+    metavar="FORMULA",
+    help="Judge each run by a formula, a sentence, or a file of them or a model; write the runs that violate one.",
+)
+@click.option(
+    "all_runs", "--all-runs", is_flag=True, help="With --monitor: write all runs, not only those that violate."
+)
+@drawing.confidence(0.5, "Of the interval for the probability that a run violates a formula.")
+@options.definitions
+@click.option(
+    "output",
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write the runs: .csv, .jsonl, .parquet, .vcd, or their steps: .run; {run} in its name makes a file for each.",
+)
+@click.option(
+    "form",
+    "--format",
+    type=options.Choice((TableForm.TEXT, TableForm.JSON)),
+    default=TableForm.TEXT.value,
+    show_default=True,
+    help="Form of the summary; json with -o FILE.json writes it there.",
+)
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Draw random runs of a model: every process draws how long it waits, and the first one acts.
+
+    Exit status: 0 the runs were drawn and violate no formula, 10 some do or end with a run-time error, 20 some formula
+    is undetermined and none is false, 2 bad input, 3 something that is not simulated.
+    """
+
+    (asked,) = options.distributed(given, Simulating)
+    options.finish(lambda: run_simulate(asked), seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class Simulating:
+    """What is asked, as it was typed."""
+
+    model: str
+    runs: int = 1
+    until: str = "100"
+    seed: int = 0
+    policy: str = Policy.STOCHASTIC.value
+    first: int = 0
+    threads: int = 1
+    steps: int | None = None
+    faults: tuple[str, ...] = ()
+    record: tuple[str, ...] = ()
+    formulas: str | None = None
+    definitions: tuple[str, ...] = ()
+    output: Path | None = None
+    form: TableForm = TableForm.TEXT
+    script: Path | None = None
+    all_runs: bool = False
+    confidence: float = 0.95
+
+    @property
+    def summary(self) -> Path | None:
+        """The file of the summary, where the output is that and not runs; else None, for standard output."""
+        is_summary = self.form is TableForm.JSON and self.output is not None and self.output.suffix.lower() == ".json"
+        return self.output if is_summary else None
+
+    @property
+    def runs_file(self) -> Path | None:
+        """Where the runs go; None for nowhere."""
+        return None if self.summary else self.output
+
+
+@dataclass(slots=True)
+class _Tally:
+    """What the runs were like.
+
+    Attributes:
+        endings: how many runs end so.
+        examples: the first run of each ending, and when it ends.
+        truths: for each formula how many runs have each verdict.
+        violating: for each formula the runs on which it is false.
+        done, missed: how often each ordered fault happened, and how often the model did not allow it.
+        stopped: why not all runs were drawn; empty if they were.
+    """
+
+    transitions: int = 0
+    endings: Counter[SimulationEnding] = field(default_factory=Counter)
+    examples: dict[SimulationEnding, tuple[int, str]] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
+    truths: dict[str, Counter[Truth]] = field(default_factory=dict)
+    violating: dict[str, list[int]] = field(default_factory=dict)
+    done: Counter[str] = field(default_factory=Counter)
+    missed: Counter[str] = field(default_factory=Counter)
+    stopped: str = ""
+
+    @property
+    def runs(self) -> int:
+        return self.endings.total()
+
+    def add(self, run: Simulated) -> None:
+        self.transitions += run.transitions
+        self.endings[run.ending] += 1
+        self.examples.setdefault(run.ending, (run.number, decimal_time(run.end, run.ticks_per_unit)))
+        if run.fault is not None and not self.faults:
+            kind, span = run.fault
+            self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
+
+    def judge(self, name: str, number: int, truth: Truth) -> None:
+        self.truths.setdefault(name, Counter())[truth] += 1
+        if truth is Truth.FALSE:
+            self.violating.setdefault(name, []).append(number)
+
+
+def run_simulate(asked: Simulating) -> ExitStatus:
+    """Draws runs, judges and writes them, and prints a summary."""
+    if (asked.policy == SCRIPT) is (asked.script is None):
+        problem = "--policy script needs a file" if asked.script is None else f"{asked.script}: one model at a time"
+        raise UsageError(problem, "tachk simulate MODEL --policy script FILE.run takes its steps")
+    if asked.script is not None:
+        if asked.runs != 1:
+            raise UsageError(f"{asked.script}: a script makes one run", "leave --runs out")
+        return run_script(
+            Script(asked.model, asked.script, asked.definitions, asked.record, asked.formulas, asked.output, asked.form)
+        )
+    definitions = parse_definitions(asked.definitions)
+    model = simulated_model(asked.model, **definitions)
+    print_diagnostics((*model.refusals, *model.warnings))
+    network = model.network
+    formulas = formulas_for(asked.formulas, network, definitions)
+    until = horizon_of(asked.until, network.time_unit)
+    columns = columns_with(network, asked.record, formulas)
+    wanted = ordered(network, orders_of(asked.faults))
+    runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
+    drawing = SimulationOptions(
+        asked.seed, until.ticks, Policy(asked.policy), asked.steps, asked.threads, until.ticks_per_unit
+    )
+    observed = asked.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
+    tally = _Tally()
+    file = asked.runs_file
+    with nullcontext() if file is None else run_files(file, model, definitions, asked.runs) as write:
+        numbers = range(asked.first, asked.first + asked.runs)
+        drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
+        for run, violating in _judged(drawn, runs, formulas, tally):
+            counted = iter(runs.counts(run))
+            tally.done.update(dict(zip(wanted.done, counted, strict=False)))
+            tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
+            if write is not None and len(run.times) and (violating or asked.all_runs):
+                write(run, runs)
+    _print(asked, tally, network, formulas)
+    faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
+    truths = {truth for counts in tally.truths.values() for truth in counts}
+    stopped = {"": ExitStatus.AS_EXPECTED, INTERRUPTED: ExitStatus.INTERRUPTED}.get(tally.stopped, ExitStatus.UNKNOWN)
+    return worst([faults, exit_status(truths), stopped])
+
+
+def _judged(
+    drawn: Iterator[Simulated], runs: Runs, formulas: tuple[NamedFormula, ...], tally: _Tally
+) -> Iterator[tuple[Simulated, bool]]:
+    """The runs, and whether each is written. Where a limit or the user ends that, the tally says so."""
+    try:
+        for run in drawn:
+            kept = _is_kept(runs, run, formulas, tally) if len(run.times) else not formulas
+            tally.add(run)
+            yield run, kept
+    except StoppedError as error:
+        tally.stopped = error.reason
+    except KeyboardInterrupt:
+        tally.stopped = INTERRUPTED
+
+
+def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tally: _Tally) -> bool:
+    """Judges a run; whether it is written: there are no formulas, or one is false on it."""
+    if not formulas:
+        return True
+    truths = truths_on(runs.trace(run), formulas)
+    for name, truth in truths.items():
+        tally.judge(name, run.number, truth)
+    return Truth.FALSE in truths.values()
+
+
+# ---- the summary ----------------------------------------------------------------------------------------------------
+
+
+def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterable[NamedFormula]) -> None:
+    if asked.form is TableForm.JSON:
+        with destination(asked.summary) as out:
+            print(json.dumps(_json(asked, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
+        return
+    runs = "1 run" if asked.runs == 1 else f"{asked.runs} runs"
+    if tally.stopped:
+        runs = f"{tally.runs} of {runs}"
+    print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
+    for ending, count in tally.endings.most_common():
+        number, end = tally.examples[ending]
+        where = "" if ending is SimulationEnding.HORIZON else f", the first is run {number} at {end}"
+        print(f"{count:8} end with: {ending}{where}")
+    for written, done in tally.done.items():
+        missed = tally.missed[written]
+        impossible = f", {times_text(missed)} the model does not allow it" if missed else ""
+        print(f"{written}: {times_text(done)}{impossible}")
+    for fault in tally.faults:
+        print(f"  {fault}")
+    for name, counts in tally.truths.items():
+        told = ", ".join(f"{truth} on {counts[truth]}" for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED))
+        violating = tally.violating.get(name, [])
+        print(f"{name}: {told}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
+        low, high = _violations(counts, asked.confidence)
+        print(f"  probability of a violation: {low:.4g} to {high:.4g}, confidence {asked.confidence:.6g}")
+    if tally.stopped:
+        print(f"unknown what the other runs do ({tally.stopped})")
+
+
+def _violations(counts: Counter[Truth], confidence: float) -> tuple[float, float]:
+    """The interval of the probability that a run violates a formula; those that are undetermined may."""
+    return clopper_pearson(counts[Truth.FALSE], counts.total(), confidence, maybe=counts[Truth.UNDETERMINED])
+
+
+def _json(asked: Simulating, tally: _Tally, formulas: Mapping[str, str]) -> dict[str, object]:
+    """``formulas``: their texts by their names."""
+    return {
+        "model": asked.model,
+        "runs": tally.runs,
+        **({"not_drawn": asked.runs - tally.runs, "reason": tally.stopped} if tally.stopped else {}),
+        "first": asked.first,
+        "until": asked.until,
+        "seed": asked.seed,
+        "policy": asked.policy,
+        "transitions": tally.transitions,
+        "faults": [{"order": order, "done": done, "missed": tally.missed[order]} for order, done in tally.done.items()],
+        "endings": {ending.value: count for ending, count in tally.endings.items()},
+        "formulas": [
+            {
+                "name": name,
+                "formula": formulas[name],
+                "true": counts[Truth.TRUE],
+                "false": counts[Truth.FALSE],
+                "undetermined": counts[Truth.UNDETERMINED],
+                "violating": tally.violating.get(name, []),
+                "probability_of_violation": _violations(counts, asked.confidence),
+                "confidence": asked.confidence,
+            }
+            for name, counts in tally.truths.items()
+        ],
+    }

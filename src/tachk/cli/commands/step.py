@@ -1,0 +1,113 @@
+"""`tachk step`: walk through a model, step by step."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tachk.base.job import check_job
+from tachk.cli import options
+from tachk.cli import simulation_options as drawing
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import complain, print_diagnostics
+from tachk.cli.simulated_model import model_of_run
+from tachk.cli.stepper import NotUnderstoodError, QuitError, Stepper
+from tachk.meaning.run_view import RunNames
+from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.session import Session
+
+
+@click.command(name="step", short_help="Walk through a model, step by step.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@options.definitions
+@click.option(
+    "load",
+    "--load",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Begin with a run that step or simulate has written, or with a report of tachk verify.",
+)
+@drawing.property_of_report
+@drawing.seed("The same seed gives the same random steps.")
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Walk through a model: it lists what can happen and when, and you choose; help says how.
+
+    Commands may also come from a pipe or a file. Then the first one that cannot be obeyed ends the program.
+
+    Exit status: 0, or 2 for bad input.
+    """
+
+    (asked,) = options.distributed(given, Stepping)
+    options.finish(lambda: run_step(asked), seconds)
+
+
+_PROMPT = "> "
+
+
+@dataclass(frozen=True, slots=True)
+class Stepping:
+    """What is asked, as it was typed."""
+
+    model: str
+    definitions: tuple[str, ...] = ()
+    load: Path | None = None
+    prop: str | None = None
+    seed: int = 0
+
+
+def run_step(asked: Stepping) -> ExitStatus:
+    """Answers each line until there are no more."""
+    check_job()
+    claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
+    about = model_of_run(asked.model, asked.definitions, claimed)
+    session = Session.begin(RunNames(about.model.network))
+    if claimed is not None:
+        session, refusal = session.loaded(claimed)
+        if refusal is not None:
+            print_diagnostics([refusal_diagnostic(refusal)])
+    return _converse(Stepper(session, asked.model, about.constants, asked.seed), sys.stdin.isatty())
+
+
+def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
+    """In a terminal a wrong line is told and forgotten; a program that writes such a line is told to stop."""
+    for line in (*stepper.greeting(), *(["help says what can be typed"] if with_terminal else [])):
+        print(line)
+    for typed in _lines(with_terminal):
+        try:
+            for line in stepper.answer(typed):
+                print(line)
+        except QuitError:
+            return ExitStatus.AS_EXPECTED
+        except NotUnderstoodError as error:
+            if not with_terminal:
+                sys.stdout.flush()
+                complain(str(error))
+                return ExitStatus.BAD_INPUT
+            print(error)
+        check_job()
+    return ExitStatus.AS_EXPECTED
+
+
+def _lines(with_terminal: bool) -> Iterator[str]:
+    """What is typed, shown as well where no terminal does that."""
+    if with_terminal:
+        with suppress(ImportError):
+            import_module("readline")  # with it `input` has a history
+    while True:
+        try:
+            typed = input(_PROMPT)
+        except EOFError:
+            print()
+            return
+        if not with_terminal:
+            print(typed)
+        yield typed

@@ -1,0 +1,182 @@
+"""`tachk synthesize`: find the values of constants for which a property holds."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tachk.api import model as api
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import limited
+from tachk.base.records import dataclass
+from tachk.cli import options
+from tachk.cli.arguments import parse_size, split_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.progress import ProgressLine
+from tachk.cli.reporting import ReportForm, Reporting, WantedAnswer
+from tachk.cli.terminal import can_rewrite_lines
+from tachk.engine.options import Limits
+from tachk.model.grid import Grid, grid_of
+from tachk.report.region.synthesis import Synthesis
+from tachk.verify.synthesis.region import Region
+from tachk.verify.verdict import Answer
+
+
+@click.command(name="synthesize", short_help="Find the values of constants for which a property holds.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument("query", metavar="[QUERY]", required=False, help="A query, in place of --property.")
+@click.option("property", "--property", metavar="NAME", help="The property of the model.")
+@click.option(
+    "over",
+    "--over",
+    metavar="NAME=LOW..HIGH[:STEP],...",
+    multiple=True,
+    help="The constants to vary and their values; -D with several values does the same.",
+)
+@options.definitions
+@click.option(
+    "wanted",
+    "--answer",
+    type=options.Choice(WantedAnswer),
+    default=WantedAnswer.HOLDS.value,
+    show_default=True,
+    help="Which answer the region is to have.",
+)
+@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.CSV)
+@click.option(
+    "certificates",
+    "--certificates",
+    metavar="FOLDER",
+    type=options.type_of_file,
+    help="Write a proof for each corner at which something is never reached into this folder. `tachk certify` checks "
+    "them without a search.",
+)
+@click.option("every_corner", "--all-corners", is_flag=True, help="List every corner of the border.")
+@options.max_states("; its values are unknown then")
+@options.max_seconds("Stop after this time, which all searches share. What is not known by then is unknown.")
+@options.max_memory
+@click.option(
+    "infer",
+    "--infer/--no-infer",
+    default=True,
+    show_default=True,
+    help="Let one answer stand for others where a constant is proved to be an upper or a lower bound only.",
+)
+@click.option(
+    "reuse",
+    "--reuse/--no-reuse",
+    default=True,
+    show_default=True,
+    help="Try the run that was found with other values before a search.",
+)
+def command(**given: Any) -> None:
+    """Find the values of constants for which a property holds.
+
+    \b
+    tachk synthesize fischer.ta --property mutual_exclusion --over WRITE=1..20,WAIT=1..20
+
+    With -o and a name that ends in .png, .svg or .pdf, tachk draws the region into that file and prints the report.
+    Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
+    """
+
+    arguments = options.distributed(given, Varied, Limits, Reporting)
+    options.finish(lambda: run_synthesize(*arguments))
+
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True, slots=True)
+class Varied:
+    """What is to be found, as it was typed.
+
+    Attributes:
+        over: the constants with their ranges.
+        max_memory: such as ``2G``.
+        certificates: the folder for the proofs of corners.
+    """
+
+    model: str
+    query: str | None = None
+    property: str | None = None
+    over: tuple[str, ...] = ()
+    definitions: tuple[str, ...] = ()
+    wanted: WantedAnswer = WantedAnswer.HOLDS
+    every_corner: bool = False
+    max_memory: str | None = None
+    infer: bool = True
+    reuse: bool = True
+    certificates: Path | None = None
+
+
+def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporting = Reporting()) -> ExitStatus:
+    if (varied.query is None) is (varied.property is None):
+        raise UsageError("a region is that of one property", "give --property NAME, or a query behind the model")
+    constants, several = split_definitions(varied.definitions)
+    grid = grid_of((*varied.over, *several), "--over")
+    twice = constants.keys() & set(grid.names)
+    if twice:
+        raise UsageError(f"{min(twice)} is set by -D and by --over", "leave out one of them")
+    if varied.max_memory is not None:
+        limits = replace(limits, memory_bytes=parse_size(varied.max_memory))
+    picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
+    with limited(limits.seconds):
+        with limited(memory=limits.memory_bytes):
+            model = api.load(varied.model, **constants)
+        print_diagnostics((*model.refusals, *model.warnings))
+        found = _found(model, varied, grid, limits, reporting)
+    if picture is not None:
+        found.plot(picture)
+    if varied.certificates is not None:
+        written = found.certificates(varied.certificates)
+        print(f"{varied.certificates}: {len(written)} proof{'s' * (len(written) != 1)}", file=sys.stderr)
+    with destination(None if picture else reporting.output, reporting.quiet) as out:
+        if out is not None:
+            out.write(_report(found, varied, reporting.form, picture))
+    return _status(found.region)
+
+
+def _found(model: api.Model, varied: Varied, grid: Grid, limits: Limits, reporting: Reporting) -> Synthesis:
+    progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not reporting.quiet else None
+    try:
+        return model.synthesize(
+            *([] if varied.query is None else [varied.query]),
+            over=grid,
+            property=varied.property,
+            answer=Answer(varied.wanted.value),
+            limits=limits,
+            progress=progress,
+            infer=varied.infer,
+            reuse=varied.reuse,
+            certify=varied.certificates is not None,
+        )
+    finally:
+        if progress is not None:
+            progress.clear()
+
+
+def _report(found: Synthesis, varied: Varied, form: ReportForm, picture: Path | None) -> str:
+    if form is ReportForm.JSON:
+        from tachk.report.json_text import json_text
+
+        return json_text(found.to_dict())
+    if form is ReportForm.CSV:
+        from tachk.report.region.json import region_to_csv
+
+        return region_to_csv(found.region)
+    written = f"written: {picture}\n" if picture else ""
+    return found.to_text(varied.every_corner) + written
+
+
+def _status(region: Region) -> ExitStatus:
+    if region.interrupted:
+        return ExitStatus.INTERRUPTED
+    if region.unknown:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED if region.holding else ExitStatus.NOT_AS_EXPECTED

@@ -1,0 +1,68 @@
+"""`tachk simulate --policy script FILE`: one run, whose decisions a file makes."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.records import dataclass
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.judged import exit_status
+from tachk.cli.reporting import TableForm
+from tachk.cli.run_signals import judged_run, write_run
+from tachk.cli.simulated_model import model_of_run
+from tachk.meaning.run_view import RunNames
+from tachk.model.quantity import duration
+from tachk.simulation.formulas import formulas_for
+from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.replaying import replay_claims
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """What is asked, as it was typed."""
+
+    model: str
+    file: Path
+    definitions: tuple[str, ...]
+    record: tuple[str, ...]
+    formulas: str | None
+    output: Path | None
+    form: TableForm
+
+
+def run_script(asked: Script) -> ExitStatus:
+    """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
+    claimed = read_claims(asked.file)
+    about = model_of_run(asked.model, asked.definitions, claimed)
+    names = RunNames(about.model.network)
+    replayed = replay_claims(names, claimed)
+    if replayed.refusal is not None:
+        raise InputError([refusal_diagnostic(replayed.refusal)])
+    formulas = formulas_for(asked.formulas, about.model.network, about.constants)
+    if asked.output is not None:
+        write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, about.constants)
+    truths = judged_run(names, replayed.trace, formulas, str(asked.file))
+    texts = {formula.name: formula.text for formula in formulas}
+    end = replayed.trace.states[-1].time
+    if asked.form is TableForm.JSON:
+        told = {
+            "model": asked.model,
+            "script": str(asked.file),
+            "until": str(end),
+            "transitions": len(replayed.trace.path),
+            "formulas": [
+                {"name": name, "formula": texts[name], "verdict": str(truth)} for name, truth in truths.items()
+            ],
+        }
+        json.dump(told, sys.stdout, indent=2)
+        print()
+    else:
+        when = duration(end, names.network.time_unit)
+        print(f"{asked.model}: 1 run until {when}, {len(replayed.trace.path)} transitions, as {asked.file} says")
+        for name, truth in truths.items():
+            print(f"{name}: {truth}")
+    return exit_status(set(truths.values()))
