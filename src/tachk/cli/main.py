@@ -1,83 +1,119 @@
 """The program: its commands, each loaded when it is asked for.
 
-Imports nothing heavy: `tachk --version` must not wait for z3. The options of a command are in `tachk.cli.commands`,
-what it does is in the module of its name in `tachk.cli.actions`.
+Imports nothing heavy: `tachk --version` must not wait for z3. The module of a command in `tachk.cli.commands` holds its
+options, its help and what it does.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
+from pkgutil import iter_modules
 from typing import NoReturn
 
 import click
 from click.exceptions import NoSuchCommand
+from click.shell_completion import CompletionItem
 
 import tachk
+from tachk.cli import commands
 from tachk.cli.console_script import end_program
 
-COMMANDS = (
-    "verify",
-    "synthesize",
-    "sweep",
-    "report",
-    "certify",
-    "time",
-    "check",
-    "fmt",
-    "convert",
-    "export",
-    "diff",
-    "draw",
-    "decode",
-    "measure",
-    "chart",
-    "simulate",
-    "replay",
-    "step",
-    "estimate",
-    "bridge",
-    "conform",
-    "proxy",
-    "monitor",
-    "mine",
-    "plot",
-    "explain",
-    "sentences",
-    "requirements",
-    "models",
-    "completion",
-    "verifyta",
-)
-"""In the order of the help."""
-
-_FOLDERS = {
-    **dict.fromkeys(("chart", "decode", "measure", "proxy"), "packets"),
-    **dict.fromkeys(("synthesize", "sweep"), "many_values"),
-    **dict.fromkeys(("simulate", "replay", "step", "estimate", "bridge"), "simulation"),
+SECTIONS = {
+    "Verify": {
+        "verify": "Check the properties of models, or the given queries.",
+        "synthesize": "Find the values of constants for which a property holds.",
+        "sweep": "Check a model for many values of its constants.",
+        "time": "Find the least and the largest time between two events.",
+        "certify": "Check certificates: proofs of verdicts, without a search.",
+        "requirements": "Find requirements that contradict each other.",
+        "report": "Write an HTML page with verdicts, runs and pictures.",
+        "verifyta": "Check with the options and output of UPPAAL's verifyta.",
+    },
+    "Simulate": {
+        "simulate": "Simulate random runs of a model.",
+        "estimate": "Answer statistical queries: probabilities from random runs.",
+        "replay": "Execute a recorded run on a model, and check formulas on it.",
+        "step": "Walk through a model, step by step.",
+    },
+    "Logs of a real system": {
+        "monitor": "Check properties on a recorded trace, or while it is recorded.",
+        "conform": "Check whether recorded events are a run of a model.",
+        "mine": "Find the tightest value for which a formula holds on traces.",
+        "plot": "Draw a trace and the violations of properties on it.",
+    },
+    "Packets of DDS-XRCE": {
+        "decode": "Print the DDS-XRCE submessages of a capture, a line each.",
+        "measure": "Measure the parameters of a DDS-XRCE system in captures of it.",
+        "chart": "Draw a sequence chart of a capture or of a run.",
+        "proxy": "Relay packets, and lose, delay or duplicate some of them.",
+        "bridge": "Run a model in place of a client or an Agent, over UDP.",
+    },
+    "Models": {
+        "check": "Report every mistake in models.",
+        "fmt": "Rewrite models in canonical form.",
+        "convert": "Write a model in another form.",
+        "export": "Write a model for UPPAAL, TChecker, Munta, Graphviz or FMI.",
+        "diff": "Show how the behaviour of two models differs.",
+        "draw": "Draw the templates of a model.",
+        "models": "List the models that come with tachk, or copy one.",
+    },
+    "Help": {
+        "explain": "Explain a message, a formula or a sentence.",
+        "sentences": "List the English sentences that express properties.",
+        "completion": "Print a script that lets your shell complete commands.",
+    },
 }
-"""Of commands whose modules are in folders of their own."""
+"""The commands by their sections of the help, each with its first line, so that the help need not import them."""
 
+_OTHERS = "More commands"
+"""The section of commands that stand in the folder but not in a section."""
+
+COMMANDS = (
+    *(name for section in SECTIONS.values() for name in section),
+    *sorted({module.name for module in iter_modules(commands.__path__)}.difference(*SECTIONS.values())),
+)
+"""In the order of the help: those of the sections, then all others of the folder."""
 
 COMPLETION_VARIABLE = "_TACHK_COMPLETE"
 """With this in the environment click answers what a shell asks when it completes a line."""
 
 
 def load_command(name: str) -> click.Command:
-    """The command of a name: `tachk.cli.commands.NAME.command`, or in one of the folders."""
-    folder = f"{_FOLDERS[name]}." if name in _FOLDERS else ""
-    command = import_module(f"tachk.cli.commands.{folder}{name.replace('-', '_')}").command
+    """The command of a name: `tachk.cli.commands.NAME.command`."""
+    command = import_module(f"{commands.__name__}.{name}").command
     assert isinstance(command, click.Command)
     return command
 
 
+def _summaries() -> dict[str, dict[str, str]]:
+    """The first lines of all commands, by section."""
+    others = {name: load_command(name).get_short_help_str(80) for name in COMMANDS if not _has_section(name)}
+    return {**SECTIONS, _OTHERS: others} if others else SECTIONS
+
+
+def _has_section(name: str) -> bool:
+    return any(name in section for section in SECTIONS.values())
+
+
 class _Commands(click.Group):
-    """Loads a command when it is needed; the help needs all of them."""
+    """Loads a command when it is needed; the help and the completion of names load none."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         return load_command(cmd_name) if cmd_name in COMMANDS else None
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        width = max(map(len, COMMANDS))
+        for section, summaries in _summaries().items():
+            with formatter.section(section):
+                formatter.write_dl([(name.ljust(width), summary) for name, summary in summaries.items()])
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        summaries = {name: summary for section in _summaries().values() for name, summary in section.items()}
+        names = [CompletionItem(name, help=help) for name, help in summaries.items() if name.startswith(incomplete)]
+        return [*names, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

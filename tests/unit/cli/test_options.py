@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import click
 import pytest
 
-from tachk.cli.main import COMMANDS, app
+from tachk.cli import main
+from tachk.cli.main import COMMANDS, SECTIONS, app
 from tachk.cli.options import distributed
 from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.catalogue import SUFFIXES, ExportFormat
@@ -26,6 +27,38 @@ def command(name: str) -> click.Command:
 def test_every_command_is_called_as_it_is_listed(name: str) -> None:
     assert command(name).name == name
     assert command(name).get_short_help_str()
+
+
+def test_the_lines_of_the_help_are_about_commands_and_not_wrapped() -> None:
+    lines = [line for section in SECTIONS.values() for line in section.items()]
+    assert {name for name, _ in lines} <= {*COMMANDS}
+    assert len({name for name, _ in lines}) == len(lines)
+    assert max(len(summary) for _, summary in lines) <= 78 - 2 - max(map(len, COMMANDS)) - 2
+
+
+def test_a_command_without_a_section_comes_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(main, "SECTIONS", {"Verify": {"verify": "Check the properties of models."}})
+    monkeypatch.setattr(main, "COMMANDS", ("verify", "fmt"))
+    told = app.get_help(click.Context(app, info_name="tachk"))
+    assert told[told.index("Verify:") :].split() == (
+        [
+            "Verify:",
+            "verify",
+            "Check",
+            "the",
+            "properties",
+            "of",
+            "models.",
+            "More",
+            "commands:",
+            "fmt",
+            "Rewrite",
+            "models",
+            "in",
+            "canonical",
+            "form.",
+        ]
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,1 +1,1 @@
-"""The options of the commands, one module each, called like the command; nothing here imports anything heavy."""
+"""The commands: one module each, called like the command, with its options, its help and what it does."""

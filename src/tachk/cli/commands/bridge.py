@@ -25,7 +25,7 @@ from tachk.xrce.bridge.sockets import BridgeSocket
 from tachk.xrce.proxy.recording import CaptureWriter
 
 
-@click.command(name="bridge", short_help="Let a model stand in for a client or an Agent of DDS-XRCE, by UDP.")
+@click.command(name="bridge")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option(
     "processes",

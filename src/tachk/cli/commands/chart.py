@@ -29,7 +29,7 @@ from tachk.xrce.report.sequence_chart import chart_of_capture
 from tachk.xrce.transmissions import read_transmissions
 
 
-@click.command(name="chart", short_help="Draw a sequence chart of a capture or of a run.")
+@click.command(name="chart")
 @click.argument("file", metavar="FILE", type=options.type_of_file)
 @click.option(
     "output",

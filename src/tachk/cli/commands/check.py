@@ -27,7 +27,7 @@ from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
 
 
-@click.command(name="check", short_help="Report every mistake in models.")
+@click.command(name="check")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True, type=click.Path(), help="Model files.")
 @options.definitions
 @click.option(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 
-@click.command(name="completion", short_help="Print a script that lets your shell complete commands.")
+@click.command(name="completion")
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]), help="Your shell.")
 @click.pass_context
 def command(ctx: click.Context, shell: str) -> None:

@@ -25,7 +25,7 @@ from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text, coverage_to_text
 
 
-@click.command(name="conform", short_help="Ask whether recordings are runs of a model.")
+@click.command(name="conform")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model with a `recording { ... }`.")
 @click.argument(
     "recordings",

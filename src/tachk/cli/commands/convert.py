@@ -40,7 +40,7 @@ written out in full. Without --force, a file with other contents is not overwrit
 """
 
 
-@click.command(name="convert", short_help="Write a model in another form.", help=_HELP)
+@click.command(name="convert", help=_HELP)
 @click.argument("source", metavar="IN", type=click.Path(), help="A model, or a file of queries.")
 @click.argument(
     "output",

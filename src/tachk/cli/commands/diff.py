@@ -22,7 +22,7 @@ from tachk.formats.uppaal.query_asides import wrong_query_in
 from tachk.syntax.source_files import read_source
 
 
-@click.command(name="diff", short_help="Show how the behaviour of two models differs.")
+@click.command(name="diff")
 @click.argument("before", metavar="A", type=click.Path(), help="A model.")
 @click.argument("after", metavar="B", type=click.Path(), help="The same model, changed.")
 @options.definitions

@@ -17,7 +17,7 @@ from tachk.report.drawing.svg import together
 from tachk.report.pictures import draw_file, named
 
 
-@click.command(name="draw", short_help="Draw the templates of a model.")
+@click.command(name="draw")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option(
     "output",

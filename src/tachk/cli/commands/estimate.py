@@ -41,7 +41,7 @@ from tachk.verify.questions import Questions
 _SHARE = click.FloatRange(0, 0.5, min_open=True)
 
 
-@click.command(name="estimate", short_help="Estimate probabilities by random runs (statistical queries).")
+@click.command(name="estimate")
 @click.argument("arguments", metavar="MODEL [QUERY]...", nargs=-1, required=True, help="A model file, and queries.")
 @options.query_files("Answer the statistical queries in this file.")
 @options.definitions

@@ -26,7 +26,7 @@ from tachk.syntax.formulas.printer import print_formula, print_number
 from tachk.syntax.walk import nodes_of_kind
 
 
-@click.command(name="explain", short_help="Explain a message, a formula or a sentence.")
+@click.command(name="explain")
 @click.argument(
     "what",
     metavar="CODE|FORMULA|FILE",

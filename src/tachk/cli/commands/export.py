@@ -25,7 +25,7 @@ _UNIT = "fmu"
 """Not one of the formats of texts: a unit for co-simulation."""
 
 
-@click.command(name="export", short_help="Write a model for UPPAAL, TChecker, Munta or Graphviz, or as a unit (FMU).")
+@click.command(name="export")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="The file to write.")
 @click.option(

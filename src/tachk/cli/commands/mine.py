@@ -21,7 +21,7 @@ from tachk.recordings.monitors.mined_ranges import named_ranges
 from tachk.recordings.traces.conventions import TraceEnding
 
 
-@click.command(name="mine", short_help="Find the tightest parameter that traces satisfy.")
+@click.command(name="mine")
 @trace_options.formula
 @click.argument("traces", metavar="TRACE...", type=click.Path(), nargs=-1, required=True, help="Recorded traces.")
 @click.option(

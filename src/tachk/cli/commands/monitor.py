@@ -26,7 +26,7 @@ from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.report.monitor.text import print_monitor
 
 
-@click.command(name="monitor", short_help="Check properties on a recorded trace.")
+@click.command(name="monitor")
 @trace_options.formula
 @trace_options.trace("; - reads CSV rows from standard input as they come")
 @trace_options.columns

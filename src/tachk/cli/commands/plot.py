@@ -15,7 +15,7 @@ from tachk.cli.judged import Judged, print_warnings
 from tachk.recordings.monitors.offline import Judging, judge
 
 
-@click.command(name="plot", short_help="Draw a trace and the violations of properties on it.")
+@click.command(name="plot")
 @trace_options.formula
 @trace_options.trace()
 @click.option(

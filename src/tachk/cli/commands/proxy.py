@@ -26,7 +26,7 @@ from tachk.xrce.proxy.script import parse_script
 from tachk.xrce.proxy.sightings import said
 
 
-@click.command(name="proxy", short_help="Relay packets of DDS-XRCE, and lose, delay or duplicate some.")
+@click.command(name="proxy")
 @click.option(
     "listen",
     "--listen",

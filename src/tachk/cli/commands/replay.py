@@ -27,7 +27,7 @@ from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.replaying import replay_claims
 
 
-@click.command(name="replay", short_help="Execute a run on a model, and judge it.")
+@click.command(name="replay")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.argument(
     "file",

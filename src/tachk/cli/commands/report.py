@@ -29,7 +29,7 @@ from tachk.report.page.results import chapter_of, read_result, runs_of_verify
 from tachk.verify.verdict import Answer
 
 
-@click.command(name="report", short_help="Write a page that one can hand on.")
+@click.command(name="report")
 @click.argument(
     "inputs",
     metavar="[MODEL [QUERY]...] [RESULT.json|PICTURE.svg|TEXT.md]...",

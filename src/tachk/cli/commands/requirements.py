@@ -24,7 +24,7 @@ from tachk.syntax.walk import nodes_of_kind
 from tachk.verify.requirements.analysis import analyse
 
 
-@click.command(name="requirements", short_help="Find requirements that contradict each other.")
+@click.command(name="requirements")
 @click.argument("file", metavar="FILE", type=click.Path(), help="A file of formulas and sentences, or a single one.")
 @click.option(
     "form",

@@ -10,7 +10,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.logic.patterns import CATALOGUE, Pattern
 
 
-@click.command(name="sentences", short_help="List the sentences that express properties.")
+@click.command(name="sentences")
 @click.argument("words", metavar="WORD...", nargs=-1, help="List only sentences that contain these words.")
 def command(words: tuple[str, ...]) -> None:
     """List the sentences that express properties, each with its formula and its meaning."""

@@ -40,7 +40,7 @@ from tachk.simulation.tables import decimal_time
 from tachk.simulation.times import horizon_of
 
 
-@click.command(name="simulate", short_help="Draw random runs of a model.")
+@click.command(name="simulate")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.argument(
     "script",

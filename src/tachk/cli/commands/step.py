@@ -25,7 +25,7 @@ from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.session import Session
 
 
-@click.command(name="step", short_help="Walk through a model, step by step.")
+@click.command(name="step")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @options.definitions
 @click.option(

@@ -37,7 +37,7 @@ from tachk.verify.campaign.run import Progress
 from tachk.verify.verdict import Answer
 
 
-@click.command(name="sweep", short_help="Check a model for many values of its constants.")
+@click.command(name="sweep")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.argument("queries", metavar="[QUERY]...", nargs=-1, required=False, help="Queries.")
 @click.option(

@@ -28,7 +28,7 @@ from tachk.verify.synthesis.region import Region
 from tachk.verify.verdict import Answer
 
 
-@click.command(name="synthesize", short_help="Find the values of constants for which a property holds.")
+@click.command(name="synthesize")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.argument("query", metavar="[QUERY]", required=False, help="A query, in place of --property.")
 @click.option("property", "--property", metavar="NAME", help="The property of the model.")

@@ -26,7 +26,7 @@ from tachk.report.time_report import TimedInterval, TimedRow, times_to_csv, time
 from tachk.verify.times import Times
 
 
-@click.command(name="time", short_help="Measure the time between two events, over all runs.")
+@click.command(name="time")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option(
     "start",

@@ -1,4 +1,4 @@
-"""`tachk verify`: check the properties of models, or the given queries. Statistical queries are answered by random runs."""
+"""`tachk verify`: check the properties of models, or the given queries."""
 
 from __future__ import annotations
 

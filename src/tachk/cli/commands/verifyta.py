@@ -25,7 +25,7 @@ class _Untouched(click.Command):
         return []
 
 
-@click.command(name="verifyta", short_help="Check with the options and output of UPPAAL's verifyta.", cls=_Untouched)
+@click.command(name="verifyta", cls=_Untouched)
 def command(arguments: tuple[str, ...]) -> None:
     """Check models with the options and the output of UPPAAL's verifyta, for scripts that call verifyta."""
     program = click.get_current_context().command_path
