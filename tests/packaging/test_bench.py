@@ -28,3 +28,19 @@ def test_a_run_is_measured_remembered_and_compared_with_the_one_before(tmp_path:
     (compared,) = [line for line in second.stdout.splitlines() if "| 1000.00 |" in line]
     assert compared.startswith("| train_gate | 2 | tachk | 1000.00 |") and compared.endswith("| 70 | 11 |")
     assert len(json.loads(history.read_text(encoding="utf-8"))) == 2
+
+
+def test_every_program_can_be_imported() -> None:
+    names = sorted(path.stem for path in (ROOT / "bench").glob("*.py") if path.stem != "__main__")
+    program = f"""
+import sys
+sys.path[:0] = [".", "bench"]
+for name in {names}:
+    try:
+        __import__(name)
+    except ModuleNotFoundError as missing:
+        if missing.name != "rtamt":
+            raise
+"""
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
