@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import pickle
 from pathlib import Path
 
 import pytest
@@ -37,6 +39,20 @@ def test_the_tables_of_another_grammar_are_not_taken(cache_folder: Path) -> None
     assert other is not None
     stored.rename(other)
     assert tables.cached_grammar('start: "b"', ("start",)).terminals[0].text == "b"
+
+
+def test_the_name_of_the_cache_depends_on_every_class_that_is_stored(cache_folder: Path) -> None:
+    build()
+    (stored,) = cache_folder.iterdir()
+    named = []
+
+    class Noting(pickle.Unpickler):
+        def find_class(self, module: str, name: str) -> object:
+            named.append(f"{module}.{name}")
+            return super().find_class(module, name)
+
+    Noting(io.BytesIO(stored.read_bytes())).load()
+    assert named and all(name in tables._FORMAT for name in named)
 
 
 @pytest.mark.parametrize("content", [b"", b"nonsense", b"\x80\x04N."])
