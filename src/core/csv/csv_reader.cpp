@@ -243,9 +243,8 @@ const char* CsvReader::read_line(const char* begin) {
       end = skip_cell(p, begin, cell);
     } else {
       CsvColumn& column = columns_[static_cast<std::size_t>(step)];
-      held_ = false;
-      end = column.is_text ? read_text(column, p, begin, cell) : read_value(column, p, begin, cell);
-      if (column.tells_arrivals) column.arrivals.push_back(held_ ? 0 : 1);
+      end = column.is_text || column.tells_arrivals ? read_rare(column, p, begin, cell)
+                                                    : read_value(column, p, begin, cell);
     }
     if (end == nullptr) return nullptr;
     const bool last = cell + 1 == cells;
@@ -256,6 +255,13 @@ const char* CsvReader::read_line(const char* begin) {
   any_row_ = true;
   if (!complete_) begin_later();
   return p;
+}
+
+const char* CsvReader::read_rare(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {
+  held_ = false;
+  const char* const end = column.is_text ? read_text(column, begin, line, cell) : read_value(column, begin, line, cell);
+  if (column.tells_arrivals) column.arrivals.push_back(held_ ? 0 : 1);
+  return end;
 }
 
 // Of a row in which some column has had no value yet, only what the others hold is kept.
@@ -325,11 +331,11 @@ const char* CsvReader::read_date(const char* begin, const char* line, std::int32
 }
 
 // The place behind the cell, `rest`, or nullptr.
-const char* CsvReader::put_time(Decimal time, const char* rest, const char* begin, const char* line,
+const char* CsvReader::put_time(const Decimal& time, const char* rest, const char* begin, const char* line,
                                 std::int32_t cell) {
-  const auto fault = times_.put(time);
-  if (!fault) return rest;
-  switch (*fault) {
+  switch (times_.put(time)) {
+    case CsvTimeFault::none:
+      return rest;
     case CsvTimeFault::decreasing:
       return fail(CsvFaultKind::decreasing_time, begin, line, cell);
     case CsvTimeFault::too_large:
@@ -391,9 +397,8 @@ const char* CsvReader::read_value(CsvColumn& column, const char* begin, const ch
       if (number.exponent < 0) value /= powers_of_ten[static_cast<std::size_t>(-number.exponent)];
       if (number.negative) value = -value;
       if (column.is_number) {
-        column.numbers.push_back(value);
+        column.numbers.push_back(value);  // it has had a value, or it would be one of truth values yet
         column.last = value;
-        column.is_known = true;
         return rest;
       }
       if (!column.has_words || value == 0 || value == 1) {

@@ -107,12 +107,13 @@ class CsvReader {
   const char* read_line(const char* begin);
   const char* read_time(const char* begin, const char* line, std::int32_t cell);
   const char* read_date(const char* begin, const char* line, std::int32_t cell);
+  const char* read_rare(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* read_text(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* read_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* read_slow_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* skip_cell(const char* begin, const char* line, std::int32_t cell);
   const char* close_cell(const char* rest, const char* begin, const char* line, std::int32_t cell);
-  const char* put_time(Decimal time, const char* rest, const char* begin, const char* line, std::int32_t cell);
+  const char* put_time(const Decimal& time, const char* rest, const char* begin, const char* line, std::int32_t cell);
   void put_number(CsvColumn& column, double value);
   bool hold(CsvColumn& column);
   void begin_later();

@@ -1,16 +1,12 @@
 #include "csv/csv_times.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <stdexcept>
 
 namespace tachk::csv {
 
 namespace {
-
-constexpr std::int64_t furthest_time = std::numeric_limits<std::int64_t>::max() / 2;
 
 bool same_number(Decimal a, Decimal b) {
   drop_zeros(a, 0);
@@ -18,9 +14,18 @@ bool same_number(Decimal a, Decimal b) {
   return a.mantissa == b.mantissa && a.exponent == b.exponent && a.negative == b.negative && a.exact == b.exact;
 }
 
-double value_of(const Decimal& number) {
-  const double absolute = static_cast<double>(number.mantissa) * std::pow(10.0, static_cast<double>(number.exponent));
-  return number.negative ? -absolute : absolute;
+bool is_smaller(Decimal a, Decimal b) {
+  // What does not fit when it is counted in the finer unit is larger than the other, which fits.
+  for (; a.exponent > b.exponent && a.mantissa != 0; --a.exponent)
+    if (__builtin_mul_overflow(a.mantissa, std::uint64_t{10}, &a.mantissa)) return false;
+  for (; b.exponent > a.exponent && b.mantissa != 0; --b.exponent)
+    if (__builtin_mul_overflow(b.mantissa, std::uint64_t{10}, &b.mantissa)) return true;
+  return a.mantissa < b.mantissa;
+}
+
+bool is_before(const Decimal& a, const Decimal& b) {
+  if (a.negative != b.negative) return a.negative;
+  return a.negative ? is_smaller(b, a) : is_smaller(a, b);
 }
 
 }  // namespace
@@ -71,15 +76,28 @@ bool CsvTimes::round(Decimal& time) {
 // Counts all times so far in units of so many decimals, if these are more than now. False where they do not fit.
 bool CsvTimes::refine(std::int64_t decimals) {
   for (; options_.decimals < decimals; ++options_.decimals) {
-    if (any_ && std::abs(last_) > furthest_time / 10) return false;
-    if (!ticks_.empty() && std::abs(ticks_.front()) > furthest_time / 10) return false;
+    if (any_ && std::abs(last_) > furthest / 10) return false;
+    if (!ticks_.empty() && std::abs(ticks_.front()) > furthest / 10) return false;
     last_ *= 10;
     for (std::int64_t& each : ticks_) each *= 10;
   }
   return true;
 }
 
-std::optional<CsvTimeFault> CsvTimes::put(Decimal time) {
+// As many units finer by so many decimals, or -1 where they do not fit.
+std::int64_t CsvTimes::scaled(std::int64_t tick, std::int64_t decimals) {
+  for (; decimals > 0; --decimals)
+    if (__builtin_mul_overflow(tick, std::int64_t{10}, &tick)) return -1;
+  return tick <= furthest ? tick : -1;
+}
+
+// The last time before it was rounded.
+Decimal CsvTimes::last_unrounded() const {
+  if (last_changed_) return last_before_;
+  return {static_cast<std::uint64_t>(std::abs(last_)), -static_cast<std::int64_t>(options_.decimals), last_ < 0};
+}
+
+CsvTimeFault CsvTimes::put_other(Decimal time) {
   if (time.large) return CsvTimeFault::too_large;
   const bool is_shorter = may_be_double(time) && shorten(time);
   const bool is_fine = -time.exponent > std::min<std::int64_t>(options_.usual_decimals, options_.most_decimals);
@@ -92,23 +110,23 @@ std::optional<CsvTimeFault> CsvTimes::put(Decimal time) {
   if (!refine(decimals)) return CsvTimeFault::too_large;
   for (; decimals < options_.decimals && mantissa != 0; ++decimals)
     if (__builtin_mul_overflow(mantissa, std::uint64_t{10}, &mantissa)) return CsvTimeFault::too_large;
-  if (mantissa > static_cast<std::uint64_t>(furthest_time)) return CsvTimeFault::too_large;
+  if (mantissa > static_cast<std::uint64_t>(furthest)) return CsvTimeFault::too_large;
   const auto tick = time.negative ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa);
   if (any_ && tick <= last_) {
     if (!is_rounded && !is_shorter && !last_changed_) {
       if (tick < last_) return CsvTimeFault::decreasing;
-    } else if (!same_number(unrounded, last_unrounded_)) {
-      return value_of(unrounded) < value_of(last_unrounded_) ? CsvTimeFault::decreasing : CsvTimeFault::merged;
+    } else if (const Decimal before = last_unrounded(); !same_number(unrounded, before)) {
+      return is_before(unrounded, before) ? CsvTimeFault::decreasing : CsvTimeFault::merged;
     }
   }
   ticks_.push_back(tick);
   last_ = tick;
-  last_unrounded_ = unrounded;
   last_changed_ = is_rounded || is_shorter;
+  if (last_changed_) last_before_ = unrounded;
   rounded_ = rounded_ || is_rounded;
   shortened_ = shortened_ || is_shorter;
   any_ = true;
-  return std::nullopt;
+  return CsvTimeFault::none;
 }
 
 }  // namespace tachk::csv

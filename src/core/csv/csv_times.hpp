@@ -7,7 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -27,6 +27,7 @@ struct CsvTimeOptions {
 };
 
 enum class CsvTimeFault {
+  none,
   decreasing,
   too_large,  // it does not fit into 64 bits of ticks
   too_fine,   // it has more decimals than allowed
@@ -37,7 +38,7 @@ class CsvTimes {
  public:
   explicit CsvTimes(CsvTimeOptions options);
 
-  std::optional<CsvTimeFault> put(Decimal time);
+  CsvTimeFault put(const Decimal& time) { return put_plain(time) ? CsvTimeFault::none : put_other(time); }
   std::uint32_t decimals() const { return options_.decimals; }
   // Whether some time was rounded.
   bool rounded() const { return rounded_; }
@@ -52,6 +53,27 @@ class CsvTimes {
   std::vector<std::int64_t> take() { return std::exchange(ticks_, {}); }
 
  private:
+  static constexpr std::int64_t furthest = std::numeric_limits<std::int64_t>::max() / 2;
+
+  // The usual case, without a copy of the number: a short time behind the one before, counted in units that are known.
+  bool put_plain(const Decimal& time) {
+    const std::int64_t places = -time.exponent;
+    if (!time.exact || places < 0 || places > options_.decimals || places > options_.usual_decimals) return false;
+    if (time.mantissa > static_cast<std::uint64_t>(furthest) || decimals::may_be_double(time)) return false;
+    auto tick = static_cast<std::int64_t>(time.mantissa);
+    if (places != options_.decimals) tick = scaled(tick, options_.decimals - places);
+    if (tick < 0) return false;
+    if (time.negative) tick = -tick;
+    if (any_ && tick < last_ + (last_changed_ ? 1 : 0)) return false;
+    ticks_.push_back(tick);
+    last_ = tick;
+    last_changed_ = false;
+    any_ = true;
+    return true;
+  }
+  CsvTimeFault put_other(Decimal time);
+  static std::int64_t scaled(std::int64_t tick, std::int64_t decimals);
+  Decimal last_unrounded() const;
   bool shorten(Decimal& time);
   bool round(Decimal& time);
   bool refine(std::int64_t decimals);
@@ -62,8 +84,8 @@ class CsvTimes {
   bool shortened_ = false;
   bool unprinted_ = false;
   std::int64_t last_ = 0;
-  Decimal last_unrounded_;     // the same before it was rounded
   bool last_changed_ = false;  // rounded or shortened
+  Decimal last_before_;        // the last one before it was changed, if it was
   std::vector<std::int64_t> ticks_;
 };
 

@@ -111,3 +111,11 @@ def test_help_against_times_that_no_rounding_makes_countable(name: str, tmp_path
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")
     with pytest.raises((InputError, UsageError), match="leave out the rows with such a time"):
         open_trace(path).read(["x"])
+
+
+def test_which_of_two_times_that_round_to_the_same_lies_before_is_exact(tmp_path: Path) -> None:
+    for first, second, code in (("117302", "", "E0913"), ("", "117302", "E0915"), ("2173", "1173", "E0913")):
+        times = ["1000000000.002000093460", f"1000000001.352000{first}", f"1000000001.352000{second}"]
+        with pytest.raises(InputError) as found:
+            clocks(written(tmp_path / "a.csv", times), 6)
+        assert found.value.diagnostics[0].code == code
