@@ -121,14 +121,26 @@ def test_width_of_a_stream_that_is_no_terminal(monkeypatch: pytest.MonkeyPatch) 
     assert width_of(io.StringIO()) == 80
 
 
-@pytest.mark.parametrize("arguments", [["verify"], ["explain", "E0101"]])
-def test_nobody_reading_is_no_error(model: Path, arguments: list[str]) -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize(
+    "arguments", [["verify"], ["explain", "E0101"], ["--help"], ["--version"], ["time", "-h"], ["verifyta", "-h"]]
+)
+def test_nobody_reading_is_no_error(model: Path, arguments: list[str], unbuffered: str) -> None:
     reading, writing = os.pipe()
     os.close(reading)
     command = [sys.executable, "-m", "tachk", *arguments, *([str(model)] if arguments == ["verify"] else [])]
-    process = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False)
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    process = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False, env=environment)
     os.close(writing)
     assert (process.returncode, process.stderr) == (-signal.SIGPIPE, b"")
+
+
+def test_nobody_reading_what_is_wrong_is_no_error_either() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    process = subprocess.run([sys.executable, "-m", "tachk", "nothing"], stderr=writing, check=False)
+    os.close(writing)
+    assert process.returncode == -signal.SIGPIPE
 
 
 INTERRUPT_SECOND_SEARCH = """
@@ -233,3 +245,55 @@ def test_who_is_broken_off_leaves_no_half_written_file(model: Path, tmp_path: Pa
     )
     assert sorted(each.name for each in tmp_path.iterdir()) == ["m.ta", "runs.csv"]
     assert (tmp_path / "runs.csv").read_text() == "old"
+
+
+TWICE = """
+import os, signal, sys
+from multiprocessing import get_context
+from time import sleep
+from tachk.cli import termination
+from tachk.simulation import tables
+from tachk.cli.main import run
+
+termination._SECONDS_OF_ONE_INTERRUPT = {apart}
+
+def broken_off(trace):
+    get_context("fork").Process(target=sleep, args=(60,), daemon=True).start()
+    try:
+        os.kill(os.getpid(), signal.{name})
+        sleep(60)
+    finally:  # what ends the command is still under way when it is broken off again
+        os.kill(os.getpid(), signal.{name})
+        print("went on", file=sys.stderr)
+
+tables._rows = broken_off
+run()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(
+    ("apart", "said"), [(-1, ""), (60, "went on\nerror: interrupted before there was an answer\n")]
+)
+def test_a_second_interrupt_ends_at_once_and_a_double_one_is_one(
+    model: Path, tmp_path: Path, name: str, apart: int, said: str
+) -> None:
+    code = TWICE.format(name=name, apart=apart)
+    command = [sys.executable, "-c", code, "simulate", str(model), "-o", str(tmp_path / "runs.csv")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=50)
+    assert (done.returncode, done.stderr) == (-getattr(signal, name), said)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["m.ta"]
+
+
+AT_THE_END = """
+import gc, os, signal
+from tachk.cli.main import run
+
+gc.freeze = lambda: os.kill(os.getpid(), signal.SIGINT)
+run()
+"""
+
+
+def test_an_interrupt_behind_the_report_ends_without_a_word() -> None:
+    done = subprocess.run([sys.executable, "-c", AT_THE_END, "--version"], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import BinaryIO, TextIO
 
 _TRIES = 100
+_unfinished: set[Path] = set()
+"""The files that are being written, of this process and of those that it is a copy of."""
 
 
 @contextmanager
@@ -28,8 +30,14 @@ def whole_file(path: Path) -> Iterator[Path]:
         if part.exists():
             os.replace(part, target)
     finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
+        _remove(part)
+
+
+def remove_unfinished() -> None:
+    """Removes what is being written: for a program that ends without unwinding."""
+    own = _prefix()
+    for part in [part for part in _unfinished if part.name.startswith(own)]:
+        _remove(part)
 
 
 @contextmanager
@@ -61,14 +69,30 @@ def _empty_part(target: Path) -> Path | None:
     if target.exists() and not os.access(target, os.W_OK):
         return None
     for number in range(_TRIES):
-        part = target.with_name(f".tachk-{os.getpid()}-{number}.part")
+        part = target.with_name(f"{_prefix()}{number}.part")
+        if part in _unfinished:
+            continue
+        _unfinished.add(part)  # before it is there: an interrupt may come in between
         try:
             os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         except FileExistsError:
+            _unfinished.discard(part)
             continue
         except OSError:
+            _unfinished.discard(part)
             return None
         with suppress(OSError):
             shutil.copymode(target, part)
         return part
     return None
+
+
+def _remove(part: Path) -> None:
+    with suppress(OSError):
+        part.unlink(missing_ok=True)
+    _unfinished.discard(part)
+
+
+def _prefix() -> str:
+    """Of the names of the files that this process writes."""
+    return f".tachk-{os.getpid()}-"

@@ -26,11 +26,7 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
     termination = Termination()
     termination.heed()
     try:
-        status = command()
-        sys.stdout.flush()
-    except click.ClickException as error:
-        error.show()
-        status = error.exit_code
+        status = _status_of(command)
     except BrokenPipeError:
         status = ExitStatus.PIPE_CLOSED
     except OSError as error:  # the report cannot be written: the disk is full
@@ -40,13 +36,31 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
     except (click.Abort, KeyboardInterrupt):
         status = ExitStatus.INTERRUPTED
         print("error: interrupted", file=sys.stderr)
+    termination.leave()
     if status == ExitStatus.PIPE_CLOSED:
         _leave_unwritten()
         end_by(getattr(signal, "SIGPIPE", signal.SIGTERM))
     if status == ExitStatus.INTERRUPTED:
-        end_by(termination.signal)
+        termination.end()
     gc.freeze()  # or Python looks through everything once more for what it could free
     sys.exit(status)
+
+
+def _status_of(command: Callable[[], int | None]) -> int | None:
+    """Raises BrokenPipeError where nobody reads what the command prints."""
+    stdout = sys.stdout
+    try:
+        status = command()
+        sys.stdout.flush()
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except SystemExit:
+        if sys.stdout is stdout:
+            raise
+        # Where a pipe is closed, click replaces the streams and exits with 1.
+        raise BrokenPipeError from None
+    return status
 
 
 def _leave_unwritten() -> None:
