@@ -30,7 +30,7 @@ from tachk.model.run import TimedState, Transition
 from tachk.transform.doubled_edges import with_guessed_suffix
 from tachk.verify.semantic_lint.deep_check import deep_check
 from tachk.verify.semantic_lint.reached import unreached_locations
-from tachk.verify.semantic_lint.zeno_run import ZenoRun, find_zeno_run
+from tachk.verify.semantic_lint.zeno import ZenoRun, find_zeno_run
 from tests.support import Shape, random_case
 from tests.support.oracles.avoiding_runs import Budget, LimitError, avoiding_run, build
 from tests.support.oracles.digitised import delayed, region_steps

@@ -15,8 +15,7 @@ from tachk.base.span import Source
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.parsing.parser import has_errors, parse_document
-from tachk.syntax.printing.canonical import canonical
-from tachk.syntax.printing.printer import print_document
+from tachk.syntax.printing.printer import canonical, print_document
 from tachk.syntax.query_files import parse_queries
 from tachk.syntax.source_files import read_source
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from tachk.cli import main
-from tachk.report.process_memory import peak_memory
+from tachk.report.verifyta_notes import peak_memory
 
 CPU_SECONDS = 20
 """Of processor time, not of the clock: a busy machine makes no finding."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from tachk.base.awaited_pipe import PATIENCE
 from tachk.base.diagnostics.diagnostic import UsageError
@@ -14,14 +16,13 @@ from tachk.base.job import StoppedError, check_job
 from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.judged import Judged, exit_status, print_warnings
-from tachk.cli.listeners import JsonListener, LineListener, Listener, TextListener
-from tachk.cli.live_capture import open_live, without_hindsight
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, hidden_formulas
 from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.offline import Judging
 from tachk.recordings.monitors.online import Monitor
+from tachk.recordings.monitors.online_record import OnlineVerdict, OnlineViolation
 from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.compressed import is_compressed, open_bytes, plain_suffix
 from tachk.recordings.traces.csv_beginning import ByteStream
@@ -29,7 +30,124 @@ from tachk.recordings.traces.logs.trace_jsonl import JsonStream
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_csv import CsvRecording, PushedBack, open_csv, open_csv_stream
 from tachk.recordings.traces.trace_files import JSON_LINES, is_csv
-from tachk.xrce.traces.live import LivePackets
+from tachk.report.monitor.event_lines import end_event, verdict_event, violation_event
+from tachk.report.monitor.online_report import decided_to_text, online_to_json, online_to_text, violation_to_text
+from tachk.xrce.traces.arriving import GrowingFile, Pipe
+from tachk.xrce.traces.live import LivePackets, needs_hindsight
+
+
+def open_live(trace: str, ports: tuple[int, ...]) -> LivePackets:
+    """A capture on standard input, or a file that grows. Raises UsageError."""
+    if trace == "-":
+        return LivePackets(trace, Pipe(sys.stdin.fileno()), ports, time.monotonic_ns)
+    path = Path(trace)
+    if not path.is_file():
+        raise UsageError(f"there is no file {path}")
+    return LivePackets(trace, GrowingFile(path), ports, time.monotonic_ns)
+
+
+def without_hindsight(formulas: tuple[NamedFormula, ...], are_chosen: bool) -> tuple[NamedFormula, ...]:
+    """The formulas that can be judged while a capture is made; says which cannot.
+
+    Args:
+        are_chosen: somebody has asked for these formulas by their names; then all stay.
+    """
+    if are_chosen:
+        return formulas
+    late = [one.name for one in formulas if needs_hindsight(one.columns)]
+    if late and len(late) < len(formulas):
+        print(f"left out, for they are known only when the capture is over: {', '.join(late)}", file=sys.stderr)
+        return tuple(one for one in formulas if one.name not in late)
+    return formulas
+
+
+class Listener:
+    """Prints nothing."""
+
+    def __init__(self, monitor: Monitor, name: str) -> None:
+        self._monitor = monitor
+        self._name = name
+
+    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+        """These have begun or ended."""
+
+    def decided(self, verdict: OnlineVerdict) -> None:
+        """This has been decided."""
+
+    def end(self) -> None:
+        """No row follows, or none matters."""
+
+
+class JsonListener(Listener):
+    """Prints the whole at the end."""
+
+    def __init__(self, monitor: Monitor, name: str, out: TextIO) -> None:
+        super().__init__(monitor, name)
+        self._out = out
+        self._ended: list[OnlineViolation] | None = [] if monitor.watches_violations else None
+
+    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+        if self._ended is not None:
+            self._ended += [violation for violation in violations if violation.until is not None]
+
+    def end(self) -> None:
+        json.dump(online_to_json(self._monitor.record(self._name, self._ended)), self._out, indent=2)
+        self._out.write("\n")
+
+
+class LineListener(Listener):
+    """Prints a line of JSON at each event."""
+
+    def __init__(self, monitor: Monitor, name: str, out: TextIO) -> None:
+        super().__init__(monitor, name)
+        self._out = out
+        self._told: set[str] = set()
+
+    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+        self._write(*map(violation_event, violations))
+
+    def decided(self, verdict: OnlineVerdict) -> None:
+        self._told.add(verdict.name)
+        self._write(verdict_event(verdict))
+
+    def end(self) -> None:
+        record = self._monitor.record(self._name)
+        self._write(*(verdict_event(verdict) for verdict in record.verdicts if verdict.name not in self._told))
+        self._write(end_event(record))
+
+    def _write(self, *events: Mapping[str, Any]) -> None:
+        if events:
+            self._out.write("".join(json.dumps(event) + "\n" for event in events))
+            self._out.flush()
+
+
+class TextListener(Listener):
+    """Prints some lines at each event, and a summary at the end."""
+
+    def __init__(self, monitor: Monitor, name: str, out: TextIO) -> None:
+        super().__init__(monitor, name)
+        self._out = out
+        self._counts: dict[str, int] = {}
+
+    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+        for violation in violations:
+            if violation.until is None:
+                self._counts[violation.name] = self._counts.get(violation.name, 0) + 1
+            self._out.write(violation_to_text(violation, self._monitor.unit, self._monitor.dated) + "\n")
+        self._out.flush()
+
+    def decided(self, verdict: OnlineVerdict) -> None:
+        self._out.write(decided_to_text(verdict, self._monitor.unit, self._monitor.dated) + "\n")
+        self._out.flush()
+
+    def end(self) -> None:
+        record = self._monitor.record(self._name)
+        self._out.write(online_to_text(record))
+        if self._monitor.watches_violations:
+            for verdict in record.verdicts:
+                if verdict.measured is not Truth.TRUE:
+                    count = self._counts.get(verdict.name, 0)
+                    self._out.write(f"{verdict.name}: {count} {'violation' if count == 1 else 'violations'}\n")
 
 
 class _AwaitedFile:

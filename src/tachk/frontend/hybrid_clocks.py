@@ -14,9 +14,27 @@ from collections.abc import Set as AbstractSet
 from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.frontend.passed_arguments import passed_arguments
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
+
+
+def passed_arguments(items: tuple[ast.Item, ...]) -> Iterator[tuple[ast.Parameter, ast.Expression]]:
+    """Each parameter with each of its arguments, in partial instantiations, too.
+
+    Functions of different templates that have the same name count as one.
+    """
+    made = {item.name.name: item for item in items if isinstance(item, ast.Template | ast.Instantiation)}
+    functions: dict[str, list[ast.FunctionDeclaration]] = {}
+    for function in nodes_of_kind(items, ast.FunctionDeclaration):
+        functions.setdefault(function.name.name, []).append(function)
+    for item in made.values():
+        if isinstance(item, ast.Instantiation) and item.template.name in made:
+            yield from zip(made[item.template.name].parameters, item.arguments, strict=False)
+    for call in nodes_of_kind(items, ast.CallExpression):
+        if isinstance(call.function, ast.NameExpression):
+            for function in functions.get(call.function.name, ()):
+                yield from zip(function.parameters, call.arguments, strict=False)
+
 
 _ARITHMETIC = (BinaryOperator.MULTIPLY, BinaryOperator.DIVIDE)
 _TRUTHS = (*COMPARISONS, BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR)

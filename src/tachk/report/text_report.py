@@ -25,13 +25,43 @@ from tachk.report.plain_console import plain_console
 from tachk.report.record import RunRecord
 from tachk.report.reductions_text import reduction_lines
 from tachk.report.run.telling import Ends, Telling
-from tachk.report.run.trace_summary import news_line
 from tachk.report.run.trace_text import event_lines, print_trace
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.verdict import Answer, Verdict
 
 if TYPE_CHECKING:
     from tachk.simulation.statistics.answers import StatisticalAnswer
+from tachk.meaning.run_view import ProcessMove, TraceView, TransitionView
+
+_TIMES_TOLD = 3
+
+
+def news_line(trace: TraceView, time_unit: str) -> str:
+    """One sentence part for each kind of news, in the order of first occurrence; empty where nothing is marked.
+
+    ``send[PUB_UP][DATA] lost at 3 s; subscriber falls asleep at 0 s``
+    """
+    found: dict[str, list[str]] = {}
+    for number, step in enumerate(trace.steps, start=1):
+        for move in () if step.event is None else step.event.moves:
+            if move.news and step.event is not None:
+                time = step.state.time
+                when = f"in step {number}" if time is None else f"at {duration(time, time_unit)}"
+                found.setdefault(_words(step.event, move), []).append(when)
+    return "; ".join(f"{words} {_told(times)}" for words, times in found.items())
+
+
+def _words(event: TransitionView, move: ProcessMove) -> str:
+    """A hidden process is named by what it does it to."""
+    actor = event.channel if move.hidden and event.channel else move.process
+    return f"{actor} {' '.join(move.doc.split())}"
+
+
+def _told(times: list[str]) -> str:
+    if len(times) <= _TIMES_TOLD:
+        return ", ".join(times)
+    return f"{len(times)} times from {times[0].split(' ', 1)[1]} to {times[-1].split(' ', 1)[1]}"
+
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)

@@ -3,8 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
-from tachk.report.process_memory import peak_memory
+_STATUS = Path("/proc/self/status")
+
+
+def peak_memory() -> tuple[int, int] | None:
+    """The largest virtual and resident sizes of the process so far, in KiB; None where the system does not tell."""
+    try:
+        lines = _STATUS.read_text(encoding="ascii", errors="replace").splitlines()
+    except OSError:
+        return _from_usage()
+    sizes = {name: value.split()[0] for name, _, value in (line.partition(":") for line in lines) if value.split()}
+    try:
+        return int(sizes["VmPeak"]), int(sizes["VmHWM"])
+    except (KeyError, ValueError):
+        return _from_usage()
+
+
+def _from_usage() -> tuple[int, int] | None:
+    """Where only the resident size is known it stands for both. macOS counts bytes."""
+    try:
+        import resource
+        import sys
+    except ImportError:
+        return None
+    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    size = size // 1024 if sys.platform == "darwin" else size
+    return size, size
 
 
 def note(text: str) -> str:

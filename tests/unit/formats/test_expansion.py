@@ -11,8 +11,8 @@ from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_to_json
 from tachk.formats.plain.expansion import expand
+from tachk.formats.uppaal.export import print_xta
 from tachk.formats.uppaal.query_file import print_queries
-from tachk.formats.uppaal.xta import print_xta
 from tachk.frontend.loaded import LoadedModel
 from tachk.syntax.query_files import parse_queries
 

@@ -10,9 +10,9 @@ from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.formats.plain.expansion import expand
+from tachk.formats.uppaal.export import print_xta
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
-from tachk.formats.uppaal.xta import print_xta
 
 PLAIN = "process P() { state a; init a; }\nsystem P;"
 

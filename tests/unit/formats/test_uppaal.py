@@ -22,8 +22,7 @@ from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.picture_layout import EdgeKey, Layout, Point, TemplateLayout
-from tachk.syntax.printing.canonical import canonical
-from tachk.syntax.printing.printer import print_document
+from tachk.syntax.printing.printer import canonical, print_document
 from tachk.verify.verify import verify
 
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tachk.meaning.run_view import ProcessMove, Snapshot, TransitionView, ViewStep
-from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
+from tachk.report.run.trace_text import Round, Single, fold_rounds
 
 EMPTY = Snapshot((), ())
 

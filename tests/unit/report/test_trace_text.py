@@ -11,9 +11,8 @@ from tachk.formats.loading.load import load_model
 from tachk.meaning.run_view import TraceView, view_trace
 from tachk.report.json_report import trace_to_json
 from tachk.report.run.telling import Telling
-from tachk.report.run.trace_summary import news_line
 from tachk.report.run.trace_text import print_trace
-from tachk.report.text_report import print_fault
+from tachk.report.text_report import news_line, print_fault
 from tachk.verify.verify import verify
 
 LINK = """

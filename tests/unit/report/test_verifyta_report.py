@@ -11,9 +11,9 @@ from tachk.base.span import Source
 from tachk.engine.options import Limits
 from tachk.engine.outcome import Statistics
 from tachk.formats.loading.load import load_model
-from tachk.report.process_memory import peak_memory
 from tachk.report.record import RunRecord
 from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
+from tachk.report.verifyta_notes import peak_memory
 from tachk.report.verifyta_report import note, run_to_verifyta, verdict_lines
 from tachk.verify.verdict import Answer, Verdict
 

@@ -18,9 +18,9 @@ from tachk.frontend.hybrid_clocks import declared_names, hybrid_clocks
 from tachk.frontend.loaded import elaborate_query_file
 from tachk.frontend.queries import statistical
 from tachk.frontend.queries.statistical import StatisticalReader
-from tachk.simulation.library import DrawnRun
 from tachk.simulation.statistics.estimate import Estimate, Estimated, Mean, Settings, estimate
 from tachk.simulation.statistics.sampling import RunSource
+from tachk.simulation.stepping.library import DrawnRun
 
 BALL = """
 const double G = 9.81;

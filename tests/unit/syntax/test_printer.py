@@ -16,9 +16,8 @@ from tachk.base.words import QueryKind
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import has_errors, parse_document, parse_expression, parse_query
 from tachk.syntax.parsing.tables import lexer
-from tachk.syntax.printing.canonical import canonical
 from tachk.syntax.printing.expression_printer import print_expression
-from tachk.syntax.printing.printer import print_document
+from tachk.syntax.printing.printer import canonical, print_document
 from tachk.syntax.printing.query_printer import print_query
 
 

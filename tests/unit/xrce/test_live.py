@@ -193,7 +193,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     with path.open("rb") as stream:
         monkeypatch.setattr(sys, "stdin", SimpleNamespace(fileno=stream.fileno, buffer=BytesIO()))
         monkeypatch.setattr(awaited_pipe.select, "select", lambda readable, *_: (readable, [], []))
-        from tachk.cli import live_capture as action
+        from tachk.cli import monitor_online as action
 
         opened = action.open_live("-", BOTH_SIDES)
         monitor = Monitor(["G (behind -> F[0, 20 s] caughtUp)"], unit="s")
@@ -204,7 +204,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_formulas_that_need_hindsight_are_left_out(capsys: pytest.CaptureFixture[str]):
-    from tachk.cli.live_capture import without_hindsight
+    from tachk.cli.monitor_online import without_hindsight
     from tachk.recordings.monitors.formulas import read_formulas
 
     formulas = read_formulas(QUERIES)

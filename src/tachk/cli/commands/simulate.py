@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import click
 
+from tachk.api.model import Model
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import StoppedError
+from tachk.base.whole_files import write_whole
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.arguments import parse_definitions
@@ -22,12 +24,12 @@ from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.judged import exit_status
 from tachk.cli.reporting import TableForm
-from tachk.cli.run_files import holds_steps, run_files
 from tachk.cli.scripted import Script, run_script
 from tachk.cli.simulated_model import simulated_model
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.policy import SCRIPT, Policy
 from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
+from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
@@ -35,9 +37,45 @@ from tachk.report.statistics.text import times_text
 from tachk.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
-from tachk.simulation.runs import Runs
-from tachk.simulation.tables import decimal_time
+from tachk.simulation.runs import Runs, steps_of
+from tachk.simulation.stepping.run_file import SUFFIX, steps_text
+from tachk.simulation.tables import RUN, decimal_time, run_writer
 from tachk.simulation.times import horizon_of
+
+Write = Callable[[Simulated, Runs], None]
+
+
+def holds_steps(output: Path | None) -> bool:
+    """Whether a file is one of steps, for which the actions of runs have to be recorded."""
+    return output is not None and output.suffix.lower() == SUFFIX
+
+
+@contextmanager
+def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) -> Iterator[Write]:
+    """What writes runs.
+
+    Args:
+        chosen: the constants that were given another value.
+        runs: how many runs there are.
+
+    Raises UsageError for an unknown ending, and for one file of several runs where it can hold one.
+    """
+    if not holds_steps(output):
+        with run_writer(output) as write:
+            yield lambda run, drawn: write(run.number, drawn.trace(run))
+        return
+    if RUN not in output.name and runs > 1:
+        help = f"write {output.stem}-{RUN}{SUFFIX} for a file for each run"
+        raise UsageError(f"{output}: a file of steps holds one run", help)
+    names = RunNames(model.network)
+    constants = {name: value for name, value in model.constants.items() if name in chosen}
+
+    def write_steps(run: Simulated, drawn: Runs) -> None:
+        heading = [f"run {run.number} of {model.path}, which ends with: {run.ending}"]
+        text = steps_text(names, steps_of(run), heading, constants)
+        write_whole(output.with_name(output.name.replace(RUN, str(run.number))), text)
+
+    yield write_steps
 
 
 @click.command(name="simulate")

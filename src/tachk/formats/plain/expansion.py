@@ -12,19 +12,43 @@ from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
 from tachk.base.span import NOWHERE
-from tachk.formats.plain.builtins import without_builtins
 from tachk.formats.plain.clock_conditions import with_plain_conditions
 from tachk.formats.plain.declaration_forms import with_plain_declarations
-from tachk.formats.plain.free_names import name_repairs
+from tachk.formats.plain.free_names import declared_names, name_repairs
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery, PlainRewriting
 from tachk.formats.plain.value_passing import ValuePassing
+from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.query import Expectation
+from tachk.model.types import IntType
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in, renamed, rewrite, substitute
 from tachk.syntax.walk import nodes_of_kind
+
+
+def without_builtins(items: tuple[ast.Item, ...], steps: list[PlainRewriting]) -> tuple[ast.Item, ...]:
+    """The items with ranges and numbers for the built-in names that they do not declare themselves."""
+    own = declared_names(items)
+
+    def change(node: Any) -> Any:
+        match node:
+            case ast.NamedType(span, name) if name in BUILTIN_TYPES and name not in own:
+                type_ = BUILTIN_TYPES[name]
+                assert isinstance(type_, IntType)
+                steps.append(PlainRewriting("built-in name", span, f"`{name}` is `int[{type_.low}, {type_.high}]`"))
+                low, high = ast.IntegerLiteral(span, type_.low), ast.IntegerLiteral(span, type_.high)
+                return ast.RangeType(span, low, high)
+            case ast.NameExpression(span, name) if name in BUILTIN_CONSTANTS and name not in own:
+                value = BUILTIN_CONSTANTS[name]
+                steps.append(PlainRewriting("built-in name", span, f"`{name}` is {value}"))
+                return ast.IntegerLiteral(span, value)
+            case _:
+                return node
+
+    return rewrite(items, change)
+
 
 _DECLARATIONS = (
     ast.VariableDeclaration

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.layout_json import read_layout_beside
@@ -12,9 +13,120 @@ from tachk.formats.plain.plain_model import PlainModel, PlainQuery
 from tachk.formats.uppaal.limits import refuses_deadlock
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.writer import print_uppaal
-from tachk.formats.uppaal.xta import print_xta
 from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import edge_clauses
+from tachk.syntax.printing.comment_placement import place_comments
+from tachk.syntax.printing.expression_printer import (
+    print_clause,
+    print_expression,
+    print_parameters,
+    print_rate,
+)
+from tachk.syntax.printing.printer import write_declaration, write_item
+from tachk.syntax.printing.writer import Writer
+
+
+def print_xta(plain: PlainModel) -> str:
+    """The model without its queries, which XTA has no place for: see `tachk.formats.uppaal.query_file`."""
+    document = ast.Document(plain.span, plain.items(), plain.comments)
+    writer = Writer(document, place_comments(document))
+    if plain.time_unit:
+        writer.raw(f"// one time unit is {plain.time_unit}")
+        writer.raw("")
+    previous: ast.Item | None = None
+    for item in document.items:
+        writer.separate(previous, item, _stands_apart(previous) or _stands_apart(item))
+        if isinstance(item, ast.Template):
+            _write_template(writer, item)
+        else:
+            write_item(writer, item)
+        previous = item
+    writer.finish(document)
+    return writer.text()
+
+
+def _stands_apart(item: Any) -> bool:
+    return isinstance(item, ast.Template | ast.FunctionDeclaration)
+
+
+def _write_template(writer: Writer, template: ast.Template) -> None:
+    writer.begin(template)
+    _documentation(writer, template.doc)
+    writer.open(f"process {template.name.name}({print_parameters(template.parameters)}) {{", template)
+    previous: Any = None
+    for declaration in template.declarations:
+        writer.separate(previous, declaration, _stands_apart(previous) or _stands_apart(declaration))
+        write_declaration(writer, declaration)
+        previous = declaration
+    if template.declarations:
+        writer.raw("")
+    if template.locations:
+        writer.raw("state")
+    writer.deeper(1)
+    for place, location in enumerate(template.locations, 1):
+        writer.begin(location)
+        _inner_comments(writer, location)
+        _documentation(writer, location.doc)
+        writer.ending(_state(location) + (";" if place == len(template.locations) else ","), location)
+    writer.deeper(-1)
+    if template.branchpoints:
+        writer.raw(f"branchpoint {', '.join(point.name.name for point in template.branchpoints)};")
+    for word, chosen in (
+        ("commit", [node for node in template.locations if node.committed]),
+        ("urgent", [node for node in template.locations if node.urgent and not node.committed]),
+        ("init", [node for node in template.locations if node.initial]),
+    ):
+        if chosen:
+            writer.raw(f"{word} {', '.join(node.name.name for node in chosen)};")
+    if template.edges:
+        writer.raw("trans")
+        writer.deeper(1)
+        for place, edge in enumerate(template.edges, 1):
+            writer.begin(edge)
+            _inner_comments(writer, edge)
+            _documentation(writer, edge.doc)
+            writer.ending(_edge(edge) + (";" if place == len(template.edges) else ","), edge)
+        writer.deeper(-1)
+    writer.close("}", template)
+
+
+def _documentation(writer: Writer, doc: str) -> None:
+    for line in doc.split("\n") if doc else ():
+        writer.raw(f"// {line}".rstrip())
+
+
+def _inner_comments(writer: Writer, node: ast.LocationDeclaration | ast.EdgeDeclaration) -> None:
+    """The comments inside a node that is written on one line, before it."""
+    parts: list[Any] = [node]
+    if isinstance(node, ast.LocationDeclaration):
+        parts += [p for p in (node.invariant, node.exponential_rate, node.rate_divisor) if p is not None]
+    else:
+        parts += [*node.selects, *node.updates]
+        parts += [part for part in (node.guard, node.synchronisation, node.probability) if part is not None]
+    for part in parts:
+        tables = [writer.comments.opening, writer.comments.closing]
+        if part is not node:
+            tables += [writer.comments.before, writer.comments.behind]
+        for table in tables:
+            for comment in table.get(id(part), []):
+                writer.raw(comment.text)
+
+
+def _state(location: ast.LocationDeclaration) -> str:
+    invariant = "" if location.invariant is None else print_expression(location.invariant)
+    rate = location.exponential_rate
+    shown = "" if rate is None else f" ; {print_rate(rate, location.rate_divisor)}"
+    inside = f"{invariant}{shown}".strip()
+    return f"{location.name.name} {{ {inside} }}" if inside else location.name.name
+
+
+def _edge(edge: ast.EdgeDeclaration) -> str:
+    assert edge.source is not None, "an edge of the classic form has a source"
+    clauses = [f"{clause.kind.value} {print_clause(clause)};" for clause in edge_clauses(edge)]
+    arrow = "->" if edge.controllable else "-u->"
+    inside = f" {' '.join(clauses)} " if clauses else " "
+    return f"{edge.source.name} {arrow} {edge.target.name} {{{inside}}}"
 
 
 def to_xta(model: LoadedModel, writing: Writing) -> Exported:

@@ -10,21 +10,102 @@ from collections.abc import Iterable, Iterator, Sequence
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
+from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import stopwatches, urgent_clock_guards
 from tachk.formats.plain.declaration_forms import is_variable_text, lacks_return
+from tachk.formats.plain.expansion import expand_document
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.condition_types import condition_findings
-from tachk.formats.uppaal.portability_constants import open_constants
-from tachk.formats.uppaal.portability_queries import floating_findings, query_findings
+from tachk.formats.uppaal.limits import refuses_deadlock
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.clock_sums import clock_copies
+from tachk.model.expressions import Deadlock, Expression
+from tachk.model.floating import contains_double
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.model.traversal import process_expressions, walk
 from tachk.model.types import ArrayType, ClockType
 from tachk.syntax import ast
 from tachk.syntax.parsing.strict import additions
 from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind
+
+_MEND = "let a function with an integer or boolean result compute it"
+_REASON = "where channels or processes have priorities, or a receiver of a broadcast has a clock in its guard"
+
+
+def query_findings(model: LoadedModel, version: str) -> Iterator[Diagnostic]:
+    """One error for each query that the version refuses."""
+    never = refuses_deadlock(expand_document(ast.Document(model.document.span, model.items)))
+    for query in model.queries:
+        number = _floating_part(_expressions(query))
+        if number is not None:
+            message = f"{version} takes no floating point numbers in queries that are checked symbolically"
+            yield Diagnostic("E0815", message, number.span, _MEND)
+        deadlock = next((n for e in _expressions(query) for n in walk(e) if isinstance(n, Deadlock)), None)
+        if deadlock is None:
+            continue
+        if query.kind not in (QueryKind.POSSIBLY, QueryKind.INVARIANTLY):
+            message = f"{version} takes `deadlock` in E<> and A[] only, not in {query.kind.value}"
+            yield Diagnostic("E0815", message, deadlock.span)
+        elif never:
+            yield Diagnostic("E0815", f"{version} does not check `deadlock` {_REASON}; tachk does", deadlock.span)
+
+
+def floating_findings(network: Network, version: str) -> Iterator[Diagnostic]:
+    """One warning for each process in whose guards or updates the version would not check floating point numbers."""
+    for process in network.processes:
+        number = _floating_part(process_expressions(process))
+        if number is not None:
+            message = f"{version} answers no symbolic query where guards or updates use floating point numbers"
+            yield Diagnostic("W0501", message, number.span, _MEND)
+
+
+def _floating_part(expressions: Iterable[Expression]) -> Expression | None:
+    """The first part of expressions that is, or computes with, a floating point number; what the functions that they
+    call do inside is their own matter."""
+    return next((node for each in expressions for node in walk(each) if contains_double(node.type)), None)
+
+
+def _expressions(query: Query) -> tuple[Expression, ...]:
+    return query.operands if query.predicate is None else (query.predicate, *query.operands)
+
+
+def open_constants(items: Iterable[ast.Item], version: str) -> Iterator[Diagnostic]:
+    """One error for each place that needs a known value and uses a parameter that is none."""
+    for item in items:
+        match item:
+            case ast.Template(parameters=parameters, declarations=declarations):
+                unknown = _unknown(parameters)
+                for declaration in declarations:
+                    if isinstance(declaration, ast.VariableDeclaration):
+                        for declarator in declaration.declarators:
+                            needs = (declaration.type, declarator.dimensions, declarator.initialiser)
+                            yield from _found(needs, unknown, "a declaration needs", version)
+                    elif isinstance(declaration, ast.TypedefDeclaration):
+                        yield from _found(declaration.type, unknown, "a type needs", version)
+            case ast.Instantiation(parameters=parameters, arguments=arguments):
+                # A reference may be handed on to a parameter that is one itself, which the template decides.
+                handed_on = {name: p for name, p in _unknown(parameters).items() if not p.reference}
+                yield from _found(arguments, handed_on, "an argument needs", version)
+            case _:
+                pass
+
+
+def _unknown(parameters: Iterable[ast.Parameter]) -> dict[str, ast.Parameter]:
+    return {p.name.name: p for p in parameters if p.reference or "const" not in p.type.prefixes}
+
+
+def _found(node: object, unknown: dict[str, ast.Parameter], what: str, version: str) -> Iterator[Diagnostic]:
+    for name, span in names_in(node).items():
+        if name in unknown:
+            parameter = unknown[name]
+            mend = f"declare the parameter `const`{' and without `&`' if parameter.reference else ''}"
+            message = f"{what} a value that {version} knows when it reads the model, and the parameter `{name}` is none"
+            yield Diagnostic("E0817", message, span, mend)
+
 
 _INSTEAD = {
     BinaryOperator.XOR: "compare two boolean values with `!=`",

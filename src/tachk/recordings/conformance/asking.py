@@ -2,25 +2,142 @@
 
 from __future__ import annotations
 
+import re
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.exact_numbers import is_whole
 from tachk.base.job import StoppedError, limited
+from tachk.base.time_units import SPELLINGS, length_of
 from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
 from tachk.recordings.captures import capture_reader, capture_readers
-from tachk.recordings.conformance.application_logs import with_log
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_tables import read_events
-from tachk.recordings.conformance.events import EventLog
+from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.nearby import SHORT_WORK, smallest_edit
 from tachk.recordings.conformance.question import ExplanationDetail, Question
 from tachk.recordings.conformance.queues import Constants
-from tachk.recordings.conformance.tolerances import duration, least
+
+_DURATION = re.compile(r"\s*(\d{1,20}(?:\.\d{1,20})?)\s*([a-zµμ]*)\s*", re.IGNORECASE)
+LARGEST = 2**14
+"""Units of the model up to which the least tolerance is looked for."""
+
+
+def duration(text: str, time_unit: str) -> Fraction:
+    """A duration such as ``5ms`` in units of the model; without a unit it is in these. Raises UsageError."""
+    found = _DURATION.fullmatch(text)
+    unit = "" if found is None else SPELLINGS.get(found[2].lower(), found[2])
+    length = length_of(unit) if unit else None
+    if found is None or (unit and length is None):
+        raise UsageError(f"`{text}` is no duration", "write a number and a unit, such as 5ms")
+    if length is None:
+        return Fraction(found[1])
+    own = length_of(time_unit) if time_unit else None
+    if own is None:
+        raise UsageError("the model does not say how long its time unit is", f"leave out the unit: {found[1]}")
+    return Fraction(found[1]) * length / own
+
+
+def least(ask: Callable[[Fraction], Conformance]) -> Conformance:
+    """What is found with the least whole tolerance that does not refute; what is found with the largest one, if all
+    refute or one is undecided. A larger tolerance allows all that a smaller one does."""
+    found = ask(Fraction(0))
+    low, high = 0, 0
+    while found.accepted is False and high < LARGEST:
+        low, high = high, max(2 * high, 1)
+        found = ask(Fraction(high))
+    if not found.accepted:
+        return found
+    while high - low > 1:
+        middle = (low + high) // 2
+        tried = ask(Fraction(middle))
+        if tried.accepted:
+            high, found = middle, tried
+        else:
+            low = middle
+    return found
+
+
+WRITTEN, CLIENT, DETAIL = "written", "client", "detail"
+_WRITES = (WRITTEN, "written_best_effort")
+
+
+def with_log(recording: EventLog, log: EventLog) -> EventLog:
+    """The recording with the events of a log. Times of a log beside a capture are since 1970.
+
+    What is told behind the end of the recording, or of its client in it, is left out. Raises UsageError for a log that
+    has nothing to do with the recording.
+    """
+    samples: dict[Cell | None, deque[int]] = defaultdict(deque)
+    for number, event in enumerate(recording.events):
+        if event.name in _WRITES and _is_sample(event.cells.get(DETAIL)):
+            samples[event.cells.get(CLIENT)].extend([number] * _samples_in(event.cells.get(DETAIL)))
+    added: list[RecordedEvent] = []
+    before: dict[Cell | None, int] = {}
+    for event, time in zip(log.events, _times(recording, log), strict=True):
+        client = _client(event)
+        if event.name != WRITTEN:
+            if time < _end(recording, client):
+                added.append(
+                    RecordedEvent(time, event.name, event.cells, f"{log.source}, {event.place}", before.get(client))
+                )
+        elif samples[client]:
+            number = samples[client].popleft()
+            if not samples[client] or samples[client][0] != number:
+                before[client] = number
+    if log.events and not added:
+        raise UsageError(
+            f"nothing of {log.source} happens while {recording.source} is recorded",
+            "beside a capture the times of a log are since 1970: `time [s]`, or `time [ns]`",
+        )
+    return _merged(recording, added)
+
+
+def _samples_in(detail: Cell | None) -> int:
+    return max((reader.samples_in(detail) for reader in capture_readers()), default=1)
+
+
+def _is_sample(detail: Cell | None) -> bool:
+    """Less than 0 is what the client asks for or creates."""
+    return not isinstance(detail, int) or detail >= 0
+
+
+def _client(event: RecordedEvent) -> Cell | None:
+    cell = event.cells.get(CLIENT)
+    return int(cell) if isinstance(cell, str) and is_whole(cell.strip()) else cell
+
+
+def _end(recording: EventLog, client: Cell | None) -> Fraction:
+    ends = (c.time for c in recording.closings if c.column == CLIENT and c.value == client)
+    return min([recording.end, *ends])
+
+
+def _times(recording: EventLog, log: EventLog) -> Iterator[Fraction]:
+    """In the unit of the recording, since its start. Raises UsageError."""
+    if (recording.unit is None) != (log.unit is None):
+        bare, other = (log, recording) if log.unit is None else (recording, log)
+        raise UsageError(
+            f"the times of {bare.source} have no unit, those of {other.source} have one", "name the column `time [ms]`"
+        )
+    scale = Fraction(1) if recording.unit is None or log.unit is None else log.unit / recording.unit
+    return (event.time * scale - recording.epoch for event in log.events)
+
+
+def _merged(recording: EventLog, added: Sequence[RecordedEvent]) -> EventLog:
+    """``after`` of what is added names events of the recording."""
+    known = list(enumerate(recording.events))
+    numbered = sorted([*known, *((-1, event) for event in added)], key=lambda pair: pair[1].time)
+    place = {old: new for new, (old, _) in enumerate(numbered)}
+    events = (e if e.after is None else replace(e, after=place[e.after]) for _, e in numbered)
+    return replace(recording, events=tuple(events))
+
 
 AUTO = "auto"
 _STATES_OF_EDIT = 20_000

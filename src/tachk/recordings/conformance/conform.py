@@ -10,29 +10,71 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import ceil
+from itertools import accumulate
+from math import ceil, lcm
 
+from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import StoppedError
 from tachk.base.records import dataclass
 from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.compiler.program import Goal, Program
-from tachk.engine.exact.exact_run import Moments
+from tachk.engine.exact.concretise import concretise
+from tachk.engine.exact.exact_run import Moments, exact_run
 from tachk.engine.measuring import ExtremeMeasurement, measure
 from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Statistics, Status
 from tachk.engine.zone import explore
+from tachk.meaning.discrete import prepare
+from tachk.meaning.judge.replay import replay
 from tachk.model.expressions import BOOL, Constant
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
-from tachk.model.run import Transition
+from tachk.model.run import TimedTrace, Transition
 from tachk.model.selections import check_selections
 from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.exact_runs import moments_of_run
 from tachk.recordings.conformance.followers import Following, follow
 from tachk.recordings.conformance.parts import IndependentComponent, can_be_apart, parts_of, restricted, set_apart
 from tachk.recordings.conformance.queues import Constants, Queues, make_queues
 from tachk.recordings.conformance.refusal import PossibleEvent, end_of, offers, state_text
+
+SHORT = 100
+"""Runs of so many transitions are judged by the reference, too."""
+
+
+def moments_of_run(
+    following: Following, program: Program, goal: Goal, actions: Sequence[Sequence[int]], path: Sequence[Transition]
+) -> Moments:
+    """When the transitions of a path happen in a run to the end of the recording. Raises InternalError, ReplayError.
+
+    Args:
+        program, goal: of the network that follows the recording.
+        actions: the path by the numbers of the edges of the program.
+    """
+    moments, _ = exact_run(program, goal, actions)
+    if moments is not None and len(path) > SHORT:
+        return moments
+    by_reference = moments_of_trace(run_by_reference(following, path), len(path))
+    return by_reference if moments is None else moments
+
+
+def run_by_reference(following: Following, path: Sequence[Transition]) -> TimedTrace:
+    """The earliest run along a path, made and judged by the meaning of the network. Raises as `moments_of_run`."""
+    model = prepare(following.network)
+    trace = concretise(model, path, following.done)
+    if trace is None:
+        raise InternalError("the run that was found cannot be made")
+    replay(model, trace, following.done)
+    return trace
+
+
+def moments_of_trace(trace: TimedTrace, transitions: int) -> Moments:
+    """When its transitions happen, and when it ends."""
+    times = list(accumulate(step.delay for step in trace.steps))
+    times += times[-1:] if len(times) == transitions else []
+    unit = lcm(*(time.denominator for time in times))
+    return Moments(tuple(int(time * unit) for time in times), unit)
+
 
 _TRUE = Constant(1, BOOL)
 _STATES_OF_EVENT = 20

@@ -1,1 +1,1 @@
-"""What `tachk conform` tells: `words` (what events and moments are called), `text`, `json`."""
+"""What `tachk conform` tells: `text`, `json`."""

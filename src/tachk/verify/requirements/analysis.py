@@ -5,6 +5,7 @@ Sources: Post, Hoenicke, Podelski, "rt-inconsistency: a new property for real-ti
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -12,22 +13,59 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.operators import BinaryOperator
 from tachk.base.span import NOWHERE, Source
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
+from tachk.logic.constant_values import value_of
+from tachk.logic.simplify import simplify
 from tachk.meaning.run_view import Snapshot, view_trace
 from tachk.syntax import ast
 from tachk.syntax.formula import And, Atom, Formula, Not, Or, TruthConstant, operands
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
-from tachk.verify.requirements.folding import folded
+from tachk.syntax.walk import nodes_of_kind
 from tachk.verify.requirements.rules import Demand, RequirementRule, RequirementTrigger, rules_of
 from tachk.verify.requirements.signals import NotFollowed, Signals, signals_of
 from tachk.verify.requirements.world import NOW, SETTLED, World
 from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
+
+_COMPARED = {
+    BinaryOperator.LESS: operator.lt,
+    BinaryOperator.LESS_EQUAL: operator.le,
+    BinaryOperator.EQUAL: operator.eq,
+    BinaryOperator.NOT_EQUAL: operator.ne,
+    BinaryOperator.GREATER: operator.gt,
+    BinaryOperator.GREATER_EQUAL: operator.ge,
+}
+
+
+def folded(formula: Formula) -> Formula:
+    """The formula without conditions that are constant. Its robustness is not kept, its truth is."""
+    changed = rewrite(formula, _folded)
+    return simplify(changed) if next(nodes_of_kind(changed, TruthConstant), None) is not None else changed
+
+
+def _folded(node: Any) -> Any:
+    match node:
+        case ast.BinaryExpression(operator=sign, left=left, right=right) if sign in _COMPARED:
+            try:
+                truth = _COMPARED[sign](value_of(left, _no_constant), value_of(right, _no_constant))
+            except (InputError, NotFollowed):
+                return node
+            return ast.BooleanLiteral(node.span, bool(truth))
+        case Atom(span=span, expression=ast.BooleanLiteral(value=value)):
+            return TruthConstant(span, value)
+        case _:
+            return node
+
+
+def _no_constant(expression: ast.Expression) -> int:
+    raise NotFollowed(NOWHERE, "it is no constant")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import threading
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -20,9 +22,46 @@ from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED, Statistics
 from tachk.verify.plan import Search
-from tachk.verify.scheduling.interrupts import ignored, noted_interrupts
 from tachk.verify.unanswered import none_begun
 from tachk.verify.verdict import Verdict
+
+
+class Interrupts:
+    """Whether there was one that nobody has heard of."""
+
+    def __init__(self) -> None:
+        self._new = False
+
+    def note(self, number: int, frame: FrameType | None) -> None:
+        self._new = True
+
+    def take(self) -> bool:
+        """Whether there was one since this was asked last."""
+        new, self._new = self._new, False
+        return new
+
+
+def ignored() -> bool:
+    """Whether the program is to ignore Ctrl-C."""
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+@contextmanager
+def noted_interrupts() -> Iterator[Interrupts]:
+    """Only the main thread of a program hears of Ctrl-C; elsewhere there are none.
+
+    Nor are there any in a program that is to ignore it because a shell runs it in the background.
+    """
+    interrupts = Interrupts()
+    if threading.current_thread() is not threading.main_thread() or ignored():
+        yield interrupts
+        return
+    before = signal.signal(signal.SIGINT, interrupts.note)
+    try:
+        yield interrupts
+    finally:
+        signal.signal(signal.SIGINT, before)
+
 
 Answer = Callable[[Search, Limits], dict[int, Verdict]]
 """What looks for the verdicts of a search, by the numbers of its tasks."""

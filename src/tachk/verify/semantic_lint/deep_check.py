@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from tachk.analysis.fold import Known, known_values
@@ -15,8 +15,12 @@ from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.compiler.lower import lower
 from tachk.engine.exact.concretise import concretise
+from tachk.engine.exchanged import members_in_words
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
+from tachk.engine.symmetry.detection import Difference, find_symmetry
+from tachk.engine.symmetry.kinds import AsymmetryReason
+from tachk.engine.symmetry.tables import tables_of
 from tachk.engine.zone import explore_everything
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.initial_state import check_initial_state
@@ -29,7 +33,6 @@ from tachk.model.selections import check_selections
 from tachk.verify.fault_explanation import diagnostic_of, explain
 from tachk.verify.semantic_lint.findings import DeepCheck, LintAnswer, LintEvidence, counted
 from tachk.verify.semantic_lint.guards import GuardGoal, always_true_findings, guard_goals, never_true
-from tachk.verify.semantic_lint.interchange import interchange_parts
 from tachk.verify.semantic_lint.reached import (
     in_some_process,
     switched_off,
@@ -48,8 +51,42 @@ from tachk.verify.semantic_lint.stuck import (
     time_locks,
     unlimited,
 )
-from tachk.verify.semantic_lint.zeno import zeno_finding, zeno_findings
-from tachk.verify.semantic_lint.zeno_run import ZenoRun, find_zeno_run
+from tachk.verify.semantic_lint.zeno import ZenoRun, find_zeno_run, zeno_finding, zeno_findings
+
+_QUESTION = "interchangeable processes"
+
+
+def interchange_parts(network: Network) -> tuple[LintAnswer, ...]:
+    """Nothing about a network in which no two processes have the same text up to numbers and variables.
+
+    A query that names processes leaves only the others interchangeable.
+    """
+    if not _repeats(network):
+        return ()
+    symmetry = find_symmetry(network, [])
+    told: list[str] = []
+    refused = list(symmetry.differences)
+    for each, table in tables_of(network, symmetry):
+        if isinstance(table, AsymmetryReason):
+            first, second = (network.processes[team[0]] for team in each.members[:2])
+            refused.append(Difference(first.template, first.name, second.name, table))
+        else:
+            told.append(members_in_words(table.slots, table.cyclic, [process.name for process in network.processes]))
+    told += _differences(refused)
+    return (LintAnswer(_QUESTION, "; ".join(told)),) if told else ()
+
+
+def _repeats(network: Network) -> bool:
+    """Whether two processes may have the same text: a quick look."""
+    shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes if p.edges]
+    return len(set(shapes)) < len(shapes)
+
+
+def _differences(differences: Sequence[Difference]) -> Iterable[str]:
+    for each in differences:
+        place = f" ({each.refusal.span})" if each.refusal.span.text else ""
+        yield f"not all {each.template}: {each.refusal.reason}{place}"
+
 
 _STOPPED = "clocks stop in this model, so the states that were found may not all be real"
 

@@ -8,23 +8,94 @@ from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError
 from tachk.base.job import StoppedError, current_job, limited
+from tachk.engine.exact.concretise import concretise
 from tachk.engine.options import Limits, Options
-from tachk.engine.outcome import INTERRUPTED
+from tachk.engine.outcome import INTERRUPTED, Statistics
+from tachk.formats.network_json.digest import digest
 from tachk.frontend.loaded import LoadedModel, with_constants
 from tachk.meaning.discrete import prepare
 from tachk.meaning.initial_state import check_initial_state
+from tachk.meaning.judge.certificate import MalformedCertificateError
+from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.run import Transition
+from tachk.model.run import Participant, Transition
+from tachk.model.types import BoolType, IntType, ScalarType, bounds
+from tachk.transform.observed import observed
 from tachk.verify.answering import answers
-from tachk.verify.certificates import Proof
+from tachk.verify.certificates import Proof, check_natively, find_proof, is_provable
 from tachk.verify.questions import Questions
 from tachk.verify.synthesis.parameters import VariedConstant
-from tachk.verify.synthesis.proofs import proof_again, proof_of
 from tachk.verify.synthesis.region import CellEvidence, RegionCell, shown_by_a_run
-from tachk.verify.synthesis.retiming import retimed
 from tachk.verify.synthesis.walk import Cell, CellStatus, PendingCell
-from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verdict import Answer, Verdict, answers_of
+
+
+def retimed(network: Network, query: Query, path: Sequence[Transition]) -> Verdict | None:
+    """The verdict that the states the query looks for are reached, if these transitions lead there; else None.
+
+    The run has been replayed. Raises InputError where the initial state violates an invariant.
+
+    Args:
+        path: transitions of the network with the observer of the query.
+    """
+    watched = observed(network, query.observer)
+    whole = watched.network
+    if not all(_exists(whole, participant) for transition in path for participant in transition.participants):
+        return None
+    check_initial_state(prepare(network))
+    model = prepare(whole)
+    try:
+        run = concretise(model, path, query.target)
+        if run is None:
+            return None
+        replay(model, run, query.target)
+    except (ValueError, ReplayError):
+        return None
+    moves = watched.moves(run)
+    return Verdict(
+        query, answers_of(query)[0], True, "", Statistics(), watched.lift(run), moves=moves, path=tuple(path)
+    )
+
+
+def _exists(network: Network, participant: Participant) -> bool:
+    """Whether the network has such an edge with such values of its select variables."""
+    if participant.process >= len(network.processes):
+        return False
+    edges = network.processes[participant.process].edges
+    if participant.edge >= len(edges) or len(edges[participant.edge].selects) != len(participant.selects):
+        return False
+    for variable, value in zip(edges[participant.edge].selects, participant.selects, strict=True):
+        assert isinstance(variable.type, IntType | BoolType | ScalarType)
+        low, high = bounds(variable.type)
+        if not low <= value <= high:
+            return False
+    return True
+
+
+def proof_of(network: Network, verdict: Verdict, options: Options, limits: Limits) -> Proof | None:
+    """A certificate of a verdict, checked; None for a verdict of another kind, or if a limit ends it."""
+    if not is_provable(verdict):
+        return None
+    found = find_proof(network, digest(network), verdict.query, options, limits)
+    return None if isinstance(found, str) else found
+
+
+def proof_again(network: Network, query: Query, proof: Proof) -> tuple[Verdict, Proof] | None:
+    """The verdict that the states the query looks for are not reached, if a certificate about other values shows it.
+
+    Raises InputError where the initial state violates an invariant.
+    """
+    if query.target is None:
+        return None
+    check_initial_state(prepare(network))
+    try:
+        if check_natively(observed(network, query.observer).network, query, proof.header, proof.columns) is not None:
+            return None
+    except MalformedCertificateError:
+        return None
+    header = replace(proof.header, query=query.text, model=digest(network), constants=dict(network.constants))
+    return Verdict(query, answers_of(query)[1], True, "", Statistics()), replace(proof, header=header)
 
 
 @dataclass(slots=True)

@@ -12,8 +12,7 @@ from click.testing import CliRunner
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.recordings.conformance.application_logs import with_log
-from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance.asking import constants_of, with_log
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture

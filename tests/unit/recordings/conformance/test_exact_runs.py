@@ -16,10 +16,9 @@ from tachk.engine.exact.exact_run import Moments
 from tachk.model.run import Transition
 from tachk.model.types import ClockType
 from tachk.recordings.conformance import conform as conformance
-from tachk.recordings.conformance import exact_runs
+from tachk.recordings.conformance import conform as exact_runs
 from tachk.recordings.conformance.asking import constants_of
-from tachk.recordings.conformance.conform import Conformance, conform
-from tachk.recordings.conformance.exact_runs import moments_of_trace, run_by_reference
+from tachk.recordings.conformance.conform import Conformance, conform, moments_of_trace, run_by_reference
 from tachk.recordings.conformance.followers import Following
 from tachk.recordings.conformance.refusal import FinalState, end_by_reference, end_of
 from tachk.xrce.conformance.packet_events import read_capture

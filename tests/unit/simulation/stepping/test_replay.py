@@ -23,9 +23,8 @@ from tachk.model.run import TimedTrace
 from tachk.report.json_report import runs_to_json
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs, steps_of
-from tachk.simulation.stepping.files import constants_of, read_claims
+from tachk.simulation.stepping.files import constants_of, read_claims, read_report
 from tachk.simulation.stepping.replaying import Replayed, replay_claims
-from tachk.simulation.stepping.report_file import read_report
 from tachk.simulation.stepping.run_file import read_run_file, run_text, steps_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.syntax.source_files import LARGEST_FILE, LARGEST_RUN

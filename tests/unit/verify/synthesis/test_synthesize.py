@@ -14,8 +14,8 @@ from tachk.meaning.judge.replay import replay
 from tachk.verify.certificates import Checker, check_proof
 from tachk.verify.synthesis import cells
 from tachk.verify.synthesis.bounds_of_parameters import NoBound, ParameterBound
+from tachk.verify.synthesis.cells import proof_again, proof_of
 from tachk.verify.synthesis.parameters import VariedConstant, parameters_from
-from tachk.verify.synthesis.proofs import proof_again, proof_of
 from tachk.verify.synthesis.region import CellEvidence
 
 MODEL = """

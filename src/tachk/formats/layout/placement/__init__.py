@@ -1,6 +1,5 @@
 """Coordinates for a template without any.
 
-In order of reading: `template` (the whole), `sketch` (what is placed), `layers` and `coordinates` (where locations
-stand), `arrangement` and `grid` (candidates), `routing` (edges), `comments`, `polish`; `geometry` is what all of them
-use.
+In order of reading: `template` (the whole, with comments), `sketch` (the boxes to place), `layers` and `coordinates`
+(the places of locations), `arrangement` (candidates), `routing` (edges), `polish`; all of them use `geometry`.
 """

@@ -8,20 +8,193 @@ The same document always gets the same layout.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from math import sqrt
 
-from tachk.formats.layout.label_text import edge_labels, line_broken, location_labels, text_height
+import networkx as nx
+
+from tachk.formats.layout.label_text import edge_labels, line_broken, location_labels, text_height, text_width
 from tachk.formats.layout.placement.arrangement import FlowDirection, arrange
-from tachk.formats.layout.placement.comments import CommentPlacer
-from tachk.formats.layout.placement.geometry import Box, segments_cross
-from tachk.formats.layout.placement.grid import arrange_in_rows
+from tachk.formats.layout.placement.geometry import (
+    RADIUS,
+    Box,
+    BoxIndex,
+    node_box,
+    segment_meets_box,
+    segment_span,
+    segments_cross,
+)
 from tachk.formats.layout.placement.layers import Traversal
 from tachk.formats.layout.placement.polish import redraw_edges, redraw_loops
 from tachk.formats.layout.placement.routing import clear_texts, straighten
 from tachk.formats.layout.placement.sketch import Sketch, TemplateDrawing, sketch
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import EdgeLayout, LabelLayout, NodeLayout, Point, TemplateLayout, keyed_edges
+
+_STEP_X, _STEP_Y = 40, 17
+_FARTHEST = 12
+_CROSSING = 120
+_MARGIN = 2
+
+
+class CommentPlacer:
+    """Finds room for one comment after the other, near what it is about."""
+
+    def __init__(self, sketch: Sketch, drawing: TemplateDrawing) -> None:
+        self.sketch = sketch
+        self.drawing = drawing
+        self.taken: BoxIndex[Box] = BoxIndex()
+        self.lines: BoxIndex[tuple[Point, Point]] = BoxIndex()
+        self.bottom = 0.0
+        for box in drawing.boxes():
+            self._take(box)
+        for route in drawing.routes:
+            for a, b in pairwise(route):
+                self.lines.add((a, b), segment_span(a, b))
+
+    def beside_node(self, node: int, text: str) -> Box:
+        around = [box for box in (self.drawing.names[node], self.drawing.node_labels[node]) if box is not None]
+        return self._place(_hull([node_box(self.drawing.centres[node]), *around]), text)
+
+    def beside_edge(self, edge: int, text: str) -> Box:
+        label = self.drawing.edge_labels[edge]
+        if label is None:
+            route = self.drawing.routes[edge]
+            first, second = route[(len(route) - 1) // 2], route[len(route) // 2]
+            label = segment_span(first, second) if len(route) < 3 else node_box(first)
+            middle = Point(round((label.left + label.right) / 2), round((label.top + label.bottom) / 2))
+            label = Box(middle.x - 4, middle.y - 4, middle.x + 4, middle.y + 4)
+        return self._place(label, text)
+
+    def _take(self, box: Box) -> None:
+        self.taken.add(box, box)
+        self.bottom = max(self.bottom, box.bottom)
+
+    def _place(self, subject: Box, text: str) -> Box:
+        width, height = text_width(text), text_height(text)
+        best, least = Box(subject.left, self.bottom + 8, subject.left + width, self.bottom + 8 + height), float("inf")
+        for distance, left, top in _corners(subject, width, height):
+            if distance >= least:
+                break
+            box = Box(left, top, left + width, top + height)
+            wide = box.grown(_MARGIN)
+            if any(wide.overlaps(other) for other in self.taken.near(wide)):
+                continue
+            crossed = sum(segment_meets_box(a, b, wide) for a, b in self.lines.near(wide))
+            if distance + _CROSSING * crossed < least:
+                best, least = box, distance + _CROSSING * crossed
+        self._take(best)
+        return best
+
+
+def _hull(boxes: list[Box]) -> Box:
+    return Box(
+        min(box.left for box in boxes),
+        min(box.top for box in boxes),
+        max(box.right for box in boxes),
+        max(box.bottom for box in boxes),
+    )
+
+
+def _corners(subject: Box, width: int, height: int) -> Iterator[tuple[float, float, float]]:
+    """Top left corners around a subject, each with how bad its distance is, in ascending order."""
+    found = []
+    for i in range(-_FARTHEST, _FARTHEST + 1):
+        for above in (True, False):
+            for far in range(_FARTHEST):
+                top = subject.top - 2 - height - far * _STEP_Y if above else subject.bottom + 2 + far * _STEP_Y
+                left = subject.left + i * _STEP_X
+                aside = max(0.0, left - subject.right, subject.left - left - width)
+                found.append((far * _STEP_Y + aside + abs(i) * 2 + above, left, top))
+        for right in (True, False):
+            for far in range(_FARTHEST):
+                left = subject.right + 8 + far * _STEP_X if right else subject.left - 8 - width - far * _STEP_X
+                top = subject.top + i * _STEP_Y
+                aside = max(0.0, top - subject.bottom, subject.top - top - height)
+                found.append((far * _STEP_X + 8 + aside + abs(i) * 2, left, top))
+    yield from sorted(found)
+
+
+_GRID = 8
+_GAP = 48
+_ABOVE = 40
+_LEAST_LABEL = 12
+_TO_LABEL = RADIUS + 24
+
+
+def arrange_in_rows(sketch: Sketch, shape: float) -> TemplateDrawing:
+    """Places the locations in the order of a depth-first search, every other row from right to left.
+
+    Args:
+        shape: the width of the picture over its height.
+    """
+    leaving: dict[int, list[int]] = defaultdict(list)
+    for at, edge in enumerate(sketch.edges):
+        leaving[edge.source].append(at)
+    sizes = [_cell(sketch, node, leaving[node]) for node in range(len(sketch.nodes))]
+    width = sqrt(shape * sum(w * h for w, h in sizes))
+    centres: dict[int, Point] = {}
+    top = 0
+    row: list[int] = []
+    rows = 0
+    order = _order(sketch)
+    for at, number in enumerate(order):
+        row.append(number)
+        if at + 1 < len(order) and sum(sizes[other][0] for other in row) < width:
+            continue
+        x = 0
+        for other in row if rows % 2 == 0 else row[::-1]:
+            centres[other] = Point(x, top + _ABOVE)
+            x += sizes[other][0]
+        top += max(sizes[other][1] for other in row)
+        rows += 1
+        row = []
+    names, node_labels = [], []
+    edge_labels: list[Box | None] = [None] * len(sketch.edges)
+    routes: list[tuple[Point, ...]] = [()] * len(sketch.edges)
+    for number, node in enumerate(sketch.nodes):
+        x, y = centres[number]
+        (w, h), (labels_w, labels_h) = node.name_size, node.labels_size
+        names.append(Box(x - 10, y - 17 - h, x - 10 + w, y - 17))
+        node_labels.append(Box(x - 10, y + 17, x - 10 + labels_w, y + 17 + labels_h) if labels_h else None)
+        below = y - RADIUS if not labels_h else y + 17 + labels_h
+        for at in leaving[number]:
+            edge = sketch.edges[at]
+            w, h = edge.labels_size
+            left = x + _TO_LABEL
+            nail = Point(left - 4, below + max(h, _LEAST_LABEL))
+            if h:
+                edge_labels[at] = Box(left, below, left + w, below + h)
+            nails = (nail,) if edge.target != number else (Point(nail.x, nail.y - _LEAST_LABEL + 2), nail)
+            routes[at] = (centres[number], *nails, centres[edge.target])
+            below += max(h, _LEAST_LABEL) + 4
+    return TemplateDrawing(
+        tuple(centres[number] for number in range(len(sketch.nodes))),
+        tuple(names),
+        tuple(node_labels),
+        tuple(routes),
+        tuple(edge_labels),
+    )
+
+
+def _cell(sketch: Sketch, node: int, leaving: list[int]) -> tuple[int, int]:
+    """Width and height of what belongs to a node."""
+    (name_width, _), (labels_width, labels_height) = sketch.nodes[node].name_size, sketch.nodes[node].labels_size
+    sizes = [sketch.edges[at].labels_size for at in leaving]
+    width = max(name_width, labels_width, *(_TO_LABEL + 10 + w for w, _ in sizes), 2 * RADIUS) + _GAP
+    height = _ABOVE + 17 + labels_height + sum(max(h, _LEAST_LABEL) + 4 for _, h in sizes) + _GAP
+    return -(-width // _GRID) * _GRID, -(-height // _GRID) * _GRID
+
+
+def _order(sketch: Sketch) -> list[int]:
+    graph = nx.DiGraph()
+    graph.add_node(sketch.root)
+    graph.add_nodes_from(range(len(sketch.nodes)))
+    graph.add_edges_from((edge.source, edge.target) for edge in sketch.edges)
+    return list(nx.dfs_preorder_nodes(graph))
+
 
 _WIDE_ENOUGH = 1.4
 """The width of a picture over its height that suits a screen."""
