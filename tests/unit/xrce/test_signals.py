@@ -18,6 +18,8 @@ from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace
 from tachk.xrce.streams import StreamState
 from tachk.xrce.traces.signal_files import table_of, write_signals
+from tachk.xrce.traces.trace_packets import HOP_SIGNALS, hop_changes
+from tachk.xrce.transmissions import read_transmissions
 from tests.unit.xrce.captures import RECORDED, needs_recorded, pcap, tcp, timed, udp
 from tests.unit.xrce.test_properties_on_packets import Talk, acknack, created, data, heartbeat, write
 
@@ -147,3 +149,14 @@ def test_an_empty_piece_changes_nothing():
     for found in CaptureReading(BytesIO(pcap([udp(b"", 1, 2)])), (8888,)).pieces():
         follower.push(found)
     assert len(follower.take().times) == 0
+
+
+def test_a_packet_without_a_row_counts_in_the_next_row(tmp_path: Path):
+    """Packets to a port have no row before a session is created there."""
+    talk = Talk().up(0, created()).up(10, write(0, 1), lost=True).up(11, write(1, 2)).up(20, write(2, 3), lost=True)
+    capture = read_transmissions(talk.capture(tmp_path))
+    first, second = (one.packet for one in capture.transmissions if one.is_lost)
+    packets = np.array([packet for packet in range(1, second) if packet != first])
+    (changes,) = (found for (_, to_agent), found in hop_changes(capture, packets).items() if to_agent)
+    expected = [int(packet > first) for packet in packets]
+    assert changes.spread(HOP_SIGNALS.index("lost"), len(packets)).tolist() == expected

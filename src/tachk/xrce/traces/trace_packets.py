@@ -55,23 +55,37 @@ def hop_changes(recording: Capture, packets: Numbers) -> Mapping[Direction, Sign
     Args:
         packets: the number of the packet in each row.
     """
-    numbers, firsts = np.unique(packets, return_index=True)
-    rows = dict(zip(numbers.tolist(), firsts.tolist(), strict=True))
     sent: dict[Direction, list[Transmission]] = {}
     for one in recording.transmissions:
         link = recording.links[one.link]
         if link.relay is not None and link.key:
             sent.setdefault((link.key, one.to_agent), []).append(one)
-    return {direction: _changes(ones, rows) for direction, ones in sent.items()}
+    return {direction: _changes(ones, _RowOfPacket(packets)) for direction, ones in sent.items()}
 
 
-def _changes(sent: Iterable[Transmission], rows: Mapping[int, int]) -> SignalChanges:
+class _RowOfPacket:
+    """The row of a packet: its first one, or else that of the next packet that has one.
+
+    Packets to a port have no row before a session is created there.
+    """
+
+    def __init__(self, packets: Numbers) -> None:
+        self._packets, self._firsts = np.unique(packets, return_index=True)
+
+    def __getitem__(self, packet: int) -> int | None:
+        place = int(np.searchsorted(self._packets, packet))
+        return int(self._firsts[place]) if place < len(self._firsts) else None
+
+
+def _changes(sent: Iterable[Transmission], rows: _RowOfPacket) -> SignalChanges:
     happened: list[tuple[int, int, int, int]] = []  # row, lost, place in order of sending, delay
     for place, one in enumerate(sorted(sent, key=lambda transmission: transmission.packet)):
-        if one.is_lost:
-            happened.append((rows[one.packet], 1, place, 0))
-        for copy, arrival in enumerate(one.arrivals or ()):
-            happened.append((rows[arrival.packet], -copy, place, arrival.time - one.sent))
+        moments = [(one.packet, 1, 0)] if one.is_lost else []
+        moments += [(each.packet, -copy, each.time - one.sent) for copy, each in enumerate(one.arrivals or ())]
+        for packet, what, delay in moments:
+            row = rows[packet]
+            if row is not None:  # otherwise no row is left that could hold it
+                happened.append((row, what, place, delay))
     log = ChangeLog(len(HOP_SIGNALS))
     lost = copies = overtaken = delay = 0
     latest = -1
