@@ -10,6 +10,7 @@ using program::Edge;
 using program::Location;
 using program::no_code;
 using zones::Raw;
+
 namespace {
 
 constexpr Raw largest_constant = Raw{1} << 40;
@@ -298,7 +299,7 @@ Zones Network::avoiding(const program::Goal& goal, Situation& here, const Zone& 
   all.push_back(later(here, zone));
   const Zones met = where(goal, here, all.front(), false);
   if (met.empty()) return all;
-  const Zones starts = without({zone}, met);
+  Zones starts = without({zone}, met);
   if (starts.empty() || !here.waits) return starts;
   std::vector<std::pair<Zone, Zones>> pieces;  // each with what it must not enter
   for (const Zone& start : starts) pieces.push_back({start, here.stops ? met : Zones{}});

@@ -158,7 +158,8 @@ bool CsvReader::feed(std::string_view piece) {
   }
   const std::size_t last = piece.rfind('\n');
   if (last != std::string_view::npos) {
-    if (read_lines(piece.data(), piece.data() + last + 1) == nullptr) return false;
+    const char* const begin = piece.data();
+    if (read_lines(begin, begin + last + 1) == nullptr) return false;
     piece.remove_prefix(last + 1);
   }
   carried_.assign(piece);

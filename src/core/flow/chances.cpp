@@ -8,6 +8,7 @@
 namespace tachk::flow {
 
 using program::Program;
+
 namespace {
 
 class ChancesDecoder {

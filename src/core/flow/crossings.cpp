@@ -6,6 +6,7 @@
 namespace tachk::flow {
 
 using program::FlowTest;
+
 namespace {
 
 using Kind = FlowTest::Kind;

@@ -9,6 +9,7 @@ namespace tachk::flow {
 using machine::Machine;
 using machine::ModelFault;
 using machine::store_double;
+
 namespace {
 
 constexpr double longest_step = 0.1;  // units of time

@@ -13,6 +13,7 @@ namespace tachk::fmi {
 
 using flow::latest_end;
 using flow::Ticks;
+
 namespace {
 
 constexpr std::int64_t magic = 0x0A31'2E6B'6863'6174;  // "tachk.1\n"

@@ -10,6 +10,7 @@ namespace tachk::fmi {
 using flow::Ticks;
 using simulation::Ending;
 using simulation::Policy;
+
 namespace {
 
 // Reads what `save` has written.

@@ -6,6 +6,7 @@ namespace tachk::liveness {
 
 using states::no_node;
 using states::ZoneView;
+
 namespace {
 
 // Of a record that holds zones of fewer clocks, too, whose rows may be read in larger vectors than those of the others.

@@ -10,6 +10,7 @@ namespace tachk::localtime {
 
 using program::Edge;
 using program::Program;
+
 namespace {
 
 using Members = std::vector<std::uint32_t>;  // in ascending order

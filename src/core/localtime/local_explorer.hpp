@@ -45,7 +45,9 @@ class WaitingZones final {
   void add(std::uint32_t node, const std::vector<LocalEntry>& zone);
   std::vector<LocalEntry> take(std::uint32_t node);
   // What was needed when most were waiting.
-  std::size_t bytes() const { return zones_.capacity() * sizeof(zones_[0]) + most_ * entries_ * sizeof(LocalEntry); }
+  std::size_t bytes() const {
+    return zones_.capacity() * sizeof(decltype(zones_)::value_type) + most_ * entries_ * sizeof(LocalEntry);
+  }
 
  private:
   std::size_t entries_;

@@ -7,6 +7,7 @@
 namespace tachk::localtime {
 
 using reachability::Options;
+
 namespace {
 
 // The synchronised part of a zone is not abstracted, so its entries may be larger than the constants.

@@ -11,6 +11,7 @@ namespace tachk::localtime {
 
 using symbolic::Edges;
 using symbolic::Path;
+
 namespace {
 
 void ignore(const symbolic::Effect&) {}

@@ -15,6 +15,7 @@ using symbolic::Path;
 using symbolic::Semantics;
 using zones::Raw;
 using zones::raw_zero;
+
 namespace {
 
 // A time, and how many times something arbitrarily small is added to it.

@@ -6,6 +6,7 @@ namespace tachk::localtime {
 
 using program::Condition;
 using program::Disjunct;
+
 namespace {
 
 bool asks(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }

@@ -116,7 +116,7 @@ struct CodeAccesses::Interpretation {
     return top;
   }
   std::int32_t operand(std::int32_t position, int number) const {
-    return found.program_.code.at(static_cast<std::size_t>(position + 1 + number));
+    return found.program_.code.at(static_cast<std::size_t>(position) + 1 + static_cast<std::size_t>(number));
   }
   void step(std::int32_t position, Stack stack);
 };

@@ -46,7 +46,7 @@ double beta(double alpha, double other, Dice& dice) {
 double logarithm_of_factorial(double k) {
   if (k < 10) {
     double product = 1;
-    for (double n = 2; n <= k; ++n) product *= n;
+    for (int n = 2; n <= k; ++n) product *= n;
     return std::log(product);
   }
   const double inverse = 1 / k;  // Stirling's series

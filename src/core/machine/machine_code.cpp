@@ -160,7 +160,7 @@ class Translation {
     return static_cast<Opcode>(words_.at(static_cast<std::size_t>(position)));
   }
   std::int32_t operand(std::int32_t position, int number) const {
-    return words_.at(static_cast<std::size_t>(position + 1 + number));
+    return words_.at(static_cast<std::size_t>(position) + 1 + static_cast<std::size_t>(number));
   }
   std::int32_t after(std::int32_t position) const { return position + 1 + effect_of(opcode(position)).operands; }
 

@@ -9,6 +9,7 @@ namespace tachk::program {
 
 using zones::ClockReset;
 using zones::Raw;
+
 namespace {
 
 class Reader {

@@ -8,6 +8,7 @@ namespace tachk::program {
 
 using zones::Atom;
 using zones::ClockReset;
+
 namespace {
 
 // Calls visit(item) for everything that holds a time known before the search, but for the clock bounds, which are the

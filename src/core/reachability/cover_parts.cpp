@@ -9,6 +9,7 @@ namespace tachk::reachability {
 using zones::Raw;
 using zones::raw_zero;
 using zones::unbounded_entry;
+
 namespace {
 
 Raw sum(Raw a, Raw b) { return a == unbounded_entry || b == unbounded_entry ? unbounded_entry : a + b - ((a | b) & 1); }

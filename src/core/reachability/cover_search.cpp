@@ -8,6 +8,7 @@ namespace tachk::reachability {
 using states::no_node;
 using symbolic::Successor;
 using zones::ConstZoneRef;
+
 namespace {
 
 constexpr int attempts_by_state = 12;      // before all discrete states with the same locations keep their zones

@@ -14,6 +14,7 @@ namespace tachk::reachability {
 
 using simulation::Levels;
 using symbolic::ZoneGraph;
+
 namespace {
 
 constexpr std::uint32_t unreached = UINT32_MAX;

@@ -18,6 +18,7 @@ using states::no_node;
 using symbolic::Path;
 using symbolic::Successor;
 using zones::ClockBounds;
+
 namespace {
 
 Options consistent(Options options, const Limits& limits, const Program& program) {

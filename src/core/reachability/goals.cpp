@@ -6,6 +6,7 @@ namespace tachk::reachability {
 
 using program::Disjunct;
 using zones::ConstZoneRef;
+
 namespace {
 
 bool asks_for_deadlock(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }

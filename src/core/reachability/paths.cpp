@@ -22,6 +22,7 @@ using symbolic::Path;
 using symbolic::Successor;
 using symbolic::SymbolicState;
 using symbolic::ZoneGraph;
+
 namespace {
 
 // A receiver that does not care how successors come about.

@@ -14,6 +14,7 @@ using program::Goal;
 using program::Program;
 using zones::Atom;
 using zones::ClockReset;
+
 namespace {
 
 using EdgeNumbers = std::span<const std::uint32_t>;

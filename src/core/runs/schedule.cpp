@@ -14,6 +14,7 @@ using program::Program;
 using zones::Atom;
 using zones::ClockReset;
 using zones::Raw;
+
 namespace {
 
 constexpr int infinitesimal_bits = 31;

@@ -7,6 +7,7 @@
 namespace tachk::simulation {
 
 using program::Edge;
+
 namespace {
 
 constexpr int attempts = 16;  // of drawing an action that target invariants admit

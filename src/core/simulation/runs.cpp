@@ -12,6 +12,7 @@
 namespace tachk::simulation {
 
 using flow::Ticks;
+
 namespace {
 
 constexpr Ticks rows = 1000;

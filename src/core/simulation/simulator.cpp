@@ -14,6 +14,7 @@ using program::Condition;
 using program::Edge;
 using program::no_code;
 using zones::ClockReset;
+
 namespace {
 
 constexpr std::uint64_t most_idle_draws = 100'000;
@@ -39,7 +40,7 @@ Simulator::Simulator(const program::Program& program, const flow::Chances& chanc
   outlooks_.resize(count);
 }
 
-bool Simulator::begin(Random random) {
+bool Simulator::begin(const Random& random) {
   random_ = random;
   machine_.draw_from(&random_);
   now_ = 0;
@@ -69,7 +70,7 @@ bool Simulator::begin(Random random) {
   return true;
 }
 
-void Simulator::resume(const Snapshot& snapshot, Random random) {
+void Simulator::resume(const Snapshot& snapshot, const Random& random) {
   random_ = random;
   state_ = snapshot.state;
   race_ = snapshot.race;
@@ -362,7 +363,8 @@ void Simulator::switch_clocks() {
   for (std::size_t p = 0; p < processes(); ++p)
     for (const program::Location::Stop& stop : place(p).location->stopped)
       if (stop.code == no_code || machine_.value(stop.code, state_.slots.data()) == 0) stands[stop.clock] = 1;
-  for (std::uint16_t clock = 1; clock < program_.dimension(); ++clock) {
+  const auto dimension = static_cast<std::uint16_t>(program_.dimension());
+  for (std::uint16_t clock = 1; clock < dimension; ++clock) {
     if (state_.clocks.runs(clock) != (stands[clock] != 0)) continue;
     state_.clocks.run(clock, stands[clock] == 0, now_);
     change_.switched.push_back(clock);

@@ -80,7 +80,7 @@ class Simulator {
 
   // Begins the run with this number. False if its initial state breaks an invariant. Throws ModelFault.
   bool begin(std::uint64_t seed, std::uint64_t run) { return begin(Random(seed, run)); }
-  bool begin(Random random);
+  bool begin(const Random& random);
 
   // Goes on to the state after the next transition; if there is none, says why. Throws ModelFault.
   std::optional<Ending> step(const RunLimits& limits);
@@ -100,7 +100,7 @@ class Simulator {
 
   Snapshot snapshot() const { return {state_, race_, now_}; }
   // Goes on from a snapshot: what processes are still to wait is drawn anew from what is left of it.
-  void resume(const Snapshot& snapshot, Random random);
+  void resume(const Snapshot& snapshot, const Random& random);
 
   flow::Ticks now() const { return now_; }
   std::span<const std::uint32_t> edges() const { return action_; }  // of the last transition

@@ -11,6 +11,7 @@
 namespace tachk::simulation {
 
 using flow::Ticks;
+
 namespace {
 
 constexpr std::uint64_t streams = std::uint64_t{1} << 62;  // these numbers are not those of runs

@@ -7,6 +7,7 @@
 namespace tachk::simulation {
 
 using program::Program;
+
 namespace {
 
 std::uint64_t clocks_of(const program::Condition& condition, const Program& program) {

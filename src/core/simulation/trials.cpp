@@ -10,6 +10,7 @@
 namespace tachk::simulation {
 
 using flow::Ticks;
+
 namespace {
 
 class Watch {

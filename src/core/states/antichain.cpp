@@ -6,6 +6,7 @@
 namespace tachk::states {
 
 using zones::Extent;
+
 namespace {
 
 constexpr std::size_t group_size = 32;

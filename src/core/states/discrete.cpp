@@ -8,6 +8,7 @@
 namespace tachk::states {
 
 using program::SlotSet;
+
 namespace {
 
 static_assert(std::endian::native == std::endian::little);  // half of a word is its first four bytes

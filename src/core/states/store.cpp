@@ -8,6 +8,7 @@ namespace tachk::states {
 
 using zones::ClockBounds;
 using zones::ZoneOperations;
+
 namespace {
 
 // The scale of extents must do for smaller zones too, whose rows may consist of more and shorter vectors.

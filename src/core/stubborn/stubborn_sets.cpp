@@ -11,6 +11,7 @@ using machine::CodeAccesses;
 using program::Edge;
 using program::Location;
 using zones::Atom;
+
 namespace {
 
 constexpr std::size_t most_processes = 64;

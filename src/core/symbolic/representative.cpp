@@ -8,6 +8,7 @@ namespace tachk::symbolic {
 
 using program::Interchangeable;
 using zones::ZoneBuffer;
+
 namespace {
 
 constexpr std::int64_t nowhere = std::int64_t{1} << 40;  // behind all places

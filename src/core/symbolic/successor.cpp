@@ -14,6 +14,7 @@ using zones::Atom;
 using zones::ClockReset;
 using zones::ConstZoneRef;
 using zones::Raw;
+
 namespace {
 
 using Processes = std::vector<std::uint32_t>;
@@ -205,8 +206,10 @@ bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& at
     std::uint16_t source;
     Raw value;
   };
+  const auto dimension = static_cast<std::uint16_t>(program_.dimension());
   std::vector<After> after;
-  for (std::uint16_t clock = 0; clock < program_.dimension(); ++clock) after.push_back({clock, 0});
+  after.reserve(dimension);
+  for (std::uint16_t clock = 0; clock < dimension; ++clock) after.push_back({clock, 0});
   for (const ClockReset& reset : effect.resets) {
     const After copied = after[reset.source];
     after[reset.clock] = {copied.source, copied.value + reset.value};

@@ -12,6 +12,7 @@ using zones::BoundLimits;
 using zones::Raw;
 using zones::Width;
 using zones::ZoneOperations;
+
 namespace {
 
 Program prepared(Program program, const ZoneGraphOptions& options) {

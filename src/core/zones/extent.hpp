@@ -1,6 +1,7 @@
 // Extents: a zone summed up in 32 bytes, to be compared before the zone itself.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -52,7 +53,7 @@ struct Extent {
   typedef std::uint16_t Naturals __attribute__((vector_size(16)));
   typedef std::uint32_t Quads __attribute__((vector_size(16)));
   typedef std::uint64_t Words __attribute__((vector_size(16)));
-  Part part(int p) const {
+  Part part(std::ptrdiff_t p) const {
     Part result;
     std::memcpy(&result, sums + p * (count / 2), sizeof result);
     return result;
@@ -62,7 +63,7 @@ struct Extent {
     for (std::int16_t& sum : result.sums) sum = value;
     return result;
   }
-  void put(int p, Part part) { std::memcpy(sums + p * (count / 2), &part, sizeof part); }
+  void put(std::ptrdiff_t p, Part part) { std::memcpy(sums + p * (count / 2), &part, sizeof part); }
 };
 
 // How entries are summed up.

@@ -69,7 +69,10 @@ struct Kernel {
   }
   static Vector lane_numbers(int v) {
     Vector numbers{};
-    for (int lane = 0; lane < lanes; ++lane) numbers[lane] = static_cast<T>(v * lanes + lane);
+    for (int lane = 0; lane < lanes; ++lane) {
+      const int number = v * lanes + lane;
+      numbers[lane] = static_cast<T>(number);
+    }
     return numbers;
   }
 
@@ -657,7 +660,7 @@ struct Table {
 // Rows of these lengths have code of their own, others are handled by loops over a length known only at run time.
 inline ZoneOperations operations(int dimension, Width width) {
 #define TACHK_ROWS(type, name, length) \
-  if (dimension <= length) return Table<type, length>::make(TACHK_INSTRUCTION_NAME " " name "x" #length, dimension);
+  if (dimension <= (length)) return Table<type, length>::make(TACHK_INSTRUCTION_NAME " " name "x" #length, dimension);
   switch (width) {
     case Width::narrow:
       TACHK_ROWS(std::int16_t, "int16", 8)

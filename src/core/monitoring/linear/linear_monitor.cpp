@@ -13,6 +13,7 @@ namespace tachk::monitoring::linear {
 using offline::Stream;
 using offline::StreamNode;
 using offline::Truth;
+
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -239,7 +240,7 @@ double LinearMonitor::magnitude(const std::vector<ValueInstruction>& code, std::
 }
 
 LinearSignal LinearMonitor::atom(const MonitorAtom& what) const {
-  const LinearSignal difference = margin(what);
+  LinearSignal difference = margin(what);
   switch (what.relation) {
     case Relation::less:
     case Relation::less_equal:
@@ -292,6 +293,7 @@ LinearSignal LinearMonitor::changes(std::size_t number, double yes, double no) c
 template <class Value, class Evaluate>
 std::vector<Value> LinearMonitor::sampled(Evaluate evaluate) const {
   std::vector<Column> view;
+  view.reserve(columns_.size());
   for (const std::vector<double>& column : columns_) view.push_back({column.data(), nullptr});
   const Samples samples{ticks_.data(), view.data(), ticks_.size()};
   AtomEvaluator atoms(program_);

@@ -122,6 +122,7 @@ Literal made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<L
 OnlineGraph make_online_graph(const MonitorProgram& program) {
   OnlineGraph graph;
   std::vector<Literal> made;
+  made.reserve(program.nodes.size());
   for (const MonitorNode& node : program.nodes) made.push_back(made_of(graph, node, made));
   graph.root = made.back();
   return graph;

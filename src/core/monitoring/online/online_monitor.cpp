@@ -11,6 +11,7 @@
 namespace tachk::monitoring::online {
 
 using offline::Robustness;
+
 namespace {
 
 constexpr std::size_t margin = 8;  // bytes before a block of truth values; the last one belongs to the sample before
