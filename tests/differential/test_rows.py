@@ -26,7 +26,6 @@ VARIANTS = (
     replace(WHOLE, shortest=True),
     replace(WHOLE, extrapolation=Extrapolation.MAX, pack_clocks=0, width=32),
     replace(WHOLE, subsumption=False),
-    replace(WHOLE, threads=2, threads_after=0),
 )
 
 

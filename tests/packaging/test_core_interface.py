@@ -111,8 +111,6 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         pack_clocks=2**32 - 1,
         passing=64,
         partial_order=True,
-        threads=2,
-        threads_after=0,
         chunk_words=2**16,
         rows_after=2**32 - 1,
         proof_after=2**32 - 1,

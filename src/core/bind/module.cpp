@@ -112,8 +112,6 @@ void bind_options(nb::module_& m) {
       .def_rw("pack_clocks", &Options::pack_clocks)
       .def_rw("passing", &Options::passing)
       .def_rw("partial_order", &Options::partial_order)
-      .def_rw("threads", &Options::threads)
-      .def_rw("threads_after", &Options::threads_after)
       .def_rw("shortest", &Options::shortest)
       .def_rw("proof_after", &Options::proof_after)
       .def_rw("attempts", &Options::attempts)
@@ -164,7 +162,6 @@ NB_MODULE(_core, m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
-      .def("threads", &Explorer::threads, "The most threads that have worked for this search at the same time.")
       .def("discrete_states", &Explorer::discrete_states, "How many discrete states have been seen.")
       .def("reduced_states", &Explorer::reduced_states, "How many states were expanded with some actions only.")
       .def("has_merged", &Explorer::has_merged, "Whether zones have been united.")

@@ -1,7 +1,5 @@
 #include "order/by_progress.hpp"
 
-#include <algorithm>
-
 namespace tachk::order {
 
 ByProgress::ByProgress(const program::Program& program, states::PassedList& states, std::uint32_t first_waiting)
@@ -20,14 +18,6 @@ ByProgress::ByProgress(const program::Program& program, states::PassedList& stat
     far_of.push_back(far);
     if (number >= first_waiting && !states.covered(number)) wait(number, far);
   }
-}
-
-void ByProgress::foresee(std::size_t most, std::vector<std::uint32_t>& nodes) const {
-  if (queues_.empty()) return;
-  const Queue& queue = queues_.begin()->second;
-  const std::size_t count = std::min(most, queue.nodes.size() - queue.taken);
-  const auto first = queue.nodes.begin() + static_cast<std::ptrdiff_t>(queue.taken);
-  nodes.insert(nodes.end(), first, first + static_cast<std::ptrdiff_t>(count));
 }
 
 std::uint32_t ByProgress::next() {

@@ -25,9 +25,6 @@ class ByProgress final {
   // The next in order; no_node if none is left.
   std::uint32_t next();
 
-  // Appends those that follow in order whatever is added, because what is added has come further: up to `most`.
-  void foresee(std::size_t most, std::vector<std::uint32_t>& nodes) const;
-
   std::size_t bytes() const { return waiting_ * sizeof(std::uint32_t); }
 
  private:

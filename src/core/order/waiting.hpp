@@ -36,8 +36,6 @@ class Waiting final {
     for (const std::uint32_t other : covered) in_vain_ += other < cursor_;
   }
 
-  // Whether `begin` is to be called.
-  bool looks_at_slots() const { return by_progress_.has_value(); }
   // The state taken last is going to be expanded; its slots.
   void begin(const std::int32_t* slots) {
     if (by_progress_) by_progress_->begin(slots);
@@ -66,12 +64,6 @@ class Waiting final {
     return node;
   }
 
-  // Appends those that will be the next ones in order, whatever is added meanwhile: up to `most`, and perhaps fewer.
-  void foresee(std::size_t most, std::vector<std::uint32_t>& nodes) const {
-    if (by_progress_) return by_progress_->foresee(most, nodes);
-    if (!is_queue()) return;
-    for (std::uint32_t node = cursor_; node < end_ && most-- > 0; ++node) nodes.push_back(node);
-  }
   // The states with this number and larger ones all wait; no_node where the order is not that of the numbers.
   std::uint32_t first_untouched() const { return is_queue() && !by_progress_ ? cursor_ : states::no_node; }
 

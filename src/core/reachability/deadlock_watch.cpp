@@ -76,11 +76,4 @@ void DeadlockWatch::end(std::uint32_t node, SymbolicState& source) {
   candidates_.clear();
 }
 
-void DeadlockWatch::end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals) {
-  for (const Candidate& candidate : candidates_)
-    if (std::find(goals.begin(), goals.end(), candidate.goal) == goals.end() && meets(candidate, node, source))
-      goals.push_back(candidate.goal);
-  candidates_.clear();
-}
-
 }  // namespace tachk::reachability

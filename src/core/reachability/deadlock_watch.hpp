@@ -20,9 +20,6 @@ class DeadlockWatch final {
   // Whether some goal may still ask for deadlock; if not, the rest does nothing.
   bool open() const { return open_; }
 
-  // Other goals may be open than a moment ago.
-  void look_again() { open_ = asks_; }
-
   // Whether the actions of the state being expanded matter.
   bool counts() const { return !candidates_.empty(); }
 
@@ -31,8 +28,6 @@ class DeadlockWatch final {
   void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
   // Throws ModelFault.
   void end(std::uint32_t node, symbolic::SymbolicState& source);
-  // Instead of `end`: appends the goals that are to be settled. Throws ModelFault.
-  void end(std::uint32_t node, symbolic::SymbolicState& source, std::vector<std::size_t>& goals);
 
  private:
   struct Candidate {

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include "reachability/paths.hpp"
 
 namespace tachk::reachability {
 
-using ahead::Found;
 using machine::ModelFault;
 using order::SearchOrder;
 using program::Program;
@@ -39,11 +37,6 @@ Options consistent(Options options, const Limits& limits, const Program& program
       !program.measures.empty() || !options.subsumption)
     options.merging = false;
   return options;
-}
-
-unsigned threads_of(const Options& options) {
-  constexpr unsigned most = 8;  // one thread stores what all of them find
-  return options.threads != 0 ? options.threads : std::clamp(std::thread::hardware_concurrency(), 1u, most);
 }
 
 // Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
@@ -76,9 +69,7 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
             .simulation = states::AdaptiveCheck(options_.alu && options_.subsumption && graph_.knows_simulation() &&
-                                                looks_at_actions_only(graph_.program())),
-            .ahead = {},
-            .pace = {}} {}
+                                                looks_at_actions_only(graph_.program()))} {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -115,7 +106,7 @@ struct Explorer::Storing {
       if (!search.meets_a_goal(successor)) return search.passing_.add(successor);
       discrete = search.passed_.locate();
     }
-    search.store(successor, discrete, true);
+    search.store(successor, discrete);
   }
 };
 
@@ -132,7 +123,6 @@ Status Explorer::search(std::uint64_t expansions) {
     } else {
       const std::uint32_t node = next();
       if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
-      look_ahead(node, expansions);
       expand(node);
     }
     if (passed_.stored() > limits_.states) return Status::state_limit;
@@ -152,13 +142,6 @@ std::uint32_t Explorer::next() {
 void Explorer::expand(std::uint32_t number) {
   node_ = number;
   ++work_.explored;
-  if (work_.ahead)
-    if (const auto result = work_.ahead->result(number, goals_); result && !result->expansion->alone)
-      return take(number, *result);
-  expand_alone(number);
-}
-
-void Explorer::expand_alone(std::uint32_t number) {
   passed_.unpack(number, source_.slots.data());
   waiting_.begin(source_.slots.data());
   graph_.unpack(passed_, number, source_);
@@ -207,118 +190,30 @@ void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) 
   if (coverer != no_node) partial_order_.leads_to(coverer);
 }
 
-void Explorer::store(const Successor& successor, std::uint32_t discrete, bool may_meet,
-                     std::optional<std::uint64_t> apart) {
+void Explorer::store(const Successor& successor, std::uint32_t discrete) {
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
   const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
   const states::ZoneView united = merging_.united(passed_, discrete, zone, waiting_.first_untouched());
-  const bool larger = united.data.bytes != zone.data.bytes;
-  if (larger && work_.ahead) work_.ahead->doubt();
   const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
-  const std::uint32_t number = apart && !larger ? passed_.add_apart(discrete, zone, *apart, parent)
-                                                : passed_.add(discrete, united, parent, options_.subsumption,
-                                                              work_.simulation.asking() ? &bounds : nullptr);
+  const std::uint32_t number =
+      passed_.add(discrete, united, parent, options_.subsumption, work_.simulation.asking() ? &bounds : nullptr);
   if (number == no_node) return note_coverer(discrete, successor);
   merging_.stored(number);
   partial_order_.leads_to(number);
-  enlist(number, parent, successor, may_meet);
+  enlist(number, parent, successor);
   constexpr std::uint32_t seldom = 256;  // one state may have very many successors
   if (number % seldom == seldom - 1 && needs_too_much_memory()) throw TooMuchMemory{};
 }
 
-void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet) {
+void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor) {
   const auto [edges, slots, zone] = successor;
   waiting_.add(number, parent, slots, passed_.covered_last());
-  if (may_meet) goals_.check(number, slots, zone);
+  goals_.check(number, slots, zone);
   try {
     measures_.check(number, slots, zone);
   } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
     throw FaultReport{fault.kind, fault.position, number, {}, {}};
   }
-}
-
-// ---- several threads ------------------------------------------------------------------------------------------------
-
-void Explorer::look_ahead(std::uint32_t node, std::uint64_t expansions) {
-  const std::uint64_t most = std::clamp<std::uint32_t>(options_.threads_after / 8, 32, 512);
-  const std::size_t fewest = std::clamp<std::size_t>(options_.threads_after, 1, 64);
-  const bool none = options_.threads == 1 || options_.passing != 0 || options_.partial_order;
-  if (none || passed_.size() < options_.threads_after) return;
-  if ((work_.ahead && work_.ahead->result(node, goals_)) || !work_.pace.several(work_.explored)) return;
-  std::vector<std::uint32_t> nodes{node};
-  const std::uint64_t block = std::min(expansions, most);
-  waiting_.foresee(2 * block, nodes);
-  std::erase_if(nodes, [this](std::uint32_t other) { return passed_.covered(other); });
-  if (nodes.size() < fewest) return;
-  if (!work_.ahead) work_.ahead.emplace(graph_, passed_, options_.subsumption, threads_of(options_));
-  work_.ahead->look(std::move(nodes), block + 1, goals_, work_.taken);
-}
-
-// Does what `expand_alone` does, in the same order.
-void Explorer::take(std::uint32_t number, const ahead::Ahead::Result& result) {
-  constexpr std::size_t soon = 4;
-  if (waiting_.looks_at_slots()) {
-    passed_.unpack(number, source_.slots.data());
-    waiting_.begin(source_.slots.data());
-  }
-  const auto& [harvest, expansion] = result;
-  const std::uint64_t before = work_.transitions;
-  std::size_t edge = expansion->first_edge;
-  const auto count = [&](std::uint32_t transitions) {
-    work_.transitions = before + transitions;
-    for (; edge < expansion->last_edge && harvest->edges[edge].second <= transitions; ++edge)
-      work_.taken[harvest->edges[edge].first] = 1;
-  };
-  bool wanted = true;
-  for (std::size_t n = expansion->first; n < expansion->last; ++n) {
-    Found& found = harvest->found[n];
-    if (n + soon < harvest->found.size()) passed_.expect(harvest->found[n + soon].key, harvest->found[n + soon].hash);
-    count(found.transitions);
-    take(*harvest, found, wanted);
-  }
-  count(expansion->transitions);
-  for (const std::size_t goal : expansion->stuck) goals_.settle(goal, number);
-  if (expansion->failure) std::rethrow_exception(expansion->failure);
-  end_of_expansion();
-}
-
-// What is known of a successor holds unless a state has been stored that was taken to be covered.
-void Explorer::take(const ahead::Harvest& harvest, Found& found, bool& wanted) {
-  const bool first = !found.further && options_.subsumption;
-  const Found* coverer = first ? found.coverer : nullptr;
-  if (coverer != nullptr && coverer->node != no_node && !passed_.covered(coverer->node)) {
-    wanted = false;
-    return;
-  }
-  std::int32_t* slots = source_.slots.data();
-  std::copy_n(harvest.slots(found.slots), graph_.program().state_slots, slots);
-  std::uint32_t discrete = found.discrete;
-  if (discrete == states::HashIndex::absent) {
-    passed_.announce(slots, SlotSet::all());
-    discrete = passed_.locate();
-  }
-  const bool apart = found.apart && coverer == nullptr && work_.ahead->knows(discrete);
-  constexpr std::uint32_t some_edge = 0;
-  const Successor step{{&some_edge, 1}, slots, harvest.zone(found.zone)};
-  if (first) wanted = !(apart ? simulates(discrete, step) : covers(discrete, step));
-  if (!wanted) return;
-  if (coverer != nullptr) work_.ahead->doubt();
-  const std::uint32_t before = passed_.size();
-  const auto store = [&](zones::ConstZoneRef zone) {
-    const bool alone = apart && (!work_.simulation.asking() || passed_.is_new(discrete));
-    found.node = passed_.size();
-    this->store({{&some_edge, 1}, slots, zone}, discrete, found.meets,
-                alone ? std::optional(found.hash) : std::nullopt);
-  };
-  if (found.abstract != Found::none) {
-    store(harvest.zone(found.abstract));
-  } else if (graph_.representatives().active()) {
-    store(step.zone);
-  } else {
-    source_.zone.assign(step.zone);
-    graph_.abstract(slots, source_.zone, store);
-  }
-  if (passed_.size() == before) found.node = no_node;
 }
 
 // ---- special cases --------------------------------------------------------------------------------------------------
@@ -345,12 +240,6 @@ bool Explorer::meets_a_goal(const Successor& successor) {
 Status Explorer::run(std::uint64_t expansions) {
   if (fault_) return Status::fault;
   if (work_.is_full) return Status::memory_limit;
-  struct Resting {
-    std::optional<ahead::Ahead>& ahead;
-    ~Resting() {
-      if (ahead) ahead->rest();
-    }
-  } const resting{work_.ahead};
   return work_.pieces([&] { return search_keeping_faults(expansions); });
 }
 
@@ -397,7 +286,6 @@ std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program pr
   }
   Options options = options_;
   options.merging = false;
-  options.threads = 1;  // which ask nobody what lies in the corridor
   auto search = std::make_unique<Explorer>(std::move(program), options);
   search->corridor_ = std::move(corridor);
   return search;

@@ -13,8 +13,6 @@
 
 #include "order/waiting.hpp"
 #include "program/program.hpp"
-#include "reachability/ahead/ahead.hpp"
-#include "reachability/ahead/pace.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/measures.hpp"
@@ -68,8 +66,6 @@ class Explorer final {
   const program::Program& program() const { return graph_.program(); }
   const zones::ZoneOperations& operations() const { return graph_.operations(); }
   Statistics statistics() const;
-  // The most threads that have worked for this search at the same time.
-  unsigned threads() const { return work_.ahead ? work_.ahead->threads() : 1; }
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   bool has_merged() const { return merging_.any(); }
@@ -105,32 +101,21 @@ class Explorer final {
     bool is_full = false;  // the limit on memory was met in the midst of a state
     std::uint64_t explored = 0;
     std::uint64_t transitions = 0;
-    std::vector<std::uint8_t> taken;    // of each edge, whether it has been
-    states::AdaptiveCheck simulation;   // of states by others
-    std::optional<ahead::Ahead> ahead;  // where several threads look for successors
-    ahead::Pace pace;
+    std::vector<std::uint8_t> taken;   // of each edge, whether it has been
+    states::AdaptiveCheck simulation;  // of states by others
   };
 
   Status search(std::uint64_t expansions);
   Status search_keeping_faults(std::uint64_t expansions);
   std::uint32_t next();
   void expand(std::uint32_t node);
-  void expand_alone(std::uint32_t node);
   void pass();
   void end_of_expansion();
   bool needs_too_much_memory() const;
-  // Lets other threads look for the successors of this node and of those behind it, if that pays.
-  void look_ahead(std::uint32_t node, std::uint64_t expansions);
-  void take(std::uint32_t node, const ahead::Ahead::Result& result);
-  // `wanted`: whether an abstracted zone of the same successor before this one was; told of this one.
-  void take(const ahead::Harvest& harvest, ahead::Found& found, bool& wanted);
   bool covers(std::uint32_t discrete, const symbolic::Successor& successor);
   bool simulates(std::uint32_t discrete, const symbolic::Successor& successor);
-  // `may_meet`: not if the state is known to meet no open goal. `apart`: the hash of its zone, if it is known that it
-  // covers no stored one and no stored one covers it.
-  void store(const symbolic::Successor& successor, std::uint32_t discrete, bool may_meet,
-             std::optional<std::uint64_t> apart = std::nullopt);
-  void enlist(std::uint32_t number, std::uint32_t parent, const symbolic::Successor& successor, bool may_meet);
+  void store(const symbolic::Successor& successor, std::uint32_t discrete);
+  void enlist(std::uint32_t number, std::uint32_t parent, const symbolic::Successor& successor);
   void note_coverer(std::uint32_t discrete, const symbolic::Successor& successor);
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const symbolic::Successor& successor);

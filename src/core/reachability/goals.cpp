@@ -81,13 +81,11 @@ bool GoalWatch::meets(const program::Condition& condition, std::int32_t* slots, 
 
 void GoalWatch::settle(std::size_t goal, std::uint32_t node) {
   reached_[goal] = node;
-  ++changes_;
   if (!shortest_ || !asks_deadlock_[goal]) std::erase(open_, goal);
 }
 
 void GoalWatch::fail(std::size_t goal, std::uint32_t node, const machine::ModelFault& fault) {
   failures_[goal] = GoalFailure{fault, node};
-  ++changes_;
   std::erase(open_, goal);
 }
 
@@ -102,7 +100,7 @@ void GoalWatch::throw_failure() const {
 
 // What is reached by now is no further away than what the next layer leads to.
 void GoalWatch::end_layer() {
-  changes_ += std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != states::no_node; });
+  std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != states::no_node; });
 }
 
 }  // namespace tachk::reachability

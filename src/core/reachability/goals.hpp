@@ -37,16 +37,6 @@ class GoalWatch final {
   // Whether some valuation of the zone satisfies the condition. Throws ModelFault.
   bool meets(const program::Condition& condition, std::int32_t* slots, zones::ConstZoneRef zone);
 
-  // From now on the open goals are those of another watch of the same goals.
-  void follow(const GoalWatch& other) {
-    reached_ = other.reached_;
-    failures_ = other.failures_;
-    open_ = other.open_;
-    changes_ = other.changes_;
-  }
-  // Grows whenever a goal is reached, fails or is no longer open.
-  std::uint64_t changes() const { return changes_; }
-
   // A goal is reached in a node.
   void settle(std::size_t goal, std::uint32_t node);
   // A predicate of a goal is a run-time error in a node: the search goes on for the others.
@@ -90,7 +80,6 @@ class GoalWatch final {
   std::vector<std::uint32_t> reached_;
   std::vector<std::optional<GoalFailure>> failures_;
   std::vector<std::size_t> open_;
-  std::uint64_t changes_ = 0;
   std::vector<bool> asks_deadlock_;             // of each goal
   std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
   std::vector<Watch> watches_anywhere_;

@@ -20,10 +20,7 @@ struct Options : symbolic::ZoneGraphOptions, states::StoreOptions {
   std::uint32_t passing = 0;
   // Where time cannot pass, not all orders of independent actions are explored.
   bool partial_order = false;
-  // How many threads look for successors; 0: as many as the machine has cores, up to eight.
-  std::uint32_t threads = 1;
-  std::uint32_t threads_after = 4096;  // states there must be before they do
-  bool shortest = false;               // breadth first only: no path to a goal is shorter than the one that is found
+  bool shortest = false;  // breadth first only: no path to a goal is shorter than the one that is found
   // For liveness: after so many states depth first a short proof is looked for; of p --> q at once; UINT32_MAX: never.
   std::uint32_t proof_after = 2000;
   bool attempts = true;  // for p --> q: depth first from the states reached so far, on the way to all states

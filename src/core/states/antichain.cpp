@@ -29,7 +29,6 @@ void Antichain::add(const Extent& extent, std::uint32_t number, std::uint32_t fi
       waiting_.erase(waiting_.begin(), std::lower_bound(waiting_.begin(), waiting_.end(), first_waiting));
     waiting_.push_back(number);
   }
-  newest_ = std::max(newest_, number);
   if (root_.group->empty()) root_.least = root_.most = extent;
   std::optional<Part> half = add_to(root_, {extent, number});
   if (!half) return;

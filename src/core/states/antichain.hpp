@@ -43,12 +43,6 @@ class Antichain {
     return any_above(root_, extent, accept);
   }
 
-  // Whether `accept(number)` is true of a member whose extent this one may include.
-  template <class Accept>
-  bool any_below(const zones::Extent& extent, Accept accept) const {
-    return any_below(root_, extent, accept);
-  }
-
   // Removes the members whose extents this one may include and for which `covered(number)` is true.
   template <class Covered>
   void remove_below(const zones::Extent& extent, Covered covered) {
@@ -63,8 +57,6 @@ class Antichain {
 
   std::size_t bytes() const { return bytes_ + waiting_.capacity() * sizeof(std::uint32_t); }
   std::size_t size() const { return size_; }
-  // The largest number that any member has had.
-  std::uint32_t newest() const { return newest_; }
 
  private:
   struct Group;
@@ -99,15 +91,6 @@ class Antichain {
       if (member.extent.may_include(extent) && accept(member.number)) return true;
     for (const Part& inner : part.group->parts)
       if (inner.most.may_include(extent) && any_above(inner, extent, accept)) return true;
-    return false;
-  }
-
-  template <class Accept>
-  static bool any_below(const Part& part, const zones::Extent& extent, Accept& accept) {
-    for (const Member& member : part.group->members)
-      if (extent.may_include(member.extent) && accept(member.number)) return true;
-    for (const Part& inner : part.group->parts)
-      if (extent.may_include(inner.least) && any_below(inner, extent, accept)) return true;
     return false;
   }
 
@@ -148,7 +131,6 @@ class Antichain {
   Part root_;
   std::size_t bytes_;
   std::size_t size_ = 0;
-  std::uint32_t newest_ = 0;
   std::vector<std::uint32_t> waiting_;  // in order; some at the front do not wait any more
 };
 

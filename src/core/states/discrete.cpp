@@ -23,13 +23,6 @@ std::uint64_t hash_words(const std::uint64_t* words, std::size_t count) {
   return hash ^ (hash >> 29);
 }
 
-std::uint64_t hash_slots(const std::int32_t* slots, std::size_t count) {
-  std::uint64_t hash = 0x9E3779B97F4A7C15u;
-  for (std::size_t n = 0; n < count; ++n)
-    hash = (hash ^ static_cast<std::uint32_t>(slots[n])) * 0xD6E8FEB86659FD93u ^ hash >> 32;
-  return hash ^ (hash >> 29);
-}
-
 // Chunks have a dozen or some dozen slots: too few for a call of memcmp to pay.
 bool same_slots(const std::int32_t* a, const std::int32_t* b, std::size_t count) {
   std::size_t n = 0;
@@ -114,113 +107,88 @@ DiscreteStates::DiscreteStates(const program::Program& program, std::size_t chun
     records_ = RecordPool(note_bytes + key_bytes_);
     chunks_ = RecordPool(chunk_words_ * sizeof(std::uint64_t));
   }
-  own_ = reader();
+  key_.assign(key_words_, 0);
+  packed_.resize(chunk_words_ == 0 ? key_words_ : chunk_words_);
 }
 
-DiscreteStates::Reader DiscreteStates::reader() const {
-  Reader reader;
-  reader.key.assign(key_words_, 0);
-  reader.packed.resize(chunk_words_ == 0 ? key_words_ : chunk_words_);
-  return reader;
-}
-
-template <class Chunk>
-bool DiscreteStates::find_key(const std::int32_t* slots, const SlotSet& written, Reader& reader, Chunk chunk_of) const {
+void DiscreteStates::make_key(const std::int32_t* slots, const SlotSet& written) {
   if (chunk_words_ == 0) {
-    layout_.pack(slots, 0, layout_.words(), reader.key.data());
-    return true;
+    layout_.pack(slots, 0, layout_.words(), key_.data());
+    return;
   }
   for (std::size_t chunk = 0; chunk + 1 < chunk_slots_.size(); ++chunk) {
     const std::size_t first = chunk_slots_[chunk];
     const std::size_t count = chunk_slots_[chunk + 1] - first;
     std::uint32_t number;
-    if (!reader.known_chunks.empty() && (!written.meets(chunk_members_[chunk]) ||
-                                         same_slots(slots + first, reader.known_slots.data() + first, count))) {
-      number = reader.known_chunks[chunk];
+    if (!known_chunks_.empty() &&
+        (!written.meets(chunk_members_[chunk]) || same_slots(slots + first, known_slots_.data() + first, count))) {
+      number = known_chunks_[chunk];
     } else {
       const std::size_t word = chunk * chunk_words_;
       const std::size_t last = std::min(word + chunk_words_, layout_.words());
-      std::fill(reader.packed.begin(), reader.packed.end(), 0);
-      layout_.pack(slots, word, last, reader.packed.data());
-      number = chunk_of();
-      if (number == HashIndex::absent) return false;
+      std::fill(packed_.begin(), packed_.end(), 0);
+      layout_.pack(slots, word, last, packed_.data());
+      number = intern_chunk();
     }
-    std::memcpy(reinterpret_cast<std::byte*>(reader.key.data()) + chunk * sizeof(number), &number, sizeof(number));
+    std::memcpy(reinterpret_cast<std::byte*>(key_.data()) + chunk * sizeof(number), &number, sizeof(number));
   }
-  return true;
-}
-
-std::uint32_t DiscreteStates::find_chunk(const std::vector<std::uint64_t>& packed, std::uint64_t hash) const {
-  return chunk_index_.find(hash, [&](std::uint32_t number) {
-    return std::memcmp(chunks_[number], packed.data(), chunk_words_ * sizeof(std::uint64_t)) == 0;
-  });
 }
 
 std::uint32_t DiscreteStates::intern_chunk() {
-  const std::uint64_t hash = hash_words(own_.packed.data(), chunk_words_);
-  const std::uint32_t found = find_chunk(own_.packed, hash);
+  const std::uint64_t hash = hash_words(packed_.data(), chunk_words_);
+  const std::uint32_t found = chunk_index_.find(hash, [&](std::uint32_t number) {
+    return std::memcmp(chunks_[number], packed_.data(), chunk_words_ * sizeof(std::uint64_t)) == 0;
+  });
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = chunks_.append();
-  std::memcpy(chunks_[fresh], own_.packed.data(), chunk_words_ * sizeof(std::uint64_t));
+  std::memcpy(chunks_[fresh], packed_.data(), chunk_words_ * sizeof(std::uint64_t));
   chunk_index_.insert(hash, fresh);
   return fresh;
 }
 
 void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written) {
-  find_key(slots, written, own_, [this] { return intern_chunk(); });
-  own_.hash = hash_words(own_.key.data(), key_words_);
-  index_.prefetch(own_.hash);
-}
-
-void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written, Reader& reader) const {
-  reader.possible = find_key(slots, written, reader,
-                             [&] { return find_chunk(reader.packed, hash_words(reader.packed.data(), chunk_words_)); });
-  reader.hash = reader.possible ? hash_words(reader.key.data(), key_words_) : hash_slots(slots, layout_.slots());
-  index_.prefetch(reader.hash);
-}
-
-std::uint32_t DiscreteStates::find(const Reader& reader) const {
-  if (!reader.possible) return HashIndex::absent;
-  return index_.find(reader.hash, [&](std::uint32_t number) { return has_key(number, reader.key); });
+  make_key(slots, written);
+  hash_ = hash_words(key_.data(), key_words_);
+  index_.prefetch(hash_);
 }
 
 std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
-  const std::uint32_t found = find(own_);
+  const std::uint32_t found = index_.find(hash_, [this](std::uint32_t number) { return has_key(number); });
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = records_.append();
-  std::memcpy(records_[fresh] + note_bytes, own_.key.data(), key_bytes_);
+  std::memcpy(records_[fresh] + note_bytes, key_.data(), key_bytes_);
   note(fresh) = fresh_note;
-  index_.insert(own_.hash, fresh);
+  index_.insert(hash_, fresh);
   return fresh;
 }
 
 bool DiscreteStates::equals(std::uint32_t number, const std::int32_t* slots) {
-  find_key(slots, SlotSet::all(), own_, [this] { return intern_chunk(); });
-  return has_key(number, own_.key);
+  make_key(slots, SlotSet::all());
+  return has_key(number);
 }
 
-void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots, Reader& reader) const {
+void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots) {
   const std::vector<std::int32_t>& initial = layout_.initial();
   if (chunk_words_ == 0) {
     std::memcpy(slots, initial.data(), initial.size() * sizeof(std::int32_t));
-    std::memcpy(reader.packed.data(), key_of(number), key_bytes_);
-    layout_.unpack(reader.packed.data(), 0, key_words_, slots);
+    std::memcpy(packed_.data(), key_of(number), key_bytes_);
+    layout_.unpack(packed_.data(), 0, key_words_, slots);
     return;
   }
   const std::size_t chunks = chunk_slots_.size() - 1;
-  if (reader.known_chunks.empty()) {
-    reader.known_slots = initial;
-    reader.known_chunks.assign(chunks, HashIndex::absent);
+  if (known_chunks_.empty()) {
+    known_slots_ = initial;
+    known_chunks_.assign(chunks, HashIndex::absent);
   }
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     std::uint32_t stored;
     std::memcpy(&stored, key_of(number) + chunk * sizeof(stored), sizeof(stored));
-    if (std::exchange(reader.known_chunks[chunk], stored) == stored) continue;
+    if (std::exchange(known_chunks_[chunk], stored) == stored) continue;
     const std::size_t word = chunk * chunk_words_;
     const std::size_t last = std::min(word + chunk_words_, layout_.words());
-    layout_.unpack(reinterpret_cast<const std::uint64_t*>(chunks_[stored]), word, last, reader.known_slots.data());
+    layout_.unpack(reinterpret_cast<const std::uint64_t*>(chunks_[stored]), word, last, known_slots_.data());
   }
-  std::memcpy(slots, reader.known_slots.data(), reader.known_slots.size() * sizeof(std::int32_t));
+  std::memcpy(slots, known_slots_.data(), known_slots_.size() * sizeof(std::int32_t));
 }
 
 }  // namespace tachk::states

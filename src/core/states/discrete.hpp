@@ -48,17 +48,6 @@ class StateLayout {
 
 class DiscreteStates {
  public:
-  // What whoever looks at the states needs of his own: several threads may look at once, as long as none adds any.
-  struct Reader {
-    std::vector<std::uint64_t> key;     // of the announced state
-    std::uint64_t hash = 0;             // of that state, equal for equal ones
-    bool possible = true;               // not if a part of the state is in no stored one
-    std::vector<std::uint64_t> packed;  // one chunk, or a state that is held whole
-    // The state unpacked last and its chunks: a successor has most of them.
-    std::vector<std::int32_t> known_slots;
-    std::vector<std::uint32_t> known_chunks;
-  };
-
   // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
   DiscreteStates(const program::Program& program, std::size_t chunk_words);
 
@@ -68,15 +57,7 @@ class DiscreteStates {
   // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
   std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
-  void unpack(std::uint32_t number, std::int32_t* slots) { unpack(number, slots, own_); }
-
-  Reader reader() const;
-  void unpack(std::uint32_t number, std::int32_t* slots, Reader& reader) const;
-  void announce(const std::int32_t* slots, const program::SlotSet& written, Reader& reader) const;
-  // The number of the announced state, or HashIndex::absent.
-  std::uint32_t find(const Reader& reader) const;
-
-  void prefetch(std::uint64_t hash) const { index_.prefetch(hash); }
+  void unpack(std::uint32_t number, std::int32_t* slots);
 
   // How many there are.
   std::uint32_t size() const { return records_.size(); }
@@ -89,22 +70,20 @@ class DiscreteStates {
  private:
   static constexpr std::size_t note_bytes = sizeof(std::uint32_t);
   const std::byte* key_of(std::uint32_t number) const { return records_[number] + note_bytes; }
-  bool has_key(std::uint32_t number, const std::vector<std::uint64_t>& key) const {
-    return std::memcmp(key_of(number), key.data(), key_bytes_) == 0;
-  }
-  // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks, which
-  // `chunk()` tells of the packed one. False if a chunk is absent.
-  template <class Chunk>
-  bool find_key(const std::int32_t* slots, const program::SlotSet& written, Reader& reader, Chunk chunk) const;
-  std::uint32_t find_chunk(const std::vector<std::uint64_t>& packed, std::uint64_t hash) const;
+  bool has_key(std::uint32_t number) const { return std::memcmp(key_of(number), key_.data(), key_bytes_) == 0; }
+  // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks.
+  void make_key(const std::int32_t* slots, const program::SlotSet& written);
+  // The number of the chunk that `packed_` holds.
   std::uint32_t intern_chunk();
 
   StateLayout layout_;
   std::size_t chunk_words_;  // 0: states are held whole
   std::size_t key_words_;
   std::size_t key_bytes_;  // of the words of a key those that are held, the others are 0: whole numbers of 32 bits
-  Reader own_;
-  RecordPool records_;  // keys, each behind its note
+  std::vector<std::uint64_t> key_;     // of the announced state
+  std::uint64_t hash_ = 0;             // of that key
+  std::vector<std::uint64_t> packed_;  // one chunk, or a state that is held whole
+  RecordPool records_;                 // keys, each behind its note
   HashIndex index_;
 
   // Only for states in chunks.
@@ -112,6 +91,9 @@ class DiscreteStates {
   std::vector<program::SlotSet> chunk_members_;
   RecordPool chunks_;
   HashIndex chunk_index_;
+  // The state unpacked last and its chunks: a successor has most of them.
+  std::vector<std::int32_t> known_slots_;
+  std::vector<std::uint32_t> known_chunks_;
 };
 
 }  // namespace tachk::states

@@ -201,11 +201,6 @@ std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32
   return append_node(discrete, zone_number, parent);
 }
 
-std::uint32_t PassedList::add_apart(std::uint32_t discrete, ZoneView zone, std::uint64_t hash, std::uint32_t parent) {
-  covered_last_.clear();
-  return append_node(discrete, zones_.intern(zone, hash), parent);
-}
-
 std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent) {
   const std::uint32_t fresh = nodes_.append();
   if (((fresh | discrete | zone_number) & mark) != 0) throw std::length_error("more states than node numbers");
@@ -214,22 +209,6 @@ std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone
   append(discrete, fresh);
   ++stored_;
   return fresh;
-}
-
-bool PassedList::would_cover(std::uint32_t discrete, ZoneView zone) const {
-  const auto accept = [&](std::uint32_t number) { return is_below(number, zone, nullptr); };
-  const std::uint32_t first = head(discrete);
-  if (is_long(first)) return chain(first).any_below(extent_of(zone), accept);
-  std::uint32_t number = first;
-  while (number != no_node && !accept(number)) number = next(number);
-  return number != no_node;
-}
-
-// In a short antichain the newest comes first; what has covered it is newer.
-bool PassedList::has_since(std::uint32_t discrete, std::uint32_t first) const {
-  const std::uint32_t newest = head(discrete);
-  if (newest == no_node) return false;
-  return (is_long(newest) ? chain(newest).newest() : newest) >= first;
 }
 
 bool PassedList::may_equal(std::uint32_t number, ZoneView zone) const {

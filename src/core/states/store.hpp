@@ -46,8 +46,6 @@ class PassedList {
   }
   // A stored state with this discrete part whose zone does; no_node if there is none.
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds = nullptr) const;
-  // Whether no state with this discrete part has been stored.
-  bool is_new(std::uint32_t discrete) const { return head(discrete) == no_node; }
   // The states with this number and larger ones wait, and are to be found by `unite`. To be told before any is added,
   // and whenever it grows.
   void wait_from(std::uint32_t first) { first_waiting_ = first; }
@@ -69,35 +67,6 @@ class PassedList {
   // `covers`; without by an equal one only.
   std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
                     const zones::ClockBounds* bounds = nullptr);
-
-  // What several threads may ask at once, as long as nobody adds a state, each with a reader of its own.
-  DiscreteStates::Reader reader() const { return discretes_.reader(); }
-  void unpack(std::uint32_t number, std::int32_t* slots, DiscreteStates::Reader& reader) const {
-    discretes_.unpack(discrete(number), slots, reader);
-  }
-  // As `announce` without a reader, of the state that this one unpacked last, and the number of the announced state or
-  // HashIndex::absent.
-  void announce(const std::int32_t* slots, const program::SlotSet& written, DiscreteStates::Reader& reader) const {
-    discretes_.announce(slots, written, reader);
-  }
-  std::uint32_t locate(const DiscreteStates::Reader& reader) const { return discretes_.find(reader); }
-  // A number for the announced state, equal for equal states.
-  std::uint64_t key(const DiscreteStates::Reader& reader) const { return reader.hash; }
-  // Whether the zone contains one that is stored for this discrete state.
-  bool would_cover(std::uint32_t discrete, ZoneView zone) const;
-  std::uint64_t hash(ZoneView zone) const { return zones_.hash(zone); }
-
-  // A state with this key and a zone with this hash are going to be added: asks for the memory that this looks at
-  // first.
-  void expect(std::uint64_t key, std::uint64_t hash) const {
-    discretes_.prefetch(key);
-    zones_.prefetch(hash);
-  }
-
-  // Whether a state with this discrete part has been added whose number is `first` or larger.
-  bool has_since(std::uint32_t discrete, std::uint32_t first) const;
-  // Adds a state of which it is known that it covers no stored one and no stored one covers it; the hash of its zone.
-  std::uint32_t add_apart(std::uint32_t discrete, ZoneView zone, std::uint64_t hash, std::uint32_t parent);
 
   // The nodes that the last `add` has removed.
   const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }

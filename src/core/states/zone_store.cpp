@@ -28,7 +28,8 @@ std::uint32_t ZoneStore::add(ZoneView zone) {
   return number;
 }
 
-std::uint32_t ZoneStore::intern(ZoneView zone, std::uint64_t hash_value) {
+std::uint32_t ZoneStore::intern(ZoneView zone) {
+  const std::uint64_t hash_value = hash(zone);
   const std::uint32_t found = index_.find(hash_value, [&](std::uint32_t number) { return equals(number, zone); });
   if (found != HashIndex::absent) {
     ++use(found).count;

@@ -27,10 +27,8 @@ class ZoneStore {
   const zones::ZoneOperations& operations(int dimension) const { return shelf_of(dimension).operations(); }
 
   // The number of the zone, for one more who needs it; `hash_value`: its hash.
-  std::uint32_t intern(ZoneView zone, std::uint64_t hash_value);
-  std::uint32_t intern(ZoneView zone) { return intern(zone, hash(zone)); }
+  std::uint32_t intern(ZoneView zone);
   std::uint64_t hash(ZoneView zone) const { return operations(zone.dimension).hash(zone.data, zone.dimension); }
-  void prefetch(std::uint64_t hash_value) const { index_.prefetch(hash_value); }
   // One fewer needs the zone. Its memory is used again once nobody does.
   void release(std::uint32_t number);
 

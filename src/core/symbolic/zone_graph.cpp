@@ -78,18 +78,6 @@ ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
       twins_(program_, operations_),
       target_(operations_) {}
 
-ZoneGraph::ZoneGraph(const ZoneGraph& other)
-    : program_(other.program_),
-      options_(other.options_),
-      operations_(other.operations_),
-      smaller_(other.smaller_),
-      semantics_(program_, operations_),
-      active_(program_, semantics_, operations_, smaller_),
-      abstraction_(program_, semantics_, operations_, options_.extrapolation, options_.bounds),
-      representatives_(program_, operations_),
-      twins_(program_, operations_),
-      target_(operations_) {}
-
 SymbolicState ZoneGraph::blank() const {
   return {std::vector<std::int32_t>(program_.slots.size()), zones::ZoneBuffer(operations_)};
 }

@@ -81,8 +81,7 @@ concept Receiver =
 class ZoneGraph final {
  public:
   ZoneGraph(program::Program program, const ZoneGraphOptions& options);
-  // Another graph of the same program, for another thread: it shares nothing with this one.
-  explicit ZoneGraph(const ZoneGraph& other);
+  ZoneGraph(const ZoneGraph&) = delete;
   ZoneGraph& operator=(const ZoneGraph&) = delete;
 
   const program::Program& program() const { return program_; }

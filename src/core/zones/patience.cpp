@@ -8,7 +8,6 @@ namespace {
 constexpr std::chrono::milliseconds between_looks{25};
 
 thread_local Patience* own = nullptr;
-thread_local Patience* shared = nullptr;
 
 }  // namespace
 
@@ -20,11 +19,8 @@ Patience::Patience(std::optional<Clock::time_point> end, std::function<bool()> i
 
 Patience::~Patience() { own = before_; }
 
-Patience* Patience::current() { return own; }
-
 void Patience::check() {
   if (own != nullptr) own->look();
-  if (shared != nullptr) shared->look_as_helper();
 }
 
 void Patience::look() {
@@ -34,13 +30,5 @@ void Patience::look() {
   if ((end_ && now >= *end_) || !is_wanted_()) over_ = true;
   if (over_) throw GivenUp{};
 }
-
-void Patience::look_as_helper() const {
-  if (over_ || (end_ && Clock::now() >= *end_)) throw GivenUp{};
-}
-
-Patience::Shared::Shared(Patience* patience) { shared = patience; }
-
-Patience::Shared::~Shared() { shared = nullptr; }
 
 }  // namespace tachk::zones

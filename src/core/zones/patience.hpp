@@ -1,7 +1,6 @@
 // When work of the core is given up in the midst: because the time for it is over, or because somebody wants it to end.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <exception>
 #include <functional>
@@ -27,26 +26,14 @@ class Patience final {
 
   // Meant for loops that may be long, every hundred steps or so. Throws GivenUp if this thread has no patience left.
   static void check();
-  // That of this thread; null if it has as much as it takes.
-  static Patience* current();
-
-  // Another thread that helps has the same patience while this lives.
-  class Shared final {
-   public:
-    explicit Shared(Patience* patience);
-    ~Shared();
-    Shared(const Shared&) = delete;
-    Shared& operator=(const Shared&) = delete;
-  };
 
  private:
   void look();
-  void look_as_helper() const;
 
   std::optional<Clock::time_point> end_;
   std::function<bool()> is_wanted_;
   Clock::time_point next_;
-  std::atomic<bool> over_{false};
+  bool over_ = false;
   Patience* before_;
 };
 

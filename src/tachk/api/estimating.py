@@ -136,7 +136,7 @@ def answers_among(
 
     Args:
         questions: what was asked about the model, from which the formulas come.
-        options: of the verification; its seed and its threads are those of the runs.
+        options: of the verification; its seed is that of the runs.
 
     Raises InputError where a query that was typed is wrong.
     """
@@ -148,7 +148,7 @@ def answers_among(
     from tachk.simulation.statistics.estimate import Settings
     from tachk.simulation.statistics.sampling import RunSource
 
-    settings = Settings(RunSource(options.seed, 0, max(options.threads, 1)))
+    settings = Settings(RunSource(options.seed))
     found = answer_statistical(lambda: simulated(loaded, questions.path), formulas, settings, limits)
     for number, formula in enumerate(formulas, 1):
         query = found.get(number)

@@ -81,7 +81,7 @@ def in_one_order(
     deadlocks = any(goal.asks_deadlock for goal in goals)
     if deadlocks or program.interchangeable or options.partial_order or limits.depth is not None:
         return None, ""
-    one = replace(options, partial_order=True, threads=1)
+    one = replace(options, partial_order=True)
     explorer = _core.Explorer(encode(program, goals), core_options(one), core_limits(limits))
     start = time.perf_counter()
     status, reason = run_in_slices(BudgetedSearch(explorer, explored=FIRST_IN_ONE_ORDER), start)
@@ -102,7 +102,7 @@ def depth_first(
     """
     if not all(goal.disjuncts for goal in goals if goal.decides):
         return None, ""
-    deep = replace(options, order=SearchOrder.DFS, threads=1)
+    deep = replace(options, order=SearchOrder.DFS)
     apart = replace(program, interchangeable=())
     explorer = _core.Explorer(encode(apart, goals), core_options(deep), core_limits(limits))
     status, reason = run_in_slices(BudgetedSearch(explorer, explored=EXPLORED), time.perf_counter())

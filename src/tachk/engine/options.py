@@ -75,7 +75,7 @@ class LocalTimes(StrEnum):
 LARGEST_SEED = 2**32 - 1
 NEVER = 2**32 - 1
 """`Options.proof_after` for no proof at all."""
-MOST_THREADS = 256
+MOST_PROCESSES = 256
 PASSED_IN_A_ROW = 8
 """`Options.passing` where a user only says that states with a committed location need not be stored."""
 
@@ -128,10 +128,6 @@ class Options:
             that is sound, and not with `shortest` or a limit on depth.
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
-        threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
-            their number, the states, their order and the runs are the same. One thread searches depth first, over local
-            times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
-        threads_after: how many states there must be before a search uses more than one thread.
         processes: how many searches for different queries run at the same time, each in a process of its own, once a
             second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
         without: what is switched off, by name: strategies (`tachk.verify.strategies`), and the `REDUCTIONS`.
@@ -158,8 +154,6 @@ class Options:
     chunk_words: int = 8
     rows_after: int = 1024
     proof_after: int = 2000
-    threads: int = 1
-    threads_after: int = 4096
     processes: int = 1
     without: frozenset[str] = frozenset()
     shortest: bool = False
@@ -189,9 +183,7 @@ class Options:
         _check_range("proof_after", self.proof_after, 0, NEVER)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
         _check_range("passing", self.passing, 0, 64)
-        _check_range("threads", self.threads, 0, MOST_THREADS)
-        _check_range("processes", self.processes, 0, MOST_THREADS)
-        _check_range("threads_after", self.threads_after, 0, 2**32 - 1)
+        _check_range("processes", self.processes, 0, MOST_PROCESSES)
         if self.width not in (16, 32, 64):
             raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")
         if self.shortest and not self.order.finds_shortest:

@@ -24,7 +24,6 @@ class Statistics:
     less_known: the variables of which a coarser network that was searched keeps less.
     asked_of_all: whether what is asked of some interchangeable processes was asked of all of them.
     local_times: whether each process had a time of its own.
-    threads: the most threads that worked for the search at the same time.
     """
 
     states_explored: int = 0
@@ -38,7 +37,6 @@ class Statistics:
     less_known: tuple[str, ...] = ()
     asked_of_all: bool = False
     local_times: bool = False
-    threads: int = 1
 
     def then(self, other: Statistics) -> Statistics:
         """The work of two searches, one after the other."""
@@ -54,7 +52,6 @@ class Statistics:
             self.less_known or other.less_known,
             self.asked_of_all or other.asked_of_all,
             self.local_times or other.local_times,
-            max(self.threads, other.threads),
         )
 
 

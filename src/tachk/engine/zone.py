@@ -136,7 +136,7 @@ def _ran(
 
     def statistics(search: _core.Explorer) -> Statistics:
         used = user_seconds() - user
-        return replace(statistics_of(search, start), user_seconds=used, threads=search.threads())
+        return replace(statistics_of(search, start), user_seconds=used)
 
     status, reason = _core.Status.STATE_LIMIT, ""
     if attempts.are_made(options, limits):

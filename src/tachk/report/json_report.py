@@ -91,7 +91,7 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
     ),
     Statistics: Fields(
         "states_explored states_stored transitions seconds peak_bytes interchangeable exchanged less_known "
-        "asked_of_all local_times threads"
+        "asked_of_all local_times"
     ),
     Due: Fields("state=steps time"),
     Extremes: Fields("expression lower=least upper=largest"),

@@ -47,7 +47,6 @@ ALONE: Mapping[str, Options] = {
 }
 TOGETHER: Mapping[str, Options] = {
     **each_switched_off(),
-    "threads": Options(threads=2, threads_after=0),
     "local times and symmetry": Options(local_times=LocalTimes.ALWAYS),
     "partial order, all": Options(partial_order=True).off("symmetry"),
     "depth first, passing": Options(order=SearchOrder.DFS, passing=8),

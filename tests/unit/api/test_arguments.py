@@ -33,7 +33,7 @@ TACHK: Any = tachk
         (lambda: ASK.sweep("E<> P.B", over="C=1..3", part=3), "`part` is 3, but it must be a tuple"),
         (lambda: TACHK.Limits(seconds="x"), "`seconds` is 'x', but it must be a number or None"),
         (lambda: TACHK.Limits(states=2.5), "`states` is 2.5, but it must be a whole number or None"),
-        (lambda: TACHK.Options(threads="x"), "`threads` is 'x', but it must be a whole number"),
+        (lambda: TACHK.Options(processes="x"), "`processes` is 'x', but it must be a whole number"),
         (lambda: TACHK.load(3), "`path` is 3, but it must be a text or a path"),
         (lambda: TACHK.simulate(MODEL, record="n"), "`record` is 'n', but it must be a list of texts"),
         (lambda: TACHK.replay("m.ta", "a.run"), "`model` is 'm.ta', but it must be a model of `tachk.load`"),

@@ -77,15 +77,6 @@ def test_a_limit_on_time_ends_a_search_over_local_times_in_the_midst_of_a_state(
     assert search.run(1) is _core.Status.TIME_LIMIT
 
 
-def test_helping_threads_have_the_same_patience() -> None:
-    own = "int[0,99] n; init location A { to A { assign n = (n + 1) % 100; }"
-    network, target = model(UNRANKED.replace("init location A {", own, 1))
-    program, goals = lower(network, [target])
-    options = core_options(Options(threads=3, threads_after=1))
-    search = _core.Explorer(encode(program, goals), options, core_limits(Limits()))
-    assert search.run(1000, 0.05) is _core.Status.TIME_LIMIT
-
-
 def test_ctrl_c_ends_a_search_in_the_midst_of_a_state() -> None:
     for search in searches(MANY_SUCCESSORS):
         timer = threading.Timer(0.05, _thread.interrupt_main)

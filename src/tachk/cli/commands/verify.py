@@ -28,7 +28,7 @@ from tachk.cli.run_report import RunReport, RunReporting
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import (
     LARGEST_SEED,
-    MOST_THREADS,
+    MOST_PROCESSES,
     PASSED_IN_A_ROW,
     Engine,
     Extrapolation,
@@ -181,22 +181,11 @@ _DEFAULT = Options()
     "(but for --without symmetry), or where the search is over local times.",
 )
 @click.option(
-    "threads",
-    "--threads",
-    metavar="N",
-    type=options.Count(0, MOST_THREADS),
-    default=_DEFAULT.threads,
-    show_default=True,
-    help="How many threads look for states; 0: as many as this machine has cores, up to 8. Answers, runs and numbers "
-    "of states do not depend on it. No effect with --search dfs or rdfs, --pass-committed, --partial-order, on "
-    "searches over local times or for certificates, and for A<>, E[] and -->.",
-)
-@click.option(
     "processes",
     "-j",
     "--processes",
     metavar="N",
-    type=options.Count(0, MOST_THREADS),
+    type=options.Count(0, MOST_PROCESSES),
     default=0,
     show_default="the cores of this machine, up to 8",
     help="How many searches for different properties run at the same time, each in a process of its own, once a second "

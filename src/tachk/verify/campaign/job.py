@@ -139,7 +139,7 @@ class Verification:
                 rows = [*self._drawn(model, [query for query in formulas if is_statistical(query)])]
             queries = checked(formulas)
             if queries:
-                alone = replace(self.options, threads=1, processes=1)  # it is cells that are computed at the same time
+                alone = replace(self.options, processes=1)  # it is cells that are computed at the same time
                 found = answers(model, self.questions, queries, alone, self.limits, trace=True)
                 rows += map(_row, found)
             return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))

@@ -46,7 +46,7 @@ def report(*steps: dict[str, object], prop: str = "p") -> dict[str, object]:
     first = {"time": "0", "locations": {}, "clocks": {}, "variables": {"losses": 0}}
     texts = dict.fromkeys(("title", "query", "reason", "assumption"), "")
     counts = dict.fromkeys(("states_explored", "states_stored", "transitions", "seconds", "peak_bytes"), 0)
-    stats = {**counts, "interchangeable": 0, "exchanged": [], "less_known": [], "threads": 1}
+    stats = {**counts, "interchangeable": 0, "exchanged": [], "less_known": []}
     result = {
         **texts,
         **dict.fromkeys(("expected", "met", "loop_start", "due", "fault", "observer")),
