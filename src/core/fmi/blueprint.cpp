@@ -1,6 +1,7 @@
 #include "fmi/blueprint.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -24,6 +25,9 @@ constexpr int precision = std::numeric_limits<double>::digits;
 
 // The double that is nearest to a fraction; of two that are, the even one. The denominator is positive.
 double nearest_ratio(Wide numerator, std::int64_t denominator) {
+  constexpr std::int64_t exact = std::int64_t{1} << precision;
+  if (-exact <= numerator && numerator <= exact && denominator <= exact)  // then one division rounds once
+    return static_cast<double>(static_cast<std::int64_t>(numerator)) / static_cast<double>(denominator);
   const bool negative = numerator < 0;
   __extension__ using Natural = unsigned __int128;
   Natural rest = negative ? -static_cast<Natural>(numerator) : static_cast<Natural>(numerator);
@@ -38,10 +42,11 @@ double nearest_ratio(Wide numerator, std::int64_t denominator) {
     ++exponent;
   }
   while (rest != 0 && exponent <= 0 && quotient >> precision == 0) {
-    rest <<= 1;
-    quotient = quotient << 1 | (rest >= divisor ? 1 : 0);
-    if (rest >= divisor) rest -= divisor;
-    --exponent;
+    const int missing = precision + 1 - static_cast<int>(std::bit_width(static_cast<std::uint64_t>(quotient)));
+    rest <<= missing;
+    quotient = quotient << missing | rest / divisor;
+    rest %= divisor;
+    exponent -= missing;
   }
   const std::uint64_t digits = static_cast<std::uint64_t>(quotient) << 1 | (rest != 0 ? 1 : 0);
   const double result = std::ldexp(static_cast<double>(digits), exponent - 1);
