@@ -35,6 +35,7 @@ PointwiseEvaluator<Value>::PointwiseEvaluator(const MonitorProgram& program) : p
     const bool combines =
         kind == NodeKind::logical_not || kind == NodeKind::logical_and || kind == NodeKind::logical_or;
     shared_.push_back(uses[number] > 1 && combines);
+    any_shared_ = any_shared_ || shared_.back();
   }
 }
 
@@ -63,10 +64,12 @@ const std::vector<std::size_t>& PointwiseEvaluator<Value>::shared_below(const St
 template <class Value>
 const Value* PointwiseEvaluator<Value>::evaluate(const StreamNode& leaf, const Samples& samples, std::size_t first,
                                                  std::size_t count) {
-  kept_.clear();
-  for (const std::size_t shared : shared_below(leaf)) {
-    node(shared, false, 0, samples, first, count);
-    kept_[shared].assign(blocks_[0].begin(), blocks_[0].begin() + static_cast<std::ptrdiff_t>(count));
+  if (any_shared_) {
+    kept_.clear();
+    for (const std::size_t shared : shared_below(leaf)) {
+      node(shared, false, 0, samples, first, count);
+      kept_[shared].assign(blocks_[0].begin(), blocks_[0].begin() + static_cast<std::ptrdiff_t>(count));
+    }
   }
   if (leaf.parts.empty()) {
     node(leaf.source, leaf.dual, 0, samples, first, count);
@@ -83,7 +86,7 @@ void PointwiseEvaluator<Value>::node(std::size_t number, bool negated, std::size
   if (blocks_.size() <= depth) blocks_.resize(depth + 1, std::vector<Value>(AtomEvaluator::block));
   const MonitorNode& what = program_->nodes[number];
   Value* out = blocks_[depth].data();
-  if (shared_[number]) {
+  if (any_shared_ && shared_[number]) {
     const auto kept = kept_.find(number);
     if (kept != kept_.end()) {
       std::transform(kept->second.begin(), kept->second.end(), out,
@@ -133,11 +136,13 @@ void PointwiseEvaluator<Value>::junction(const std::vector<std::size_t>& operand
 
 template <class Value>
 Value PointwiseEvaluator<Value>::with_all(const StreamNode& leaf, Value value) {
-  kept_with_all_.clear();
-  for (const std::size_t shared : shared_below(leaf)) {
-    for (const bool negated : {false, true}) {
-      const Value worth = node_with_all(shared, negated, value);
-      kept_with_all_[{shared, negated}] = worth;
+  if (any_shared_) {
+    kept_with_all_.clear();
+    for (const std::size_t shared : shared_below(leaf)) {
+      for (const bool negated : {false, true}) {
+        const Value worth = node_with_all(shared, negated, value);
+        kept_with_all_[{shared, negated}] = worth;
+      }
     }
   }
   if (leaf.parts.empty()) return node_with_all(leaf.source, leaf.dual, value);
@@ -148,8 +153,10 @@ Value PointwiseEvaluator<Value>::with_all(const StreamNode& leaf, Value value) {
 template <class Value>
 Value PointwiseEvaluator<Value>::node_with_all(std::size_t number, bool negated, Value value) {
   const MonitorNode& what = program_->nodes[number];
-  const auto kept = kept_with_all_.find({number, negated});
-  if (kept != kept_with_all_.end()) return kept->second;
+  if (any_shared_ && shared_[number]) {
+    const auto kept = kept_with_all_.find({number, negated});
+    if (kept != kept_with_all_.end()) return kept->second;
+  }
   switch (what.kind) {
     case NodeKind::always_false:
     case NodeKind::always_true:

@@ -39,7 +39,8 @@ class PointwiseEvaluator {
   AtomEvaluator atoms_;
   std::vector<std::vector<Value>> blocks_;  // intermediate results by depth
   // A chain of `xor` takes each of its beginnings twice, and would double the work with every link.
-  std::vector<bool> shared_;                                                   // by node
+  std::vector<bool> shared_;  // by node
+  bool any_shared_ = false;
   std::map<std::vector<std::size_t>, std::vector<std::size_t>> shared_below_;  // by the nodes that a leaf combines
   std::map<std::size_t, std::vector<Value>> kept_;                             // of shared nodes, in this block
   std::map<std::pair<std::size_t, bool>, Value> kept_with_all_;                // of shared nodes and their negations

@@ -57,22 +57,22 @@ class SpanSet {
   }
 
   // Adds cells and appends the runs of those that are new to `added`, in order.
-  void add(Span span, std::vector<Span>& added) {
-    if (span.first >= span.end) return;
-    if (empty() || span.first > runs_.back().end) {
-      runs_.push_back(span);
-      added.push_back(span);
+  void add(Cell first, Cell end, std::vector<Span>& added) {
+    if (first >= end) return;
+    if (empty() || first > runs_.back().end) {
+      runs_.push_back({first, end});
+      added.push_back({first, end});
       return;
     }
     Span& last = runs_.back();
-    if (span.first >= last.first) {
-      if (span.end > last.end) {
-        added.push_back({last.end, span.end});
-        last.end = span.end;
+    if (first >= last.first) {
+      if (end > last.end) {
+        added.push_back({last.end, end});
+        last.end = end;
       }
       return;
     }
-    add_inside(span, added);
+    add_inside({first, end}, added);
   }
 
   // Forgets the runs that end before a cell; one that ends just there stays, since it may go on.

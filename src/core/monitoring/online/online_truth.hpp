@@ -62,7 +62,7 @@ class TruthEngine {
     return states_[operand.node].news[value != operand.negated ? 1 : 0];
   }
   void decide(State& state, bool value, Cell first, Cell end) {
-    state.cells[value ? 1 : 0].add({std::max(first, state.wanted), end}, state.news[value ? 1 : 0]);
+    state.cells[value ? 1 : 0].add(std::max(first, state.wanted), end, state.news[value ? 1 : 0]);
   }
   void decide_merged(State& state, bool value, const std::vector<Span>& left, const std::vector<Span>& right);
 

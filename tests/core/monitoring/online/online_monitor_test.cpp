@@ -259,7 +259,7 @@ void test_sets_of_cells() {
       const Cell first = floor + below(random, 300);
       const Span span{first, first + below(random, 20)};
       added.clear();
-      set.add(span, added);
+      set.add(span.first, span.end, added);
       std::set<Cell> fresh;
       for (const Span& piece : added)
         for (Cell cell = piece.first; cell < piece.end; ++cell) CHECK(fresh.insert(cell).second);
