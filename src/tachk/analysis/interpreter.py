@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
-from typing import Generic, NamedTuple, Protocol, TypeVar, assert_never
+from typing import Generic, Protocol, TypeVar, assert_never
 
 from tachk.base.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
+from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
@@ -60,7 +61,8 @@ Side = tuple[P | None, P | None, N | None]
 """One side of a comparison of clocks: a clock that is added, one that is subtracted, or a number."""
 
 
-class ValueOperations(NamedTuple, Generic[N, T]):
+@dataclass(frozen=True, slots=True)
+class ValueOperations(Generic[N, T]):
     """The operations on numbers and truth values that cannot fail."""
 
     constant: Callable[[int], N]

@@ -13,9 +13,9 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import DIGITS
 from tachk.base.records import dataclass
 
-_NUMBER = re.compile(rf"-?{DIGITS}")
-_RANGE = re.compile(rf"(-?{DIGITS})\s*\.\.\s*(-?{DIGITS})(?:\s*:\s*({DIGITS}))?")
-_SETTING = re.compile(r"\s*[^\W\d]\w*\s*=(?!=)")
+_NUMBER = rf"-?{DIGITS}"
+_RANGE = rf"(-?{DIGITS})\s*\.\.\s*(-?{DIGITS})(?:\s*:\s*({DIGITS}))?"
+_SETTING = r"\s*[^\W\d]\w*\s*=(?!=)"
 _EXAMPLE = "for example N=4; for several values LOSSES=0..5 or SLICE=10,50,100..400:100"
 _IN_PYTHON = 'for example over="LOSSES=0..5,SLICE=10,50" or over={"LOSSES": range(6), "SLICE": [10, 50]}'
 
@@ -109,7 +109,7 @@ def _settings(text: str, option: str) -> Iterator[tuple[str, str]]:
     """A comma separates values, and constants where a name and ``=`` stand behind it."""
     parts: list[str] = []
     for part in _split(text):
-        if _SETTING.match(part) or not parts:
+        if re.match(_SETTING, part) or not parts:
             parts.append(part)
         else:
             parts[-1] += f",{part}"
@@ -166,9 +166,9 @@ def _split(listed: str) -> list[str]:
 
 
 def _values(name: str, part: str) -> Iterable[int | str]:
-    if _NUMBER.fullmatch(part):
+    if re.fullmatch(_NUMBER, part):
         return (int(part),)
-    match = _RANGE.fullmatch(part)
+    match = re.fullmatch(_RANGE, part)
     if match is None:
         return (part,)
     low, high, step = int(match[1]), int(match[2]), int(match[3] or 1)

@@ -10,7 +10,6 @@ from urllib.parse import quote
 
 import tachk
 from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
-from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.plain_data import Fields, PlainData, complaint
 from tachk.base.span import Span
 
@@ -119,6 +118,8 @@ def checks_to_sarif(checks: Sequence[Checked]) -> dict[str, Any]:
 
 
 def _sarif_rule(code: str) -> dict[str, Any]:
+    from tachk.base.diagnostics.explanation import all_explanations  # reads a file
+
     explanation = all_explanations().get(code)
     if explanation is None:
         return {"id": code}

@@ -15,9 +15,8 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.options import Options
 from tachk.engine.outcome import INTERRUPTED, Status
-from tachk.engine.symmetry.asked_of_all import asked_of_all, names_some
 from tachk.engine.symmetry.forgotten import with_less_known
-from tachk.engine.symmetry.tables import with_symmetry
+from tachk.engine.symmetry.sketch import sketch_of
 from tachk.engine.zone import explore
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
@@ -72,10 +71,15 @@ def symmetrised(problem: Problem) -> Findings:
 
 def can_be_symmetrised(problem: Problem, task: Task) -> bool:
     """Whether a target names some, but not all, of several interchangeable processes and its orbit is small enough."""
+    original = problem.observed.original
+    if not sketch_of(original).repeats:
+        return False
+    from tachk.engine.symmetry.asked_of_all import names_some  # of no use where all processes differ
+
     conditions = tuple(trigger.condition for trigger in triggers_of([task], problem.network))
     # What is moved in the network without the observer is found out once for many problems.
     return (
-        any(names_some(problem.observed.original, question) for question in (task.target, *conditions))
+        any(names_some(original, question) for question in (task.target, *conditions))
         and _of_all(problem.network, (task.target,), conditions, problem.options.cone) is not None
     )
 
@@ -84,6 +88,8 @@ def can_be_symmetrised(problem: Problem, task: Task) -> bool:
 def _of_all(
     network: Network, targets: tuple[Expression, ...], conditions: tuple[Expression, ...], hold: bool
 ) -> OverApproximation | None:
+    from tachk.engine.symmetry.asked_of_all import asked_of_all
+
     reduced = cone_of_influence(network, [*targets, *conditions]).network if hold else network
     asked = asked_of_all(reduced, targets, conditions)
     if asked is None:
@@ -160,6 +166,8 @@ def lowered(
     """The program, the goals of the targets, and behind them those of conditions, for which no search goes on."""
     predicates = [*targets, *conditions]
     program, goals = lower(network, predicates)
-    if options.symmetry:
+    if options.symmetry and sketch_of(network).repeats:
+        from tachk.engine.symmetry.tables import with_symmetry  # of no use where all processes differ
+
         program = with_symmetry(program, network, predicates)
     return program, (*goals[: len(targets)], *noted(goals[len(targets) :]))

@@ -10,7 +10,6 @@ from tachk.engine.core_search import RUN_TIME_ERROR
 from tachk.engine.guided_search import explore_along, states_along
 from tachk.engine.options import SearchOrder
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Status
-from tachk.engine.symmetry.tables import in_equal_parts
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
 from tachk.model.run import RunTimeFault
@@ -30,9 +29,11 @@ from tachk.verify.witness import witness
 
 def equal_parts(problem: Problem) -> Iterator[Problem]:
     """The problem in parts of targets with which the same processes are interchangeable."""
-    if not problem.options.symmetry or not problem.tasks:
+    if not problem.options.symmetry or len(problem.tasks) < 2:
         yield problem
         return
+    from tachk.engine.symmetry.tables import in_equal_parts  # of no use to a single target
+
     for part in in_equal_parts(problem.network, problem.targets):
         yield replace(problem, tasks=tuple(problem.tasks[number] for number in part))
 

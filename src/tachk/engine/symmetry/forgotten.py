@@ -16,7 +16,6 @@ from tachk.analysis.fold import Known, known_values, network_expressions
 from tachk.base.operators import BinaryOperator, OperandGroup
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.engine.symmetry.detection import find_symmetry
 from tachk.engine.symmetry.kept import BehindIt, NotKeptError, WhetherItNames, uses
 from tachk.engine.symmetry.process_numbers import most_alike, numbers_of_processes
 from tachk.model.expressions import Assign, Binary, Expression, Increment, Reference, Variable, VariableKind
@@ -47,8 +46,12 @@ def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser 
     if every_action_counts(network, targets):
         return None
     candidates = _candidates(network, targets)
-    symmetry = find_symmetry(network, targets) if candidates else None
-    if symmetry is None or not symmetry.apart:
+    if not candidates:
+        return None
+    from tachk.engine.symmetry.detection import find_symmetry  # of no use to most networks
+
+    symmetry = find_symmetry(network, targets)
+    if not symmetry.apart:
         return None
     before = sum(len(group.members) for group in symmetry.groups)
     for names, variables in candidates:
