@@ -14,6 +14,7 @@ import json
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import tachk
 from bench.conformance import as_told, held, ladder_of
@@ -21,6 +22,7 @@ from tachk.engine.options import Limits
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.coverage import Covered, coverage
+from tachk.report.conformance.json import conformance_to_json
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -58,6 +60,7 @@ def main() -> None:
     constants = {name for name, _ in tachk.load(asked.model).network.constants}
     taken: Counter[tuple[str, str, str, int, str]] = Counter()
     by: dict[tuple[str, str, str, int, str], list[str]] = defaultdict(list)
+    answers: list[dict[str, Any]] = []
     for path in (path for folder in asked.folders for path in sorted(folder.glob("*.pcap"))):
         measured = tachk.measure(path).recorded_definitions(1)
         asking = tachk.load(asked.model, **{name: value for name, value in measured.items() if name in constants})
@@ -69,6 +72,7 @@ def main() -> None:
             continue
         if found is None:
             continue
+        answers += conformance_to_json([found], asked.model)["answers"]
         seen: Counter[tuple[str, str, str]] = Counter()
         often: Counter[tuple[str, str, str, int, str]] = Counter()
         for each in coverage(model.network, [found]):
@@ -85,7 +89,8 @@ def main() -> None:
             {"process": template, "template": template, "source": source, "target": target, "doc": doc, "times": times}
             for (template, source, target, _, doc), times in taken.items()
         ]
-        asked.output.write_text(json.dumps({"model": asked.model, "coverage": rows}, indent=1), encoding="utf-8")
+        document = {"model": asked.model, "answers": answers, "coverage": rows}
+        asked.output.write_text(json.dumps(document, indent=1), encoding="utf-8")
 
 
 def table(taken: Counter[tuple[str, str, str, int, str]], by: dict[tuple[str, str, str, int, str], list[str]]) -> None:
