@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from tests.mutation.places import ROOT, Place, functions, spans
+
 FOLDER = Path(__file__).parent
-_KEYS = {"id", "file", "after", "old", "new", "why", "tests", "equivalent"}
+_KEYS = {"id", "function", "old", "new", "why", "tests", "equivalent"}
 
 
 class MutantError(Exception):
@@ -18,13 +19,12 @@ class MutantError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """One change of one file.
+    """One change of one function.
 
     Attributes:
         area: the part of the program, the name of the file that lists the mutant.
-        file: what is changed, relative to the root of the repository.
-        after: a text that occurs exactly once in the file; the first ``old`` behind it is meant. Empty if ``old``
-            occurs exactly once.
+        function: what is changed: ``function``, ``Class.method`` or, in C++, ``Class::method``, in whichever file.
+        old: tokens that occur once in the functions of that name.
         why: what a user would see of such a mistake.
         tests: the nearest tests: paths for pytest, and names of C++ test programs.
         equivalent: why no test can notice it; empty if one should.
@@ -32,8 +32,7 @@ class Mutant:
 
     id: str
     area: str
-    file: str
-    after: str
+    function: str
     old: str
     new: str
     why: str
@@ -50,21 +49,38 @@ class Mutant:
         """The Python tests among the tests."""
         return tuple(test for test in self.tests if "/" in test)
 
-    def apply(self, text: str) -> str:
-        """The text with the change.
+    def place(self) -> Place:
+        """Where the tokens stand.
 
         Raises:
-            MutantError: the place is not there, or not just once.
+            MutantError: the function is not there, or the tokens are not, or not just once.
         """
-        if self.after and text.count(self.after) != 1:
-            raise MutantError(f"{self.id}: `after` occurs {text.count(self.after)} times in {self.file}")
-        begin = text.index(self.after) + len(self.after) if self.after else 0
-        place = text.find(self.old, begin)
-        if place < 0 or (not self.after and text.count(self.old) != 1):
-            raise MutantError(f"{self.id}: `old` occurs {text.count(self.old, begin)} times in {self.file}")
-        if self.old == self.new:
-            raise MutantError(f"{self.id} changes nothing")
-        return text[:place] + self.new + text[place + len(self.old) :]
+        found = []
+        for whole in functions().get(self.function, ()):
+            text = (ROOT / whole.path).read_text(encoding="utf-8")[whole.begin : whole.end]
+            for begin, end in spans(text, Path(whole.path).suffix, self.old):
+                found.append(Place(whole.path, whole.begin + begin, whole.begin + end))
+        if len(found) != 1:
+            raise MutantError(f"{self.id}: `old` occurs {len(found)} times in {self.function}")
+        return found[0]
+
+    def apply(self, text: str) -> str:
+        """The text of the file with the change.
+
+        Raises:
+            MutantError: it does not apply.
+        """
+        place = self.place()
+        return text[: place.begin] + self.new + text[place.end :]
+
+
+def applies(mutant: Mutant) -> bool:
+    """Whether the sources still have what a mutant changes."""
+    try:
+        mutant.place()
+    except MutantError:
+        return False
+    return True
 
 
 def load_mutants() -> list[Mutant]:
@@ -85,14 +101,13 @@ def load_mutants() -> list[Mutant]:
 def _read(path: Path) -> Iterator[Mutant]:
     for entry in tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]:
         unknown = entry.keys() - _KEYS
-        missing = {"id", "file", "old", "new", "why", "tests"} - entry.keys()
+        missing = _KEYS - {"equivalent"} - entry.keys()
         if unknown or missing:
             raise MutantError(f"{path.name}: {entry.get('id')}: unknown {sorted(unknown)}, missing {sorted(missing)}")
         yield Mutant(
             entry["id"],
             path.stem,
-            entry["file"],
-            entry.get("after", ""),
+            entry["function"],
             entry["old"],
             entry["new"],
             entry["why"],

@@ -14,7 +14,8 @@ import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from tests.mutation.mutants import ROOT, Mutant, MutantError, load_mutants
+from tests.mutation.mutants import Mutant, MutantError, applies, load_mutants
+from tests.mutation.places import ROOT
 from tests.mutation.results import KILLED, SURVIVED, TIMEOUT, Result, read_results, summary, write_result
 from tests.mutation.workspace import OutOfTimeError, Workspace, WorkspaceError
 
@@ -39,6 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     folder = given.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "results.jsonl"
+    stale = [mutant.id for mutant in chosen if not applies(mutant)]
+    if stale:
+        print(f"no longer applies: {' '.join(stale)}")
+    chosen = [mutant for mutant in chosen if mutant.id not in stale]
     if given.summary:
         print(summary(chosen, read_results(log)))
         return 0
@@ -67,8 +72,8 @@ def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> d
         return found
     print(f"{len(found)} results are still valid, {len(waiting)} mutants to run", flush=True)
     # What takes seconds first, headers last, and one C++ file after the other, so that little is compiled twice.
-    order = (".py", ".ta", ".cpp", ".hpp")
-    waiting.sort(key=lambda entry: (order.index(Path(entry[0].file).suffix), entry[0].file))
+    order = (".py", ".cpp", ".hpp")
+    waiting.sort(key=lambda entry: (order.index(Path(entry[0].place().path).suffix), entry[0].place().path))
     trial = _Trial(Workspace(ROOT, folder / "tree"))
     while waiting:
         batch, waiting = waiting[:BATCH], waiting[BATCH:]
@@ -110,8 +115,9 @@ class _Trial:
 
     def _fate(self, mutant: Mutant) -> tuple[str, str]:
         try:
-            text = mutant.apply((self.workspace.folder / mutant.file).read_text(encoding="utf-8"))
-            with self.workspace.changed(mutant.file, text):
+            file = mutant.place().path
+            text = mutant.apply((self.workspace.folder / file).read_text(encoding="utf-8"))
+            with self.workspace.changed(file, text):
                 programs = [name for name in mutant.programs if name not in self.failing]
                 failed = self.workspace.programs(programs) if programs else []
                 if not failed and mutant.paths:
@@ -138,8 +144,9 @@ class _Trial:
 
 def _digest(mutant: Mutant) -> str:
     """Of all that the result depends on in the first place."""
-    hashed = hashlib.sha256(repr((mutant.file, mutant.after, mutant.old, mutant.new, mutant.tests)).encode())
-    for name in (mutant.file, *mutant.tests):
+    file = mutant.place().path
+    hashed = hashlib.sha256(repr((mutant.function, mutant.old, mutant.new, mutant.tests)).encode())
+    for name in (file, *mutant.tests):
         path = ROOT / name.split("::")[0] if "/" in name else next((ROOT / "tests" / "core").rglob(f"{name}.cpp"))
         for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             hashed.update(file.read_bytes() if file.is_file() else b"")
