@@ -1,4 +1,4 @@
-"""Every run of the tests tries the same random examples, so that a failure is never a matter of luck.
+"""Every run of the tests on one commit tries the same random examples, a quarter on every commit: `support.seeds`.
 
 Ctrl-C means what it means at a terminal, also where a shell runs the tests in the background and has them ignore it.
 """
@@ -7,8 +7,37 @@ from __future__ import annotations
 
 import signal
 
-from hypothesis import settings
+import pytest
+from hypothesis import HealthCheck, settings
+
+from tests.support.seeds import Draw, number, refresh
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
-settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.register_profile("repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("repeatable")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("random examples")
+    group.addoption("--seed", type=int, metavar="NUMBER", help="draw fresh examples from NUMBER, not from the commit")
+    group.addoption("--times", type=int, default=1, metavar="N", help="draw N times as many fresh examples")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    Draw.number, Draw.times = config.option.seed, config.option.times
+
+
+def pytest_report_header() -> str:
+    return f"random examples: --seed {number()}"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        test = getattr(item, "obj", None)
+        if getattr(test, "is_hypothesis_test", False):
+            refresh(test, item.name)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    if terminalreporter.verbosity < 0 or terminalreporter.stats.keys() & {"failed", "error"}:
+        terminalreporter.write_line(pytest_report_header())

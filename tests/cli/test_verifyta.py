@@ -22,6 +22,7 @@ import tachk.cli.verifyta_answers
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
 from tachk.engine.options import Extrapolation, Options, Pace, SearchOrder
+from tests.support.seeds import seeds
 
 MODEL = """\
 <?xml version="1.0" encoding="utf-8"?>
@@ -378,7 +379,7 @@ def test_the_version_needs_no_model_checker() -> None:
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdin", io.StringIO(""))
     random = Random(seed)

@@ -12,6 +12,7 @@ from tests.support import Shape, random_case
 from tests.support.agreement import Effort
 from tests.support.endless.diverging_agreement import compare_diverging
 from tests.support.obligations import random_obligations
+from tests.support.seeds import enough, seeds
 from tests.support.strategies import with_states
 
 SMALL = {"processes": 2, "locations": 3, "clocks": 2, "constant": 3, "deadlocks": False}
@@ -32,7 +33,7 @@ VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1, ro
 def test_the_search_finds_what_the_oracles_find(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """With short delays, and with long ones."""
     decided = set()
-    for seed in range(100, 112):
+    for seed in seeds(range(100, 112)):
         with_states(monkeypatch, "short-delays", 2000 if seed % 2 else 0)
         random = Random(seed)
         case = random_case(random, SHAPES[shape])
@@ -40,4 +41,4 @@ def test_the_search_finds_what_the_oracles_find(shape: str, monkeypatch: pytest.
             found = compare_diverging(case, obligation, VARIANTS[seed % 2 :][:1], Effort(reference=200, sampled=400))
             assert not found.problems, f"seed {seed}: {found.problems}"
             decided.update(found.answers.values())
-    assert {Answer.HOLDS, Answer.FAILS} <= decided
+    assert enough({Answer.HOLDS, Answer.FAILS} <= decided)

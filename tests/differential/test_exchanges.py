@@ -15,6 +15,7 @@ from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.automorphism import Automorphisms
 from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError, exchange
 from tachk.verify.certificates import Proof, find_proof, is_provable
+from tests.support.seeds import enough, seeds
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.exchanged_states import is_kept, mutated, random_state
@@ -35,7 +36,7 @@ SHORT = Limits(states=1_500)
 @pytest.mark.parametrize("kind", CASES)
 def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
     accepted = refused = 0
-    for seed in range(8):
+    for seed in seeds(range(8)):
         random = Random(f"{kind}{seed}")
         model = tachk.loads(CASES[kind](random).text)
         prepared = prepare(model.network)
@@ -58,14 +59,14 @@ def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
                 except MalformedGroupError:
                     pass
                 group = mutated(group, random, slots, prepared.dimension - 1, len(prepared.channels))
-    assert accepted and refused
+    assert enough(accepted and refused)
 
 
 @pytest.mark.parametrize("kind", CASES)
 def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> None:
     """Each proof is accepted by both checkers; and what is not so is not proved, with or without."""
     with_exchanges = 0
-    for seed in range(12):
+    for seed in seeds(range(12)):
         case = CASES[kind](Random(f"{kind}{seed}"))
         model = tachk.loads(case.text)
         for verdict in model.verify(*case.queries, options=Options().off("symmetry"), limits=SHORT):
@@ -76,7 +77,7 @@ def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> N
             with_exchanges += bool(found.header.groups)
             assert judged(model.network, verdict.query, written(found)) is None
             assert judged(model.network, verdict.query, written(proved(model.network, verdict.query, PLAIN))) is None
-    assert with_exchanges
+    assert enough(with_exchanges)
 
 
 EVENTUALLY = (
@@ -96,7 +97,7 @@ EVENTUALLY = (
 def test_what_each_run_meets(kind: str) -> None:
     """Sorted or not, depth first or by a short proof: the same answers, runs that replay, and proofs."""
     with_exchanges = proofs = 0
-    for seed in range(20):
+    for seed in seeds(range(20)):
         model = tachk.loads(CASES[kind](Random(f"met{seed}")).text)
         queries = Random(seed).sample(EVENTUALLY, 3)
         ways = (
@@ -116,4 +117,4 @@ def test_what_each_run_meets(kind: str) -> None:
             if isinstance(proof, Proof) and proof.header.groups:
                 proofs += 1
                 assert judged(model.network, plain.query, written(proof)) is None
-    assert with_exchanges and proofs
+    assert enough(with_exchanges and proofs)

@@ -26,6 +26,7 @@ from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
 from tachk.model.traversal import walk
 from tachk.verify.verify import verify
+from tests.support.seeds import seeds
 
 
 def reached(network: Network) -> list[str]:
@@ -40,7 +41,7 @@ def reached(network: Network) -> list[str]:
     return [verdict.answer for verdict in verdicts]
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", seeds(range(16)))
 def test_random_networks(seed: int) -> None:
     network = random_case(Random(seed)).network
     original = network_model(network, "random")
@@ -53,7 +54,7 @@ def test_random_networks(seed: int) -> None:
 
 
 def test_a_function_made_in_python_is_not_written_without_its_declaration() -> None:
-    for seed in range(200):
+    for seed in seeds(range(200)):
         network = random_case(Random(seed), Shape(clocks=3, copies=0.5)).network
         model = tachk.Model(network, "random")
         if any(isinstance(part, Call) for root in network_expressions(network) for part in walk(root)):

@@ -15,6 +15,7 @@ from tachk.model.expressions import BOOL, Unary
 from tests.support import RandomCase, Shape, random_case
 from tests.support.obligations import random_obligations
 from tests.support.oracles.liveness_regions import check_by_regions
+from tests.support.seeds import enough, seeds
 
 VARIANTS = (
     Options(),
@@ -75,7 +76,7 @@ def answers(case: RandomCase, obligation: Obligation) -> list[LivenessOutcome]:
 @pytest.mark.parametrize("block", range(2))
 def test_all_options_find_what_the_oracle_finds(shape: str, block: int) -> None:
     decided = set()
-    for seed in range(8 * block, 8 * block + 8):
+    for seed in seeds(range(8 * block, 8 * block + 8)):
         random = Random(seed)
         case = random_case(random, SHAPES[shape])
         for obligation in random_obligations(random, case, 3):
@@ -89,4 +90,4 @@ def test_all_options_find_what_the_oracle_finds(shape: str, block: int) -> None:
                 continue  # one side gave up, or met a run-time error
             assert found == {expected.status}, f"seed {seed}: the oracle found {expected.run}"
             decided.add(expected.status)
-    assert shape == "stopwatches" or len(decided) == 2
+    assert enough(shape == "stopwatches" or len(decided) == 2)

@@ -27,6 +27,7 @@ from tests.support.exact_monitor import value_at
 from tests.support.exact_trace import ExactTrace
 from tests.support.formulas import FormulaShape, MonitoringCase, random_formula, random_trace
 from tests.support.monitor_input import MonitorInput, always, monitor_input, portions, truth_of
+from tests.support.seeds import seeds
 
 ROWS = 9000
 BOUNDED = FormulaShape(depth=3, bound=6, unbounded=False, rows=ROWS, gap=2)
@@ -54,7 +55,7 @@ def piece(trace: ExactTrace, first: Fraction, last: Fraction) -> tuple[ExactTrac
     return ExactTrace(shifted, columns, max(min(last, trace.end) - start, shifted[-1])), start
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(range(8)))
 def test_signals_agree_with_the_definitions_anywhere(seed: int) -> None:
     case = long_case(seed, BOUNDED)
     given, random = monitor_input(case), Random(seed)
@@ -81,7 +82,7 @@ def online(given: MonitorInput, seed: int) -> OnlineMonitor:
     return monitor
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(range(8)))
 def test_portions_do_not_matter_and_online_is_offline(seed: int) -> None:
     case = long_case(100 + seed, UNBOUNDED)
     given = monitor_input(MonitoringCase(always(case.formula), case.trace) if seed % 2 else case)

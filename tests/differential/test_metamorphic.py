@@ -27,6 +27,7 @@ from tachk.model.expressions import (
 from tachk.model.network import Edge, Location, Process
 from tachk.model.types import ClockType
 from tests.support import RandomCase, Shape, random_case
+from tests.support.seeds import seeds
 
 FACTOR = 3
 
@@ -151,6 +152,6 @@ def split_edges(case: RandomCase) -> RandomCase:
     ],
 )
 def test_a_change_that_keeps_behaviour_keeps_answers(change: Callable[[RandomCase], RandomCase], shape: Shape) -> None:
-    for seed in range(60):
+    for seed in seeds(range(60)):
         case = random_case(Random(seed), shape)
         assert statuses(change(case)) == statuses(case), f"seed {seed}"

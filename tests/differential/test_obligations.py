@@ -13,6 +13,7 @@ from tests.support import Shape, random_case
 from tests.support.agreement import VARIANTS, Effort
 from tests.support.liveness_agreement import compare_obligation
 from tests.support.obligations import random_obligations
+from tests.support.seeds import seeds
 
 EFFORT = Effort(reference=150, sampled=150)
 LASTING = [options for options in VARIANTS if not options.shortest]
@@ -33,7 +34,7 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("block", range(2))
 def test_engines_agree_on_obligations(shape: str, block: int) -> None:
-    for seed in range(10 * block, 10 * block + 10):
+    for seed in seeds(range(10 * block, 10 * block + 10)):
         case = random_case(Random(seed), SHAPES[shape])
         variants = [LASTING[(seed + turn) % len(LASTING)] for turn in range(6)]
         for obligation in random_obligations(Random(seed), case):

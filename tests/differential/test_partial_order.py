@@ -14,6 +14,7 @@ from tachk.engine.outcome import Outcome, Status
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.oracles import reference
+from tests.support.seeds import seeds
 
 ON = Options(partial_order=True, local_times=LocalTimes.NEVER)
 SHAPES = (
@@ -54,7 +55,7 @@ def disagreements(one: Outcome, other: Outcome) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_random_networks(seed: int) -> None:
     case = one_goal(seed)
     every = searched(case, replace(ON, partial_order=False))

@@ -12,6 +12,7 @@ import pytest
 
 import tachk
 from tachk.recordings.traces.trace_files import open_trace
+from tests.support.seeds import seeds
 
 BASES = (0.0, 0.25, -3.0, 1e3, 2.3e6, 9.9e6, 1e9, 1764000000.0, 1764000000.1, 1764000000.1234567, 1764000000099.9)
 FORMS = ("%r", "%.17g", "%.18e", "%.9f", "%.12f", "%.25f")
@@ -51,7 +52,7 @@ def check(draw: random.Random, folder: Path) -> None:
     assert all(each == found["frame"] for each in found.values()), (form, texts, formula)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(range(40)))
 def test_one_meaning_for_all_readers(seed: int, tmp_path: Path) -> None:
     check(random.Random(seed), tmp_path)
 

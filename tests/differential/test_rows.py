@@ -12,6 +12,7 @@ from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options, Sea
 from tachk.engine.outcome import Outcome
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
+from tests.support.seeds import enough, seeds
 
 WHOLE = Options(rows_after=2**32 - 1, local_times=LocalTimes.NEVER)
 SHAPES = (
@@ -37,14 +38,14 @@ def searched(case: RandomCase, options: Options) -> Outcome:
 
 def test_random_networks() -> None:
     large = 0
-    for seed in range(80):
+    for seed in seeds(range(80)):
         case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
         options = VARIANTS[seed % len(VARIANTS)]
         whole = searched(case, options)
         for rows_after in (0, 1):
             assert searched(case, replace(options, rows_after=rows_after)) == whole, f"seed {seed}"
         large += whole.statistics.states_stored > 20
-    assert large > 20
+    assert enough(large > 20)
 
 
 def bytes_a_state(model: str, query: str, size: int, options: Options) -> float:

@@ -9,6 +9,7 @@ import pytest
 from tachk.engine.outcome import Status
 from tests.support import Shape, random_case
 from tests.support.agreement import Effort, compare
+from tests.support.seeds import enough, seeds
 
 EFFORT = Effort(reference=200, sampled=300, unrolled=8)
 
@@ -28,9 +29,9 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 def test_z3_agrees_with_the_other_engines(shape: str) -> None:
     decided = 0
-    for seed in range(8):
+    for seed in seeds(range(8)):
         found = compare(random_case(Random(seed), SHAPES[shape]), (), EFFORT)
         assert found.problems == (), f"seed {seed}"
         if "smt" in found.outcomes:
             decided += sum(goal.status is not Status.UNDECIDED for goal in found.outcomes["smt"].goals)
-    assert decided >= 8
+    assert enough(decided >= 8)

@@ -14,6 +14,7 @@ from tachk.syntax.formulas.printer import print_formula
 from tests.support.exact_monitor import satisfaction
 from tests.support.exact_trace import Ending, ExactTrace
 from tests.support.formulas import FormulaShape, random_monitoring_case, random_trace
+from tests.support.seeds import seeds
 from tests.support.tricky import read_formula
 
 SHAPES = (FormulaShape(), FormulaShape(depth=2, constants=0.4), FormulaShape(depth=3, constants=0.3, bound=1))
@@ -56,13 +57,13 @@ def check(formula: Formula, other: Formula, trace: ExactTrace) -> None:
         assert satisfaction(formula, seen) == satisfaction(other, seen), text
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_values_are_kept(seed: int) -> None:
     case = random_monitoring_case(Random(seed), SHAPES[seed % len(SHAPES)])
     check(case.formula, simplify(case.formula), case.trace)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", seeds(range(5)))
 def test_values_are_kept_with_constants_and_odd_windows(seed: int) -> None:
     random = Random(seed)
     changed = 0

@@ -11,6 +11,7 @@ from tachk import Limits, Options
 from tachk.engine.options import LocalTimes
 from tachk.engine.outcome import Status
 from tests.support.oracles import reference
+from tests.support.seeds import enough, seeds
 from tests.support.strategies import with_states
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
@@ -29,12 +30,12 @@ CASES = {
 
 
 @pytest.mark.parametrize("kind", CASES)
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(2))
 def test_symmetry_changes_no_answer(kind: str, block: int, monkeypatch: pytest.MonkeyPatch) -> None:
     with_states(monkeypatch, "few-states", 0)
     reduced = of_all = 0
     ways = (Options(), Options(local_times=LocalTimes.ALWAYS), Options().off("symmetry"))
-    for seed in range(25 * block, 25 * block + 25):
+    for seed in seeds(range(12 * block, 12 * block + 12)):
         case = CASES[kind](Random(seed))
         model = tachk.loads(case.text)
         found = (list(model.verify(*case.queries, options=options, limits=LIMITS)) for options in ways)
@@ -44,14 +45,14 @@ def test_symmetry_changes_no_answer(kind: str, block: int, monkeypatch: pytest.M
             if not other.reason.endswith("limit"):
                 assert (one.answer, one.fault is None) == (other.answer, other.fault is None), f"seed {seed}"
                 assert (local.answer, local.fault is None) == (other.answer, other.fault is None), f"seed {seed}"
-    assert reduced > 0
-    assert of_all > 0
+    assert enough(reduced > 0)
+    assert enough(of_all > 0)
 
 
 @pytest.mark.parametrize("kind", CASES)
 def test_symmetry_agrees_with_the_plain_oracle(kind: str) -> None:
     decided = 0
-    for seed in range(200, 215):
+    for seed in seeds(range(200, 206)):
         case = CASES[kind](Random(seed))
         model = tachk.loads(case.text)
         for verdict in model.verify(*case.queries, limits=LIMITS):
@@ -61,4 +62,4 @@ def test_symmetry_agrees_with_the_plain_oracle(kind: str) -> None:
                 decided += 1
                 reached = (verdict.answer.value == "holds") == verdict.query.holds_when_reached
                 assert reached == (goal.status is Status.REACHED), f"seed {seed}"
-    assert decided > 10
+    assert enough(decided > 3)

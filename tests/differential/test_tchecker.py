@@ -19,6 +19,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
 from tachk.verify.verify import verify
+from tests.support.seeds import seeds
 
 SHAPE = Shape(urgent_channels=False, clocks_on_broadcast=False, locations=3)
 
@@ -32,7 +33,7 @@ def written(seed: int) -> tuple[Network, str] | None:
         return None
 
 
-SEEDS = [seed for seed in range(40) if written(seed) is not None]
+SEEDS = [seed for seed in seeds(range(40)) if written(seed) is not None]
 
 
 def reached(network: Network, sizes: list[int]) -> set[tuple[int, ...]]:

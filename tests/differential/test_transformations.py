@@ -19,6 +19,7 @@ from tachk.model.run import RunTimeFault, TimedTrace
 from tachk.model.traversal import asks_deadlock
 from tachk.transform.transformation import Exactness, Transformation
 from tests.support import RandomCase, Shape, random_case
+from tests.support.seeds import enough, seeds
 from tests.support.transformations import TRANSFORMATIONS, random_run
 
 SHAPES = (
@@ -53,7 +54,7 @@ def is_lifted(transformation: Transformation, run: TimedTrace) -> bool:
 @pytest.mark.parametrize("name", TRANSFORMATIONS)
 def test_a_run_is_one_of_the_original(name: str) -> None:
     found = 0
-    for seed in range(40):
+    for seed in seeds(range(40)):
         random, case = drawn(seed)
         transformation = TRANSFORMATIONS[name](random, case.network, case.predicates[0])
         if transformation is None:
@@ -65,13 +66,13 @@ def test_a_run_is_one_of_the_original(name: str) -> None:
                 lifts = is_lifted(transformation, run)
                 assert lifts or Exactness.REACHABLE not in transformation.exactness, f"seed {seed}"
                 found += lifts and bool(run.path)
-    assert found > 5
+    assert enough(found > 5)
 
 
 @pytest.mark.parametrize("second", TRANSFORMATIONS)
 def test_transformations_compose(second: str) -> None:
     found = 0
-    for seed in range(40):
+    for seed in seeds(range(40)):
         random, case = drawn(seed)
         first = random.choice(list(TRANSFORMATIONS))
         target = case.predicates[0]
@@ -87,13 +88,13 @@ def test_transformations_compose(second: str) -> None:
             lifts = is_lifted(both, run)
             assert lifts or Exactness.REACHABLE not in both.exactness, f"seed {seed}: {first}"
             found += lifts
-    assert found > 2
+    assert enough(found > 2)
 
 
 @pytest.mark.parametrize("name", TRANSFORMATIONS)
 def test_answers_are_worth_what_is_said(name: str) -> None:
     compared = 0
-    for seed in range(30):
+    for seed in seeds(range(30)):
         random, case = drawn(seed)
         target = case.predicates[0]
         transformation = TRANSFORMATIONS[name](random, case.network, target)
@@ -112,4 +113,4 @@ def test_answers_are_worth_what_is_said(name: str) -> None:
             lowered = (lower_obligation(each, target, None) for each in pairs)
             found = {find_avoiding_run(*each, limits=LIMITS).status for each in lowered}
             assert len(found - {LivenessStatus.UNDECIDED}) <= 1, f"seed {seed}"
-    assert compared > 3
+    assert enough(compared > 3)

@@ -12,6 +12,7 @@ from tachk.syntax import formula as syntax
 from tachk.syntax.formulas.printer import print_formula
 from tests.support.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
 from tests.support.monitor_input import always
+from tests.support.seeds import seeds
 from tests.support.smaller_cases import describe
 from tests.support.violation_agreement import online_violation_problems, violation_problems
 
@@ -27,7 +28,7 @@ def check(case: MonitoringCase, refinement: int) -> None:
 
 @pytest.mark.parametrize("pack", range(4))
 def test_violations_agree_with_the_definition(pack: int) -> None:
-    for seed in range(30 * pack, 30 * (pack + 1)):
+    for seed in seeds(range(30 * pack, 30 * (pack + 1))):
         random = Random(seed)
         case = random_monitoring_case(random, SHAPES[seed % len(SHAPES)])
         other = random_monitoring_case(random, SHAPES[seed % len(SHAPES)]).formula

@@ -10,6 +10,7 @@ import pytest
 import tachk
 from tachk.model.builder import NetworkBuilder
 from tachk.model.network import Network
+from tests.support.seeds import seeds
 
 MODELS = Path(__file__).parents[3] / "models"
 
@@ -73,7 +74,7 @@ def test_what_the_language_cannot_say_can_still_be_checked() -> None:
     assert caught.value.help == "it has a test of a location in the behaviour"
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(range(8)))
 def test_random_networks_are_the_same_in_python_and_written(seed: int) -> None:
     model = tachk.random_network(seed)
     again = tachk.loads(tachk.export(model, "xta"))

@@ -18,6 +18,7 @@ from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer, Verdict
 from tests.support.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
+from tests.support.seeds import seeds
 
 # Seven processes that count for themselves: 8**7 states and more, of which each run to the last one passes 50.
 COUNTERS = """
@@ -209,7 +210,7 @@ def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
         assert status is (_core.Status.FINISHED if explored == 1000 else _core.Status.STATE_LIMIT)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(range(40)))
 def test_no_verdict_changes(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where attempts begin with the first states, and are short or long. Runs are replayed."""
     monkeypatch.setattr(attempts, "STORED", 2)

@@ -13,6 +13,7 @@ from tests.support import Shape, random_case
 from tests.support.obligations import random_obligations
 from tests.support.oracles.liveness_reference import check_by_zones
 from tests.support.oracles.liveness_regions import check_by_regions
+from tests.support.seeds import enough, seeds
 
 
 def endings(network: NetworkBuilder, goal: Term, trigger: Term | None = None) -> set[RunEnd]:
@@ -177,11 +178,11 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_oracles_agree(shape: str) -> None:
     told = set()
-    for seed in range(12):
+    for seed in seeds(range(12)):
         case = random_case(Random(seed), SHAPES[shape])
         for obligation in random_obligations(Random(seed), case):
             zones = check_by_zones(case.network, obligation, Limits(states=200)).status
             regions = check_by_regions(case.network, obligation, Limits(states=300)).status
             told.add(zones)
             assert {zones, regions} != {LivenessStatus.FOUND, LivenessStatus.NONE}, f"seed {seed}"
-    assert {LivenessStatus.FOUND, LivenessStatus.NONE} <= told
+    assert enough({LivenessStatus.FOUND, LivenessStatus.NONE} <= told)

@@ -18,6 +18,7 @@ z3 = pytest.importorskip("z3")
 from tachk.engine.smt.actions import sometimes  # noqa: E402
 from tachk.engine.smt.relation import relation  # noqa: E402
 from tachk.engine.smt.search import explore  # noqa: E402
+from tests.support.seeds import seeds  # noqa: E402
 
 BOTH = Options(engine=Engine.BOTH)
 
@@ -50,7 +51,7 @@ def random_formula(random: Random, moment: z3.ArithRef, terms: list[z3.ArithRef]
             return left != right
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(range(30)))
 def test_a_formula_without_the_moment_says_that_there_is_one(seed: int) -> None:
     random = Random(seed)
     moment, first = z3.Real("moment"), z3.Real("first")

@@ -19,6 +19,7 @@ from tachk.formats.network_json.network import network_from_json, network_to_jso
 from tachk.formats.tchecker.writer import to_tchecker
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.model.random_networks import random_case
+from tests.support.seeds import seeds
 
 MODELS = Path(__file__).parents[3] / "models"
 SHIPPED = [*sorted(MODELS.glob("classics/*.ta")), MODELS / "micro_xrce_dds" / "publication.ta"]
@@ -42,7 +43,7 @@ def test_shipped_models(path: Path) -> None:
                 assert export_model(model, format_, Writing(observers=observers)).text
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(range(40)))
 def test_random_networks(seed: int) -> None:
     network = random_case(Random(seed)).network
     assert same_network(network_from_json(network_to_json(network)), network)

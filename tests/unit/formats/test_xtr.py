@@ -30,6 +30,7 @@ from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
 from tachk.model.run import TimedTrace
 from tachk.verify.verify import verify
+from tests.support.seeds import seeds
 
 MODEL = """\
 const int N = 2;
@@ -219,7 +220,7 @@ def test_the_xml_form_names_everything_it_refers_to() -> None:
     assert len(root.findall("node")) == len(root.findall("transition")) + 1
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_runs_of_random_networks(seed: int) -> None:
     shape = Shape(
         diagonals=seed % 2 == 0,

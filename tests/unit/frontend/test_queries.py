@@ -195,7 +195,7 @@ def test_the_inside_of_a_process_is_hidden_from_the_model(find: Any) -> None:
 def test_nested_quantifiers_over_processes_are_bounded(load: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tachk.formats.loading.load.INSTANCES", 1000)
     loaded = load("process T(int[0,1] k) { state s; init s; }\nsystem T;")
-    shallow = "".join(f"forall (i{j} : int[0,0]) " for j in range(200))
+    shallow = "".join(f"forall (i{j} : int[0,0]) " for j in range(60))
     deep = "".join(f"forall (i{j} : int[0,1]) " for j in range(30))
     assert len(elaborate_queries(loaded, f"E<> {shallow} T(i0).s")[0]) == 1
     with pytest.raises(InputError) as caught:

@@ -14,6 +14,7 @@ from tachk.meaning.many_states import ManyStates
 from tachk.model.builder import NetworkBuilder
 from tachk.model.random_networks import Shape, random_case
 from tachk.model.run import DiscreteState
+from tests.support.seeds import seeds
 
 SHAPES = [
     Shape(broadcast=True, clocks_on_broadcast=True),
@@ -35,7 +36,7 @@ def some_states(model: PreparedNetwork, most: int) -> list[DiscreteState]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(range(20)))
 def test_moves_of_many_states_are_those_of_each(seed: int) -> None:
     model = prepare(random_case(Random(seed), SHAPES[seed % len(SHAPES)]).network)
     try:

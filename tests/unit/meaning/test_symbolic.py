@@ -12,6 +12,7 @@ from tachk.meaning import dbm, step, symbolic
 from tachk.meaning.discrete import prepare
 from tachk.model.run import TimedState
 from tests.support import Shape, random_case
+from tests.support.seeds import seeds
 
 SHAPES = [
     Shape(clocks_on_urgent=True),
@@ -37,7 +38,7 @@ def walk(random: Random, model: step.PreparedNetwork, steps: int) -> list[TimedS
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_what_is_possible_at_a_point_is_what_the_domains_say(shape: Shape) -> None:
-    for seed in range(25):
+    for seed in seeds(range(25)):
         random = Random(seed)
         model = prepare(random_case(random, shape).network)
         for state in walk(random, model, 6):
@@ -58,7 +59,7 @@ def test_what_is_possible_at_a_point_is_what_the_domains_say(shape: Shape) -> No
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_delay_can_pass_exactly_if_the_elapsed_region_has_its_end(shape: Shape) -> None:
     """Only points of the region on the same line reach a later point, and they do what the given point does."""
-    for seed in range(25):
+    for seed in seeds(range(25)):
         random = Random(seed)
         model = prepare(random_case(random, shape).network)
         for state in walk(random, model, 4):

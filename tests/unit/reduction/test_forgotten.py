@@ -15,6 +15,7 @@ from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
 from tachk.verify.verdict import answers_of
+from tests.support.seeds import enough, seeds
 from tests.support.symmetric.counted import random_counted_case
 
 CLASSICS = data_root() / "models" / "classics"
@@ -172,7 +173,7 @@ def test_what_can_be_reached_with_less_known_is_looked_for_in_the_network_itself
 
 def test_what_is_unreachable_with_less_known_is_unreachable() -> None:
     coarse = decided = 0
-    for seed in range(18):
+    for seed in seeds(range(18)):
         case = random_counted_case(Random(seed))
         model = tachk.loads(case.text)
         for verdict in model.verify(*case.queries, limits=Limits(states=2000), options=Options().off("symmetry")):
@@ -185,4 +186,4 @@ def test_what_is_unreachable_with_less_known_is_unreachable() -> None:
             if goal.status is Status.UNREACHABLE:
                 decided += 1
                 assert verdict.answer is answers_of(verdict.query)[1], f"seed {seed}, {verdict.query.text}"
-    assert coarse > 10 and decided > 3
+    assert enough(coarse > 10 and decided > 3)

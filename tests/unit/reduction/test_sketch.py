@@ -13,6 +13,7 @@ from tachk.engine.symmetry import detection
 from tachk.engine.symmetry.detection import Symmetry, look_for_symmetry
 from tachk.engine.symmetry.sketch import NetworkSketch, sketch_of
 from tachk.model.network import Network
+from tests.support.seeds import enough, seeds
 from tests.support.symmetric.cases import SymmetricCase, random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.registers import random_register_case
@@ -34,7 +35,7 @@ def test_the_same_is_found_without_it(
     random_case: Callable[[Random], SymmetricCase], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = 0
-    for seed in range(60):
+    for seed in seeds(range(60)):
         network = tachk.loads(random_case(Random(seed)).text).network
         quick = _members(look_for_symmetry(network, []))
         with monkeypatch.context() as patched:
@@ -42,7 +43,7 @@ def test_the_same_is_found_without_it(
             assert quick == _members(look_for_symmetry(network, [])), f"seed {seed}"
         found += bool(quick)
         assert sketch_of(network).repeats or not quick
-    assert found > 20
+    assert enough(found > 20)
 
 
 def _repeats(first: str, second: str, declarations: str = "") -> bool:

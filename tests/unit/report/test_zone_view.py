@@ -11,6 +11,7 @@ from tachk.meaning import dbm
 from tachk.meaning.dbm import Zone
 from tachk.model.random_networks import random_case
 from tachk.report.run.zone_view import constraint_texts
+from tests.support.seeds import seeds
 
 FISCHER = Path(__file__).parents[3] / "models/classics/fischer.ta"
 
@@ -62,7 +63,7 @@ def test_an_error_of_the_model_is_told() -> None:
     assert graph.graph["reason"] == "run-time error"
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(range(12)))
 def test_the_graph_has_what_the_engine_reaches(seed: int) -> None:
     network = random_case(Random(seed)).network
     model = tachk.Model(network)
@@ -75,7 +76,7 @@ def test_the_graph_has_what_the_engine_reaches(seed: int) -> None:
             assert reached is ((process.name, location.name) in seen)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(range(40)))
 def test_few_constraints_say_the_whole_zone(seed: int) -> None:
     random = Random(seed)
     zone: Zone | None = dbm.up(dbm.origin(4))

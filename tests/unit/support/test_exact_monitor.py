@@ -11,6 +11,7 @@ import pytest
 from tests.support.exact_monitor import satisfaction, value_at, verdict
 from tests.support.exact_trace import Ending, ExactTrace, Value, pulses
 from tests.support.formulas import random_monitoring_case
+from tests.support.seeds import seeds
 from tests.support.tricky import TRICKY_CASES, TrickyCase, read_formula
 
 
@@ -150,7 +151,7 @@ def test_the_past_of_the_unknown_is_known() -> None:
     assert truth("G[0,2] O[0,7] q", trace, 10) is None
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(range(30)))
 def test_what_a_prefix_decides_stays(seed: int) -> None:
     random = Random(seed)
     case = random_monitoring_case(random)
@@ -165,7 +166,7 @@ def test_what_a_prefix_decides_stays(seed: int) -> None:
             earlier = now
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(range(30)))
 def test_values_agree_with_their_truth(seed: int) -> None:
     case = random_monitoring_case(Random(1000 + seed))
     signal = satisfaction(case.formula, case.trace)

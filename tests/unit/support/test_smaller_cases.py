@@ -10,6 +10,7 @@ from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.walk import nodes_of_kind
 from tests.support.exact_trace import ExactTrace
 from tests.support.formulas import MonitoringCase, random_monitoring_case
+from tests.support.seeds import seeds
 from tests.support.smaller_cases import describe, reduced
 
 
@@ -18,7 +19,7 @@ def has_until_and_two_rows(case: MonitoringCase) -> bool:
 
 
 def test_nothing_superfluous_is_left() -> None:
-    seed = next(seed for seed in range(100) if has_until_and_two_rows(random_monitoring_case(Random(seed))))
+    seed = next(seed for seed in seeds(range(100)) if has_until_and_two_rows(random_monitoring_case(Random(seed))))
     case = reduced(random_monitoring_case(Random(seed)), has_until_and_two_rows)
     assert has_until_and_two_rows(case)
     assert len(case.trace.times) == 2

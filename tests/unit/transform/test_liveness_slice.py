@@ -19,6 +19,7 @@ from tachk.transform.liveness_slice import liveness_preserving_slice
 from tests.support import Shape, random_case
 from tests.support.obligations import random_obligations
 from tests.support.oracles.liveness_regions import check_by_regions
+from tests.support.seeds import enough, seeds
 
 MODEL = """
 clock x; int n = 0; bool b = false; int[0, 3] count = 0;
@@ -141,7 +142,7 @@ SHAPE = Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False, c
 
 def test_answers_do_not_depend_on_it() -> None:
     found = set()
-    for seed in range(120):
+    for seed in seeds(range(120)):
         random = Random(seed)
         case = random_case(random, SHAPE)
         for obligation in random_obligations(random, case, 2):
@@ -155,4 +156,4 @@ def test_answers_do_not_depend_on_it() -> None:
             statuses.discard(LivenessStatus.UNDECIDED)
             assert len(statuses) <= 1, f"seed {seed}"
             found |= statuses
-    assert len(found) == 2
+    assert enough(len(found) == 2)

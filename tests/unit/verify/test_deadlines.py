@@ -22,6 +22,7 @@ from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
 from tests.support import RandomCase, Shape, random_case
 from tests.support.oracles.liveness_regions import check_by_regions
+from tests.support.seeds import enough, seeds
 
 SMALL = Shape(processes=2, locations=3, clocks=1, constant=3, deadlocks=False)
 
@@ -154,7 +155,7 @@ def test_other_deadlines_are_mistakes(verdicts: Verdicts, query: str) -> None:
 def test_the_region_oracle_contradicts_no_answer() -> None:
     """The oracle looks for runs that avoid a goal in the network with the observer."""
     compared = violated = 0
-    for seed in range(40):
+    for seed in seeds(range(20)):
         random = Random(seed)
         case = random_case(random, SMALL)
         goal, trigger = LocationTest(0, random.randrange(2)), LocationTest(1, random.randrange(2))
@@ -179,7 +180,7 @@ def test_the_region_oracle_contradicts_no_answer() -> None:
             assert (outcome.status is LivenessStatus.FOUND) == (verdict.answer is Answer.FAILS), f"seed {seed}"
             compared += 1
             violated += verdict.answer is Answer.FAILS
-    assert compared > 20 and 0 < violated < compared
+    assert enough(compared > 10 and 0 < violated < compared)
 
 
 def lateness(case: RandomCase, trigger: Expression, goal: Expression, random: Random) -> Fraction:
@@ -206,7 +207,7 @@ def lateness(case: RandomCase, trigger: Expression, goal: Expression, random: Ra
 
 def test_no_random_run_is_later_than_what_holds() -> None:
     held = 0
-    for seed in range(30):
+    for seed in seeds(range(30)):
         random = Random(seed)
         case = random_case(random, SMALL)
         goal, trigger = LocationTest(0, random.randrange(2)), LocationTest(1, random.randrange(2))
@@ -216,4 +217,4 @@ def test_no_random_run_is_later_than_what_holds() -> None:
         if verdict.answer is Answer.HOLDS:
             held += 1
             assert all(lateness(case, trigger, goal, random) <= bound for _ in range(8)), f"seed {seed}"
-    assert held > 3
+    assert enough(held > 3)

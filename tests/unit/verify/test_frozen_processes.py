@@ -15,6 +15,7 @@ from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
 from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
+from tests.support.seeds import seeds
 
 MODEL = """
 int n = 0;
@@ -40,7 +41,7 @@ def test_the_run_shows_what_a_frozen_process_receives() -> None:
 
 def test_answers_and_runs_are_those_of_the_whole_network() -> None:
     limits = Limits(states=20_000)
-    for seed in range(30):
+    for seed in seeds(range(30)):
         case = random_case(Random(seed), Shape(processes=2, listeners=2, clocks=2, stopwatches=seed % 3 == 0))
         queries = [Query(f"q{i}", QueryKind.POSSIBLY, predicate) for i, predicate in enumerate(case.predicates)]
         with_all = verify(case.network, queries, Options().off("cone"), limits)

@@ -17,6 +17,7 @@ from tachk.verify.verdict import Verdict
 from tachk.verify.verify import verify
 from tests.support import Shape, random_case
 from tests.support.oracles import reference
+from tests.support.seeds import enough, seeds
 
 Verdicts = Callable[..., dict[str, Verdict]]
 
@@ -110,7 +111,7 @@ def test_a_limit_leaves_the_run_that_was_found(verdicts: Verdicts) -> None:
 def test_no_run_is_faster_than_the_fastest() -> None:
     """On random networks, by the reference engine."""
     compared = 0
-    for seed in range(25):
+    for seed in seeds(range(25)):
         case = random_case(Random(seed), Shape(clocks=2, constant=3, deadlocks=False, processes=2))
         queries = [Query(f"q{n}", QueryKind.POSSIBLY, predicate) for n, predicate in enumerate(case.predicates)]
         for query, verdict in zip(queries, verify(case.network, queries, FASTEST), strict=True):
@@ -127,4 +128,4 @@ def test_no_run_is_faster_than_the_fastest() -> None:
                 found = reference.explore(timed.network, [in_time], Limits(states=2000)).goals[0].status
                 assert found in (expected or Status.UNREACHABLE, Status.UNDECIDED), seed
             compared += 1
-    assert compared >= 5
+    assert enough(compared >= 5)

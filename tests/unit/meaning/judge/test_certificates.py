@@ -41,6 +41,7 @@ from tachk.verify import certificates
 from tachk.verify.certificates import Checker, Proof, check_proof, find_proof, is_provable, widened_proof
 from tachk.verify.verdict import Answer
 from tachk.verify.verify import verify
+from tests.support.seeds import seeds
 from tests.unit.meaning.judge.proofs import MODELS, PLAIN, judged, proved, written
 
 SCHEMA = Path(__file__).parents[4] / "docs" / "schema" / "certify.schema.json"
@@ -63,7 +64,7 @@ SHAPES = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(range(30)))
 def test_random_networks(seed: int) -> None:
     case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
     for number, predicate in enumerate(case.predicates):
@@ -87,7 +88,7 @@ LIVE_SHAPES = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(range(20)))
 def test_what_each_run_meets_in_random_networks(seed: int) -> None:
     case = random_case(Random(seed), LIVE_SHAPES[seed % len(LIVE_SHAPES)])
     first, second, _ = case.predicates
@@ -482,20 +483,20 @@ def mutated(random: Random, proof: Proof) -> bytes:
 
 
 def test_no_mutation_proves_what_is_wrong() -> None:
-    """1,000 mutated certificates of Fischer's protocol, judged as if they were about the protocol that is wrong."""
+    """400 mutated certificates of Fischer's protocol, judged as if they were about the protocol that is wrong."""
     network, query = fischer()
     wrong, _ = fischer(WAIT=9)
     proof = proved(network, query)
     random = Random(1)
     readable = 0
-    for _ in range(1_000):
+    for _ in range(400):
         try:
             (certificate,) = read_certificates(io.BytesIO(mutated(random, proof)))
             assert check_proof(wrong, query, certificate, Checker.NATIVE) is not None
             readable += 1
         except (MalformedCertificateError, ValueError, OverflowError):
             continue
-    assert readable > 300
+    assert readable > 120
 
 
 def test_both_checkers_judge_mutations_alike() -> None:

@@ -10,9 +10,10 @@ import pytest
 from tachk.meaning import dbm
 from tachk.meaning.dbm import LESS_EQUAL_ZERO, raw_bound
 from tachk.meaning.judge.zone_arrays import assigned, before_assigning, canonical
+from tests.support.seeds import seeds
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_setting_clocks_to_clocks(seed: int) -> None:
     random, zone = Random(seed), dbm.up(dbm.origin(4))
     for _ in range(3):

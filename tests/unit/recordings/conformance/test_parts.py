@@ -17,6 +17,7 @@ from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.parts import can_be_apart, parts_of, set_apart
 from tachk.recordings.conformance.queues import make_queues
 from tachk.xrce.conformance.packet_events import read_capture
+from tests.support.seeds import seeds
 
 ROOT = Path(__file__).parents[4]
 RECORDED = ROOT / "models/micro_xrce_dds/recorded.ta"
@@ -89,7 +90,7 @@ def _rally(random: Random) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(range(3)))
 def test_verdicts_are_those_of_the_whole(seed: int, tmp_path: Path) -> None:
     random, file = Random(seed), tmp_path / "rally.csv"
     answers = []

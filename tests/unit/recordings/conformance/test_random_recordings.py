@@ -13,6 +13,7 @@ import tachk
 from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.event_tables import read_events
+from tests.support.seeds import seeds
 from tests.unit.recordings.conformance.small_models import (
     KEYS,
     LONGEST,
@@ -28,7 +29,7 @@ from tests.unit.recordings.conformance.small_models import (
 )
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(range(6)))
 def test_engine_agrees_with_judge(seed: int, tmp_path: Path) -> None:
     random = Random(seed)
     hidden = seed % 3 == 2

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.cli.main import app
+from tests.support.seeds import seeds
 
 Row = tuple[Fraction, dict[str, float | None]]
 """A time in tenths, and the values that it gives."""
@@ -96,7 +97,7 @@ def forms(rows: list[Row], folder: Path) -> Iterator[tuple[str, list[str]]]:
     yield "pushes", verdicts(pushed.finish())
 
 
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", seeds(range(25)))
 def test_arrivals_and_times_mean_the_same_in_every_form(seed: int, tmp_path: Path) -> None:
     rows = rows_of(seed)
     plain = [formula.replace("time", "now") for formula in FORMULAS]
@@ -109,7 +110,7 @@ def test_arrivals_and_times_mean_the_same_in_every_form(seed: int, tmp_path: Pat
 
 
 @pytest.mark.parametrize("ending", ["csv", "jsonl"])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(range(6)))
 def test_the_command_says_the_same_row_by_row(seed: int, ending: str, tmp_path: Path) -> None:
     dict(forms(rows_of(seed), tmp_path))
     for formula in FORMULAS:

@@ -20,6 +20,7 @@ from tachk.simulation.columns import all_columns
 from tachk.simulation.formulas import columns_with
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import run_writer
+from tests.support.seeds import seeds
 
 ENDINGS = ("csv", "jsonl", "vcd", *(("parquet",) if find_spec("pyarrow") else ()))
 FORMULAS = 4
@@ -101,7 +102,7 @@ def on_its_own(trace: Trace) -> Trace:
     return replace(trace, known_before=None)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(range(12)))
 def test_a_file_says_what_its_run_says(seed: int, tmp_path: Path) -> None:
     for ending, expected, found in compared(seed, tmp_path):
         assert found == expected, ending

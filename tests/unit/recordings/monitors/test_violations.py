@@ -28,6 +28,7 @@ from tachk.syntax import formula as syntax
 from tests.support.exact_monitor import satisfaction
 from tests.support.formulas import FormulaShape, MonitoringCase, random_monitoring_case
 from tests.support.monitor_input import always, monitor_input, truth_of
+from tests.support.seeds import seeds
 
 SCHEMA = Path(__file__).parents[4] / "docs/schema/monitor.schema.json"
 
@@ -172,7 +173,7 @@ def test_a_monitor_of_first_violations_has_no_others() -> None:
 
 
 def test_signals_are_those_of_the_definition_at_every_cell() -> None:
-    for seed in range(12):
+    for seed in seeds(range(12)):
         case = random_monitoring_case(Random(seed), FormulaShape(depth=2, rows=8))
         given = monitor_input(MonitoringCase(always(case.formula), case.trace))
         verdict = verdict_on(NamedFormula("f", "", case.formula), given.program, given.trace, Judging(), HeldValues())

@@ -12,6 +12,7 @@ import pytest
 from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase, begun
 from tachk.report.drawing.sequence.layout import ChartLabel, ChartLayout, TimeAxis, lay_out, overlap
 from tachk.report.drawing.sequence.sequence_svg import draw_chart
+from tests.support.seeds import seeds
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -44,7 +45,7 @@ def random_chart(seed: int, events: int = 40) -> Chart:
 
 
 @pytest.mark.parametrize("axis", list(TimeAxis))
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(range(6)))
 def test_no_text_stands_on_another_and_everything_is_inside(seed: int, axis: TimeAxis):
     layout = lay_out(random_chart(seed), axis)
     assert [(one, other) for one, other in combinations(layout.labels, 2) if overlap(one, other)] == []
@@ -54,7 +55,7 @@ def test_no_text_stands_on_another_and_everything_is_inside(seed: int, axis: Tim
 
 
 @pytest.mark.parametrize("axis", list(TimeAxis))
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(range(3)))
 def test_every_message_is_drawn_and_lost_ones_have_a_cross(seed: int, axis: TimeAxis):
     chart = random_chart(seed)
     layout = lay_out(chart, axis)

@@ -12,6 +12,7 @@ import pytest
 from tachk.logic.durations import resolve
 from tachk.recordings.monitors.formulas import read_formulas
 from tachk.verify.requirements.analysis import FindingKind, RequirementAnalysis, analyse
+from tests.support.seeds import enough, seeds
 
 
 def analysed(*texts: str) -> RequirementAnalysis:
@@ -173,7 +174,7 @@ def _can_be_stuck(rules: list[Small]) -> bool:
 @pytest.mark.parametrize("block", range(4))
 def test_what_can_collide_is_what_gets_stuck_on_a_grid(block: int) -> None:
     stuck = []
-    for seed in range(10 * block, 10 * block + 10):
+    for seed in seeds(range(10 * block, 10 * block + 10)):
         random = Random(seed)
         rules = [_random_small(random, comes=True), _random_small(random, comes=random.random() < 0.2)]
         analysis = analysed(*(rule.text for rule in rules))
@@ -185,4 +186,4 @@ def test_what_can_collide_is_what_gets_stuck_on_a_grid(block: int) -> None:
             if each.kind is FindingKind.REDUNDANT:
                 one, other = (rules[0], rules[1]) if each.names == ("a",) else (rules[1], rules[0])
                 assert not any(one.broken(cells) for cells in _extended((), 7, [other])), f"seed {seed}"
-    assert 2 <= stuck.count(True) <= 8
+    assert enough(2 <= stuck.count(True) <= 8)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tachk.verify.synthesis.inequalities import Points, describe
+from tests.support.seeds import seeds
 
 NAMES = ["A", "B", "C", "D"]
 
@@ -70,7 +71,7 @@ def test_only_the_given_points_count() -> None:
     assert said(points, points[:, 0] <= 20) == "A <= 20"
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(range(20)))
 def test_a_description_agrees_with_every_point(seed: int) -> None:
     random = Random(seed)
     points = box(*(random.randint(2, 6) for _ in range(random.randint(1, 3))))

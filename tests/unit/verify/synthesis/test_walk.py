@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tachk.verify.synthesis.walk import AxisKind, Cell, CellStatus, PendingCell, walk
+from tests.support.seeds import seeds
 
 
 def monotone_box(random: Random, shape: Sequence[int], axes: Sequence[AxisKind]) -> NDArray[np.int8]:
@@ -43,7 +44,7 @@ def walked(
     return statuses, asked
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_every_cell_is_known_as_if_it_had_been_asked(seed: int) -> None:
     random = Random(seed)
     shape = [random.randint(1, 6) for _ in range(random.randint(1, 4))]
@@ -55,7 +56,7 @@ def test_every_cell_is_known_as_if_it_had_been_asked(seed: int) -> None:
     assert all(one.left >= 1 for one in asked)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_what_is_unknown_stays_so_only_where_nothing_implies_it(seed: int) -> None:
     random = Random(seed)
     shape = [random.randint(1, 7) for _ in range(random.randint(1, 3))]

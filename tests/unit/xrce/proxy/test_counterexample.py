@@ -15,6 +15,7 @@ from tachk.xrce.proxy.decisions import Decisions, RelayArrival
 from tachk.xrce.proxy.rules import PacketDirection
 from tachk.xrce.proxy.run_of_model import Happening, ModelMessage, ModelRun, read_run
 from tachk.xrce.wire import SubmessageKind
+from tests.support.seeds import seeds
 from tests.unit.xrce.proxy.packets import acknack, heartbeat, write_data
 
 UP, DOWN = PacketDirection.TO_AGENT, PacketDirection.TO_CLIENT
@@ -241,7 +242,7 @@ class End:
         return self.left[0] if self.left and self.left[0].sent else None
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(range(60)))
 def test_the_network_of_the_rules_shows_what_the_run_shows(seed: int) -> None:
     random = Random(seed)
     run = random_run(random)
