@@ -221,7 +221,7 @@ class Body:
                 "W0403",
                 guard.span,
                 f"a clock guard on the urgent channel `{synchronisation.channel.span.text}`",
-                "UPPAAL forbids this, and analyses that need zones refuse it: guard with variables only",
+                "UPPAAL warns of this, and analyses that need zones refuse it: guard with variables only",
             )
 
     def _updates(self, node: ast.EdgeDeclaration, scope: Scope) -> tuple[Expression, ...]:
