@@ -43,8 +43,14 @@ class StatisticalAnswer:
 
     @property
     def judged(self) -> bool:
-        """Whether the answer counts: it is the outcome of a test, or something is expected of it."""
-        return self.found is None or isinstance(self.found, Decided) or self.query.expectation is not None
+        """Whether the answer counts: it is the outcome of a test, or something is expected of it, or it is not as
+        expected whatever that is."""
+        return (
+            self.found is None
+            or isinstance(self.found, Decided)
+            or self.query.expectation is not None
+            or has_run_time_error(self.found)
+        )
 
     @property
     def met(self) -> bool | None:
@@ -80,6 +86,8 @@ def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None
 
 def has_run_time_error(found: Estimate) -> bool:
     """Whether some run ended with one."""
+    if isinstance(found, DrawnRuns) and any(run.ending is SimulationEnding.FAULT for run in found.runs):
+        return True
     return any(sample.endings[SimulationEnding.FAULT] for sample in samples_of(found))
 
 
@@ -88,6 +96,8 @@ def samples_of(found: Estimate) -> Sequence[SampledRuns]:
     match found:
         case Decided():
             return found.samples
+        case DrawnRuns(picked=SampledRuns() as sample):
+            return (sample,)
         case DrawnRuns() | Split():
             return ()
         case _:

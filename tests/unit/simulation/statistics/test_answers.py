@@ -118,7 +118,7 @@ def test_a_page_has_them() -> None:
 def test_estimate_answers_the_same() -> None:
     model = tachk.loads(MODEL + TESTS)
     found = model.verify().estimates["often"].found
-    again = model.estimate("Pr[<=4](<> A.t)", seed=1)[0]
+    again = model.estimate("Pr[<=4](<> A.t)")[0]
     assert (found.low, found.high) == (again.low, again.high)  # type: ignore[union-attr]
 
 
@@ -129,3 +129,19 @@ def test_runs_that_are_told_obey_the_limit_on_memory() -> None:
     answer = answer_statistical(lambda: loaded, loaded.formulas, Settings(), limits)[1]
     assert isinstance(answer, StatisticalAnswer)
     assert (answer.found, answer.reason) == (None, "memory limit")
+
+
+@pytest.mark.parametrize(
+    "query", ["Pr[<=9](<> A.t)", "E[<=9; 5](max: x)", "simulate[<=9] {x}", "simulate[<=9; 5] {x}: A.t"]
+)
+def test_an_answer_of_runs_that_end_in_errors_counts_as_not_expected(tmp_path: Path, query: str) -> None:
+    """The summary and the exit status agree, with and without an expectation."""
+    path = tmp_path / "m.ta"
+    process = "process A() { clock c; init location s { invariant c <= 5; to t { assign x = 1 / zero; } } location t; }"
+    for expect in ("", " expect holds"):
+        path.write_text(
+            f"int zero = 0, x;\n{process}\nsystem A;\nproperty p : E<> A.s;\nproperty q : {query}{expect};\n"
+        )
+        report = tachk.load(path).verify()
+        assert report.met is False
+        assert report.to_text().splitlines()[-1] == "1 of 2 as expected, 1 not"
