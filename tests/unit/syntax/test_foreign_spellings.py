@@ -107,6 +107,20 @@ ON_RECORDINGS = {
     "never p": "write ! in front",
     "next(p)": NEXT,
     "always(p)": G,
+    "p before q": "write `!q W p`",
+    "p precedes q": "write `!q W p`",
+    "G (p triggers q)": "write `G (p -> F[0, 5] q)`",
+    "p after q": "write `G (p -> F[0, 5] q)`",
+    "G (p if q)": "write `p -> q`",
+    "p weak until q": "the operator is written W",
+    "p leads to q": "write `G (p -> F[0, 5] q)`",
+    "if p then q": "write `p -> q`",
+    "if p, q": "write `p -> q`",
+    "whenever p then q": "write `p -> q`",
+    "G (if p then q)": "write `p -> q`",
+    "G(p before q)": "write `!q W p`",
+    "after p, q": "write `G (p -> F[0, 5] q)`",
+    "while p, q": "write `G (p -> q)`",
 }
 """Where a formula about one run is wanted."""
 

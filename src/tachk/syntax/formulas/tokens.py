@@ -93,8 +93,12 @@ def is_sentence(tokens: list[Token]) -> bool:
 
 def lacks_full_stop(tokens: list[Token]) -> bool:
     """Whether a text that does not end with a full stop can only be meant as a sentence: words follow one another."""
-    if len(tokens) > 1 and tokens[0].text.lower() in WORDS and tokens[1].text in ("(", "["):
-        return False  # an operator in the words of other tools
+    first = tokens[0].text if tokens else ""
+    if len(tokens) > 1 and (first in PREFIX or first.lower() in WORDS) and tokens[1].text in ("(", "["):
+        return False  # an operator, perhaps in the words of other tools
+    texts = {token.text.lower() for token in tokens}
+    if "then" in texts and not texts & {"must", "shall", "should", "will"}:
+        return False  # an implication: sentences have no such word
     words = [_is_word(token) for token in tokens]
     known = any(word and token.text.lower() in SENTENCE_WORDS for word, token in zip(words, tokens, strict=True))
     return (known and sum(words) > 3) and any(

@@ -22,12 +22,24 @@ _BOUNDS = {
     **dict.fromkeys(("=", "=="), "[{0}, {0}]"),
 }
 
+_RESPONSE = "for `p leads to q` write `G (p -> F[0, 5] q)`, or without [0, 5] where no bound is meant"
+_AFTER = "for `q after p` write `G (p -> F[0, 5] q)` if q must follow p, or `!q W p` if q must not come without it"
+_CONDITION = "for `if p then q` write `p -> q`, and `G (p -> q)` for every instant"
+
 _INFIX = {
     **dict.fromkeys(("R", "V", "release", "releases"), _RELEASE),
     **dict.fromkeys(("iff", "equiv", "xnor"), _SAME),
     **dict.fromkeys(("implies", "then"), "write -> for 'implies'"),
+    **dict.fromkeys(("before", "precedes"), "for `p before q` write `!q W p`: q is false until p is true"),
+    **dict.fromkeys(("triggers", "causes", "followed"), _RESPONSE),
+    "after": _AFTER,
+    **dict.fromkeys(("if", "when", "whenever", "while"), "for `q if p` write `p -> q`, and `G (p -> q)` for always"),
+    "weak": "the operator is written W",
 }
 """Words between two operands of a formula."""
+
+_LEADS_TO = dict.fromkeys(("leads", "leadsto"), _RESPONSE)
+"""Queries have an operator of their own for it."""
 
 _INFIX_OF_CONDITIONS = {
     **dict.fromkeys(("iff", "equiv", "xnor"), "write `p == q`"),
@@ -36,6 +48,13 @@ _INFIX_OF_CONDITIONS = {
 """The same in a query, whose operands are conditions."""
 
 _NEVER = dict.fromkeys(("never", "no"), "write ! in front of what must not be, as in G !p")
+_CONDITIONAL = {
+    **dict.fromkeys(("if", "when", "whenever", "upon"), _CONDITION),
+    "after": _AFTER,
+    "before": "for `before q, p` write `p W q`: p is true until q is",
+    "while": "for `while p, q` write `G (p -> q)`",
+}
+"""Words that begin an English sentence; here they are names where a formula could go on."""
 
 _SIGNS = {"<->": _SAME, "<=>": _SAME, "==>": "write -> for 'implies'"}
 _SIGNS_OF_CONDITIONS = {
@@ -103,8 +122,9 @@ def _comparison(tokens: Sequence[Token]) -> Diagnostic | None:
 
 def _word(situation: ParseSituation) -> Diagnostic | None:
     token, formula = situation.token, is_formula(situation)
-    infix = _INFIX if formula else _INFIX_OF_CONDITIONS
-    if token.type == "NAME" and token.text in infix:
+    alone = situation.start == "formula_fragment"
+    infix = {**_INFIX, **(_LEADS_TO if alone else {})} if formula else _INFIX_OF_CONDITIONS
+    if token.text in infix and token.type != "QUOTED":
         return _unknown(token, infix[token.text])
     before = situation.tokens[situation.index - 1] if situation.index else token
     if not formula or before.type != "NAME" or situation.tokens[situation.index - 2].text == ".":
@@ -112,7 +132,7 @@ def _word(situation: ParseSituation) -> Diagnostic | None:
     if before.text in EDGES:
         message = f"'{before.text}' wants parentheses around its operand"
         return Diagnostic("E0101", message, before.span, f"as in {before.text}(p)")
-    prefix = {**NO_INSTANT, **_NEVER} if situation.start == "formula_fragment" else NO_INSTANT
+    prefix = {**NO_INSTANT, **_NEVER, **_CONDITIONAL} if alone else NO_INSTANT
     return _unknown(before, prefix[before.text]) if before.text in prefix else None
 
 
