@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.diagnostics.suggestion import unknown_key
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.query import Query
 
@@ -43,7 +45,7 @@ class Estimates(Sequence["Estimate"]):
         for answer in self.answers:
             if answer.query.name == index:
                 return answer
-        raise KeyError(index)
+        raise unknown_key(index, (answer.query.name for answer in self.answers))
 
     def __len__(self) -> int:
         return len(self.answers)
@@ -80,7 +82,7 @@ class Estimable:
         confidence: float = 0.95,
         epsilon: float = 0.05,
         runs: int | None = None,
-        seed: int = 0,
+        seed: int = DEFAULT_SEED,
         threads: int = 1,
         max_steps: int | None = None,
         fault: str | Iterable[str] = (),

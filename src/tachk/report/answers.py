@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from io import StringIO
 from typing import TYPE_CHECKING, Any, overload
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.base.records import dataclass
 from tachk.report.record import RunRecord
@@ -55,10 +56,18 @@ class Report(Sequence[Verdict]):
         return self.record.met
 
     def run(self, index: int | str) -> Run | None:
-        """The run that shows why an answer is as it is, None where there is none: it can be printed and looked at."""
+        """The run that shows why an answer is as it is, None where there is none: it can be printed and looked at.
+
+        Raises UsageError for a name or a number that no answer has.
+        """
         from tachk.report.run.told_run import Run
 
-        verdict = self[index]
+        try:
+            verdict = self[index]
+        except (IndexError, KeyError) as error:
+            message = f"there is no answer number {index}" if isinstance(error, IndexError) else error.args[0]
+            names = (f"{number}: {verdict.query.name}" for number, verdict in enumerate(self.record.verdicts))
+            raise UsageError(message, f"the answers are {', '.join(names) or 'none'}") from None
         return None if verdict.trace is None else Run(self.record.network, verdict)
 
     def to_dict(self) -> dict[str, Json]:

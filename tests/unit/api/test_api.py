@@ -111,11 +111,15 @@ def test_report_is_a_sequence_with_names(lamp: Path) -> None:
     assert report[-1:] == (report["never_low"],)
     with pytest.raises(KeyError, match="'other'; there are 'bright', 'never_low'"):
         report["other"]
+    assert str(report.run(0)) == str(report.run("bright"))
+    for wrong in (2, -3, "other"):
+        with pytest.raises(tachk.UsageError, match=r"0: bright, 1: never_low"):
+            report.run(wrong)
 
 
 def test_what_a_shell_shows_is_short(lamp: Path) -> None:
     report = tachk.load(lamp).verify()
-    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails, smc: 0.9245 to 1.0000>"
+    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails, smc: 0.9097 to 0.9995>"
     assert repr(report["bright"]) == "<Verdict bright: holds, E<> Lamp.Bright>"
     judged = tachk.monitor("G a", {"time": [0, 1], "a": [1, 0]})
     assert repr(judged) == "<MonitorReport on the trace: p1: false>"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.zone_graph import ZoneGraph
 from tachk.meaning import dbm
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Zone
@@ -33,8 +34,11 @@ class ZoneState:
     zone: Zone = field(repr=False)
 
     def at(self, process: str) -> str:
-        """The location of a process. Raises KeyError if there is no such process."""
-        return dict(self.locations)[process]
+        """The location of a process. Raises UsageError if there is no such process."""
+        known = dict(self.locations)
+        if process not in known:
+            raise UsageError(f"there is no process `{process}`", f"the processes are {', '.join(known)}")
+        return known[process]
 
     def __str__(self) -> str:
         parts = [", ".join(f"{process}.{location}" for process, location in self.locations)]
