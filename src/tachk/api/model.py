@@ -21,6 +21,7 @@ from tachk.api.estimating import Estimable, answers_among, share_of_searches
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.base.job import Progress, current_job, followed, limited
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
 from tachk.engine.options import Engine, Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.loading.load import load_model
@@ -457,7 +458,7 @@ class Model(Estimable):
         monitor: str | os.PathLike[str] | None = None,
         until: str | float = "100",
         runs: int = 100,
-        seed: int = 0,
+        seed: int = DEFAULT_SEED,
         part: tuple[int, int] = (1, 1),
         merge: Iterable[str | os.PathLike[str]] = (),
     ) -> Sweep:

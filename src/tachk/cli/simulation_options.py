@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import click
 
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.cli import options
 from tachk.engine.simulation.policy import Policy
 
@@ -14,7 +15,7 @@ _Adds = Callable[[options.Decorated], options.Decorated]
 
 def seed(help: str) -> _Adds:
     return click.option(
-        "--seed", metavar="S", type=options.Count(0, 2**63 - 1), default=0, show_default=True, help=help
+        "--seed", metavar="S", type=options.Count(0, 2**63 - 1), default=DEFAULT_SEED, show_default=True, help=help
     )
 
 

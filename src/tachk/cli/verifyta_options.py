@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from tachk.base.diagnostics.diagnostic import InternalError, UsageError
 from tachk.base.diagnostics.suggestion import closest
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.engine.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
 
 
@@ -46,7 +47,7 @@ class VerifytaOptions:
     xtr: str = ""
     xml: str = ""
     order: SearchOrder = SearchOrder.BFS
-    seed: int = 1
+    seed: int = DEFAULT_SEED
     extrapolation: Extrapolation = Extrapolation.LU
     passing: int = 0
     reuse: bool = False

@@ -8,6 +8,7 @@ from enum import StrEnum
 from tachk.base.arguments import check_argument
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
+from tachk.base.seeds import DEFAULT_SEED
 
 
 class Engine(StrEnum):
@@ -139,7 +140,7 @@ class Options:
     """
 
     order: SearchOrder = SearchOrder.AUTO
-    seed: int = 1
+    seed: int = DEFAULT_SEED
     extrapolation: Extrapolation = Extrapolation.LU
     bounds: BoundScope = BoundScope.LOCAL
     subsumption: bool = True

@@ -12,6 +12,7 @@ from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.base.job import StoppedError, unhurried
 from tachk.base.records import dataclass
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source as Text
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
@@ -134,7 +135,7 @@ class Estimating:
     alpha: float = 0.05
     beta: float = 0.05
     delta: float = 0.01
-    seed: int = 0
+    seed: int = DEFAULT_SEED
     threads: int = 1
     most_steps: int | None = None
     most_runs: int = 1_000_000

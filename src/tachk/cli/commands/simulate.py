@@ -15,6 +15,7 @@ import click
 from tachk.api.model import Model
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import StoppedError
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.whole_files import write_whole
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
@@ -156,7 +157,7 @@ class Simulating:
     model: str
     runs: int = 1
     until: str = "100"
-    seed: int = 0
+    seed: int = DEFAULT_SEED
     policy: str = Policy.STOCHASTIC.value
     first: int = 0
     threads: int = 1

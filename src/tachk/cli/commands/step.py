@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from tachk.base.job import check_job
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.exit_status import ExitStatus
@@ -61,7 +62,7 @@ class Stepping:
     definitions: tuple[str, ...] = ()
     load: Path | None = None
     prop: str | None = None
-    seed: int = 0
+    seed: int = DEFAULT_SEED
 
 
 def run_step(asked: Stepping) -> ExitStatus:

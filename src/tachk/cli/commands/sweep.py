@@ -17,6 +17,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import DIGITS
 from tachk.base.job import current_job, limited
 from tachk.base.records import dataclass
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.whole_files import write_whole
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
@@ -189,7 +190,7 @@ class Sweeping:
     confidence: float = 0.95
     half_width: float = 0.05
     runs: int | None = None
-    seed: int = 0
+    seed: int = DEFAULT_SEED
     splitting: bool = False
     relative: float = 0.1
     effort: int = 1000

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tachk import _core
 from tachk.base.job import OutOfTimeError, current_job
 from tachk.base.records import dataclass
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Span
 from tachk.engine.compiler.program import Chances, Computed, HybridClocks, Program
 from tachk.engine.core_search import site_of, transition_of
@@ -124,7 +125,7 @@ class SimulationOptions:
         threads: they make no difference to the runs.
     """
 
-    seed: int = 0
+    seed: int = DEFAULT_SEED
     until: int = 100 * TICKS_PER_UNIT
     policy: Policy = Policy.STOCHASTIC
     steps: int | None = None

@@ -13,6 +13,7 @@ from tachk.analysis.fold import fold, known_values
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Span
 from tachk.engine.compiler.features import check_simulated
 from tachk.engine.compiler.lower import lower_simulation
@@ -49,7 +50,7 @@ class RunSource:
         most_steps: after which a run is given up, and counts as unknown.
     """
 
-    seed: int = 0
+    seed: int = DEFAULT_SEED
     first: int = 0
     threads: int = 1
     most_steps: int | None = None

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationOptions
 from tachk.model.network import Network
@@ -44,7 +45,7 @@ class JudgedRuns:
     source: Source
     until: str = "100"
     runs: int = 100
-    seed: int = 0
+    seed: int = DEFAULT_SEED
 
     def __post_init__(self) -> None:
         if self.runs < 1:
