@@ -30,7 +30,7 @@ def with_plain_declarations(plain: PlainModel) -> PlainModel:
     for type_ in nodes_of_kind((declarations, templates), ast.TypeExpression):
         if is_variable_text(type_):
             message = "UPPAAL has texts as constants only"
-            help_ = "write `const string`, or leave the declaration and its assignments out"
+            help_ = "write `const string` outside of structs, or leave the declaration and its assignments out"
             raise UnsupportedError(Diagnostic("E0801", message, type_.span, help_))
     return replace(plain, declarations=declarations, templates=templates, steps=(*plain.steps, *forms.steps))
 
