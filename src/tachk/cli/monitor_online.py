@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -250,10 +251,14 @@ def _open(judged: Judged, rows: RowByRow, stream: ByteStream | None) -> CsvRecor
     if rows.live:
         return open_live(judged.trace, judged.ports)
     if stream is not None:
-        line = stream.readline()
-        if line.lstrip().startswith(b"{"):
-            return JsonStream("-", stream, judged.time, judged.unit, line)
-        return open_csv_stream(PushedBack(stream, line), "-", judged.time, judged.unit)
+        begin = line = stream.readline()
+        while line and not line.removeprefix(BOM_UTF8).strip():
+            line = stream.readline()
+            begin += line
+        first = line.removeprefix(BOM_UTF8)
+        if first.lstrip().startswith(b"{"):
+            return JsonStream("-", stream, judged.time, judged.unit, first)
+        return open_csv_stream(PushedBack(stream, begin), "-", judged.time, judged.unit)
     path = Path(judged.trace)
     lines = plain_suffix(path) in JSON_LINES.suffixes
     if not is_csv(path) and not lines:

@@ -33,7 +33,7 @@ from tachk.report.conformance.text import conformance_to_text, coverage_to_text
     nargs=-1,
     required=True,
     type=click.Path(),
-    help="Recorded events: CSV, JSON lines (.jsonl), or a capture (.pcap).",
+    help="Recorded events: CSV, JSON lines (.jsonl), both also compressed (.gz, .zst), or a capture (.pcap).",
 )
 @options.definitions
 @click.option(

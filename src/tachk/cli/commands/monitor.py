@@ -107,7 +107,7 @@ def _reader() -> Callable[[int], bytes | None]:
 
 @click.command(name="monitor")
 @trace_options.formula
-@trace_options.trace("; - reads CSV rows from standard input as they come")
+@trace_options.trace("; - reads CSV or JSON lines from standard input as they come, or VCD")
 @trace_options.columns
 @click.option(
     "ending",

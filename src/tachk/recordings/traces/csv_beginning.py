@@ -13,13 +13,16 @@ from tachk.base.span import Source, Span
 from tachk.recordings.traces.logs.dates import is_date
 from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, read_header
 
-_SEPARATORS = ",;\t"
+SEPARATORS = ",;\t"
+"""What may separate cells: that which the header has most of, unless a line above it tells."""
+
 _LONGEST_HEADER = 1 << 24
 _SAMPLE = 1 << 16
 """Bytes behind the header that tell how numbers are written."""
 
-_TOLD_SEPARATOR = re.compile(r"sep=(?P<separator>[,;\t])", re.IGNORECASE)
-"""By which spreadsheets are told what separates cells, in a line above the header."""
+_TOLD_SEPARATOR = re.compile(r"\"?sep=(?P<separator>[,;\t]|\\t)\"?[,;\t]*", re.IGNORECASE)
+"""By which spreadsheets are told what separates cells, in a line above the header; some quote it, or write it into
+the first cell of a row."""
 
 _WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
@@ -30,6 +33,19 @@ _ENDS_OF_LINES = "end lines with a line feed, and put names with other control c
 
 _LOOKED_AT = 100
 """Lines that tell which columns hold numbers."""
+
+_BINARY = {
+    b"\x1f\x8b": "compressed by gzip",
+    b"\x28\xb5\x2f\xfd": "compressed by Zstandard",
+    b"PAR1": "a Parquet file",
+    b"\x89MCAP": "an MCAP file",
+    b"\x89HDF": "an HDF5 file",
+    b"MDF ": "an MDF file",
+    b"SQLite": "a database of SQLite",
+    **dict.fromkeys((b"\xd4\xc3\xb2\xa1", b"\xa1\xb2\xc3\xd4", b"\x0a\x0d\x0d\x0a"), "a capture of packets"),
+    **dict.fromkeys((b"\x4d\x3c\xb2\xa1", b"\xa1\xb2\x3c\x4d"), "a capture of packets"),
+}
+"""What bytes at the beginning of a file tell about it."""
 
 _MISSING = ("", "nan", "na", "null")
 
@@ -82,6 +98,12 @@ def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | 
     sample = begin if waiting else begin + stream.read1(_SAMPLE)
     point = _point(sample, separator)
     return CsvBeginning(header, separator, line, sample, point, dates, _worded(sample, header, separator, point))
+
+
+def told_separator(line: str) -> str | None:
+    """What the first line of a file tells a spreadsheet to take as separator of cells; None: it is another line."""
+    told = _TOLD_SEPARATOR.fullmatch(line.strip(" "))
+    return None if told is None else told["separator"].replace("\\t", "\t")
 
 
 def _first_row(stream: ByteStream) -> bytes:
@@ -141,14 +163,19 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
         try:
             text = line.decode("utf-8-sig" if number == 1 else "utf-8").strip("\r\n")
         except UnicodeDecodeError:
-            raise UsageError(f"{name} is not text in UTF-8", "save it with the encoding UTF-8") from None
-        if number == 1 and (told := _TOLD_SEPARATOR.fullmatch(text.strip(" "))) is not None:
+            raise _no_text(name, line) from None
+        if number == 1 and (told := told_separator(text)) is not None:
             continue
         if text.strip() and not text.lstrip().startswith("#"):
             break
+    if text.lstrip("\ufeff ").startswith(("{", "[{")):
+        raise UsageError(
+            f"{name} has JSON where the names of columns should be",
+            "JSON lines have one object a line, and their files end with .jsonl",
+        )
     if "\0" in text:
         raise UsageError(f"{name} is not a text file", "text in UTF-8, VCD and Parquet files can be read")
-    separator = told["separator"] if told is not None else max(_SEPARATORS, key=text.count)
+    separator = told if told is not None else max(SEPARATORS, key=text.count)
     try:
         cells = next(csv.reader([text], delimiter=separator))
     except csv.Error:
@@ -158,6 +185,15 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
         help = "the first line should name them: time,speed,alarm"
         raise InputError([Diagnostic("E0916", "the columns have no names", span, help)])
     return read_header(cells, time, unit, name), separator, number + 1
+
+
+def _no_text(name: str, line: bytes) -> UsageError:
+    """The error for a file that begins with bytes that are no text."""
+    kind = next((kind for begin, kind in _BINARY.items() if line.startswith(begin)), None)
+    if kind is None:
+        return UsageError(f"{name} is not text in UTF-8", "save it with the encoding UTF-8")
+    help_ = "give the file itself, with the ending of its format: CSV, JSON lines and VCD are read from standard input"
+    return UsageError(f"{name} is {kind}, not text", help_)
 
 
 def _is_number(cell: str) -> bool:

@@ -179,6 +179,35 @@ def test_infinite_values(tmp_path: Path, word: str) -> None:
     assert open_trace(dump).read().columns["x"].tolist() == [3, float(word), float(word)]
 
 
+@pytest.mark.parametrize(
+    ("told", "separator"),
+    [
+        ('"sep=\t"', "\t"),
+        ("sep=\t", "\t"),
+        (r"sep=\t", "\t"),
+        ('"sep=;"', ";"),
+        ("sep=;", ";"),
+        ('"sep=;";', ";"),
+        ("SEP=,", ","),
+    ],
+)
+def test_the_line_that_tells_a_spreadsheet_its_separator(tmp_path: Path, told: str, separator: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"{told}\r\n" + "".join(f"{a}{separator}{b}\r\n" for a, b in (("time", "x"), (0, 1), (2, 3))))
+    assert open_trace(path).read().columns["x"].tolist() == [1, 3]
+
+
+def test_what_is_no_csv_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    for content, message in (
+        (b'{"time": 0, "x": 1}\n', "has JSON"),
+        (gzip.compress(b"time,x\n"), "compressed by gzip"),
+    ):
+        path.write_bytes(content)
+        with pytest.raises(UsageError, match=message):
+            open_trace(path)
+
+
 def test_spreadsheets(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("sep=;\ntime;x\n0;1,5\n0,5;-2,25\n")
