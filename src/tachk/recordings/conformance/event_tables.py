@@ -13,6 +13,9 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.time_units import NANOSECONDS, SPELLINGS
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
+from tachk.recordings.traces.compressed import COMPRESSED_SUFFIXES, open_bytes, plain_suffix, torn
+from tachk.recordings.traces.csv_beginning import SEPARATORS, told_separator
+from tachk.recordings.traces.trace_files import CSV, FORMATS, JSON_LINES
 
 TIME, NAME, ID, AFTER = "time", "event", "id", "after"
 """The columns with a meaning of their own. All others are what events say."""
@@ -29,13 +32,7 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
 
     Raises UsageError, with the line, for what cannot be read.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise UsageError(f"there is no file {path}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path} cannot be read: {error}") from None
-    rows = _json_rows(path, text) if path.suffix in (".jsonl", ".ndjson") else _csv_rows(path, text)
+    rows = _json_rows(path, _text(path)) if _is_json(path) else _csv_rows(path, _text(path))
     events: list[RecordedEvent] = []
     known: dict[str, int] = {}
     for line, row in rows:
@@ -57,6 +54,37 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
         events.append(RecordedEvent(time, name, cells, place, known[after] if after else None))
     end = events[-1].time if events else Fraction(0)
     return EventLog(str(path), tuple(events), _length(unit, path), Fraction(0), end)
+
+
+def _is_json(path: Path) -> bool:
+    """Whether a file of this name has JSON lines. Raises UsageError where it has neither these nor CSV."""
+    suffix = plain_suffix(path)
+    if suffix in JSON_LINES.suffixes:
+        return True
+    other = next((each for each in FORMATS if suffix in each.suffixes and each not in (CSV, JSON_LINES)), None)
+    if other is None:
+        return False
+    known = ", ".join((*CSV.suffixes, *JSON_LINES.suffixes))
+    raise UsageError(
+        f"{path}: events are read from CSV, JSON lines and captures of packets that are not compressed",
+        f"files of events end with {known}, and {' or '.join(COMPRESSED_SUFFIXES)} behind it where they are compressed",
+    )
+
+
+def _text(path: Path) -> str:
+    """Raises UsageError. A missing end is an error: silence counts where events are held against a model."""
+    try:
+        with open_bytes(path) as stream:
+            content = stream.read()
+            reason = torn(stream)
+        text = content.decode("utf-8-sig")
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path} cannot be read: {error}") from None
+    if reason is not None:
+        raise UsageError(f"{path} is cut off: {reason}", "a recording without its end is no run of the model")
+    return text
 
 
 def _bare(name: str) -> tuple[str, str]:
@@ -85,7 +113,13 @@ def _number(cell: Cell, path: Path, place: str) -> Fraction:
 
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
-    reader = csv.reader(text.splitlines())
+    lines = text.splitlines()
+    told = told_separator(lines[0]) if lines else None
+    header = lines[0 if told is None else 1 :]
+    separator = told or (max(SEPARATORS, key=header[0].count) if header else ",")
+    reader = csv.reader(lines if told is None else ["", *header], delimiter=separator)
+    if told is not None:
+        next(reader)  # an empty line, so that lines keep their numbers
     try:
         yield from _rows(path, reader)
     except csv.Error as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from pathlib import Path
 
@@ -32,6 +33,38 @@ def test_run_of_the_model(tmp_path: Path) -> None:
     assert found.runs[0].moments is not None
     assert len(found.runs[0].path) == 5
     assert len(found.runs[0].moments.ticks) == 6
+
+
+def test_files_of_events_are_read_as_logs_are(tmp_path: Path) -> None:
+    """Compressed, with other separators, and with the line that tells a spreadsheet its separator."""
+    text = (ROOT / "examples/dimmer/pressed.csv").read_text(encoding="utf-8")
+    forms = {
+        "a.csv.gz": gzip.compress(text.encode()),
+        "b.tsv": text.replace(",", "\t").encode(),
+        "c.csv": f'"sep=;"\n{text}'.replace(",", ";").encode(),
+        "d.jsonl.gz": gzip.compress(
+            b'{"time": 2, "event": "press"}\n{"time": 6, "event": "light", "on": 1, "level": 7}\n'
+        ),
+        "e.events": text.encode(),
+    }
+    for name, content in forms.items():
+        file = tmp_path / name
+        file.write_bytes(content)
+        assert tachk.conform(MODEL, file).accepted, name
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("cut.csv.gz", "is cut off"),
+        ("a.parquet", "events are read from CSV"),
+        ("a.pcap.gz", "events are read from CSV"),
+    ],
+)
+def test_files_of_events_that_cannot_be_read(tmp_path: Path, name: str, message: str) -> None:
+    (tmp_path / name).write_bytes(gzip.compress((ROOT / "examples/dimmer/pressed.csv").read_bytes())[:70])
+    with pytest.raises(tachk.UsageError, match=message):
+        tachk.conform(MODEL, tmp_path / name)
 
 
 @pytest.mark.parametrize(
