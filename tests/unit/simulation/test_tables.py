@@ -13,6 +13,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.formats.network_json.network import network_from_json, network_to_json
+from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace
@@ -112,6 +113,32 @@ def test_parquet_has_one_schema_and_groups_of_many_rows(tmp_path: Path) -> None:
     assert (table.column("v")[0].as_py(), table.column("P")[0].as_py()) == (0.0, "A")
     assert set(table.column("run").to_pylist()) == set(range(2000))
     assert parquet.ParquetFile(path).num_row_groups == 1
+
+
+def test_the_runs_of_a_parquet_file_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pyarrow import parquet
+
+    model, path = tmp_path / "a.ta", tmp_path / "runs.parquet"
+    model.write_text(DRAWN)
+    command = ["simulate", str(model), "--runs", "50", "--until", "3", "-o"]
+    for file in (path, path.with_suffix(".csv")):
+        assert app.main([*command, str(file)], standalone_mode=False) == 0
+    read = parquet.read_table
+    asked: list[list[str]] = []
+
+    def counted(name: str, columns: list[str]) -> object:
+        asked.append(columns)
+        return read(name, columns=columns)
+
+    monkeypatch.setattr(parquet, "read_table", counted)
+    values = []
+    for file in (path, path.with_suffix(".csv")):
+        several = open_trace(file)
+        assert isinstance(several, SeveralRuns)
+        values.append({number: run.read(["n"]).columns["n"].tolist() for number, run in several.runs.items()})
+    assert values[0] == values[1]
+    assert len(values[0]) == 50
+    assert asked == [["time", "run"], ["n"]]
 
 
 def test_parquet_holds_few_rows_back(tmp_path: Path) -> None:

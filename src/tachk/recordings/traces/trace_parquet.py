@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ class ParquetRecording:
     time_unit: what the type of the time column tells, such as ``s`` for instants and durations.
     rows: those of the file that are read; None: all.
     called: what reports call the trace; None: as its file.
+    held: columns that have been read, whole: the runs of a file share them. None: nothing is kept.
     """
 
     name: str
@@ -29,6 +30,7 @@ class ParquetRecording:
     time_unit: str
     rows: slice | None = None
     called: str | None = None
+    held: dict[str, Any] | None = None
 
     @property
     def unit(self) -> str:
@@ -46,20 +48,27 @@ class ParquetRecording:
 
     def table(self, columns: Collection[str] | None = None) -> TableRecording:
         """Some columns in memory. Raises UsageError."""
-        parquet = _parquet()
         places = self.header.numbers(columns, self.name)
         wanted = [self.raw[self.header.time], *(self.raw[place] for place in places.values())]
         names = (self.header.names[self.header.time], *places)
-        try:
-            table = parquet.read_table(self.name, columns=wanted)
-            cells = [_numpy(raw, table.column(raw), self.name) for raw in wanted]
-        except (OSError, ValueError, NotImplementedError) as error:
-            raise _unreadable(self.name, error) from None
+        held = {} if self.held is None else self.held
+        held.update(self._cells([raw for raw in wanted if raw not in held]))
+        cells = [held[raw] for raw in wanted]
         if self.rows is not None:
             cells = [each[self.rows] for each in cells]
         return TableRecording(
             self.called or self.name, TraceHeader(names, 0, self.unit), cells, dated=are_dates(cells[0])
         )
+
+    def _cells(self, wanted: Sequence[str]) -> dict[str, Any]:
+        """Whole columns of the file, by their names in it. Raises UsageError."""
+        if not wanted:
+            return {}
+        try:
+            table = _parquet().read_table(self.name, columns=list(dict.fromkeys(wanted)))
+            return {raw: _numpy(raw, table.column(raw), self.name) for raw in wanted}
+        except (OSError, ValueError, NotImplementedError) as error:
+            raise _unreadable(self.name, error) from None
 
 
 def open_parquet(path: str | Path, time: str | None = None, unit: str | None = None) -> ParquetRecording:

@@ -62,6 +62,7 @@ def _split(recording: TraceSource) -> TraceSource:
                 for number, (first, end) in _runs(rows).items()
             }
         case ParquetRecording():
+            recording = replace(recording, held={})
             parts = {
                 number: replace(recording, rows=slice(first, end), called=_named(recording, number))
                 for number, (first, end) in _runs(_table_rows(recording.table([RUN]))).items()
