@@ -12,7 +12,7 @@ namespace tachk::reachability {
 
 struct Options : symbolic::ZoneGraphOptions, states::StoreOptions {
   order::SearchOrder order = order::SearchOrder::automatic;
-  std::uint32_t seed = 1;
+  std::uint32_t seed = 0;
   bool subsumption = true;
   bool alu = true;      // a state is dropped also for one that simulates it, where only what can be reached matters
   bool merging = true;  // waiting states of one discrete part become one where their zones together are a zone
