@@ -87,27 +87,28 @@ def walk(expression: Expression) -> Iterator[Expression]:
 
 def statement_expressions(statement: Statement) -> Iterator[Expression]:
     """The outermost expressions in a statement, in textual order."""
-    match statement:
-        case Evaluate(expression):
-            yield expression
-        case Declare(_, initial) | Return(initial):
-            if initial is not None:
-                yield initial
-        case Block(statements):
-            for inner in statements:
-                yield from statement_expressions(inner)
-        case If(condition, then, otherwise):
-            yield condition
-            yield from statement_expressions(then)
-            if otherwise is not None:
-                yield from statement_expressions(otherwise)
-        case While(condition, body):
-            yield condition
-            yield from statement_expressions(body)
-        case Iterate(_, body):
-            yield from statement_expressions(body)
-        case Assert(condition):
-            yield condition
+    pending: list[Statement | Expression | None] = [statement]
+    while pending:
+        current = pending.pop()
+        match current:
+            case None:
+                pass
+            case Evaluate(expression):
+                yield expression
+            case Declare(_, initial) | Return(initial):
+                pending.append(initial)
+            case Block(statements):
+                pending.extend(reversed(statements))
+            case If(condition, then, otherwise):
+                pending += (otherwise, then, condition)
+            case While(condition, body):
+                pending += (body, condition)
+            case Iterate(_, body):
+                pending.append(body)
+            case Assert(condition):
+                yield condition
+            case _:
+                yield current
 
 
 def denoted(place: Expression) -> Iterator[Reference | Index | Field]:

@@ -22,6 +22,7 @@ from tachk.model.expressions import (
     Index,
     Reference,
     Return,
+    Statement,
     Variable,
     VariableKind,
 )
@@ -68,6 +69,10 @@ def test_statement_expressions() -> None:
     first, second = Return(Constant(1)), Return(Constant(2))
     block = Block((Evaluate(Constant(0)), If(Reference(a), first, second)))
     assert list(statement_expressions(block)) == [Constant(0), Reference(a), Constant(1), Constant(2)]
+    chain: Statement = second
+    for _ in range(5000):  # more than the interpreter recurses
+        chain = If(Reference(a), first, chain)
+    assert list(statement_expressions(chain)) == [*[Reference(a), Constant(1)] * 5000, Constant(2)]
 
 
 def test_writes_through_reference_parameters_are_found() -> None:

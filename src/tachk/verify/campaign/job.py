@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from hashlib import sha256
@@ -83,6 +84,8 @@ class Verification:
         asked: the names of the properties, in order.
         limits: of each cell.
         judge: judges random runs of each cell.
+        frames: how deep Python may recurse. Chains of the model that have thousands of links have raised it where the
+            model was read, not in the processes that get the model.
     """
 
     model: LoadedModel
@@ -93,6 +96,7 @@ class Verification:
     limits: Limits = field(default_factory=Limits)
     settings: Settings = field(default_factory=Settings)
     judge: JudgedRuns | None = None
+    frames: int = field(default_factory=sys.getrecursionlimit)
 
     @property
     def asks_queries(self) -> bool:
@@ -195,6 +199,7 @@ class ComputedCell:
 def computed(job: Verification, values: Values) -> ComputedCell:
     """What a process or a worker does with a cell."""
     began = monotonic()
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), job.frames))
     rows = job.rows(values)
     return ComputedCell(values, rows, monotonic() - began)
 

@@ -67,6 +67,19 @@ def test_answers_are_those_of_single_checks(counter: Path, swept: tachk.api.mode
     assert found == expected
 
 
+def test_processes_take_chains_as_long_as_the_program_does(tmp_path: Path) -> None:
+    chain = " else ".join(f"if (n == {number}) {{ n = 0; }}" for number in range(1500))
+    model = tmp_path / "chain.ta"
+    model.write_text(
+        f"const int MOST = 1; int[0,30] n; void reset() {{ {chain} }}"
+        "process P() { init location a { to b { assign n = MOST, reset(); } } location b { } } system P;"
+        "property back: E<> P.b && n == 0;",
+        encoding="utf-8",
+    )
+    found = tachk.load(model).sweep(over="MOST=1..2", processes=1)
+    assert [row["answer"] for row in found.rows] == ["holds", "holds"]
+
+
 def test_figures(swept: tachk.api.model.Sweep) -> None:
     rows = {(row["MOST"], row["STEP"], row["property"]): row for row in swept.rows}
     assert rows[4, 1, "largest"]["upper"] == 4
