@@ -87,28 +87,26 @@ def walk(expression: Expression) -> Iterator[Expression]:
 
 def statement_expressions(statement: Statement) -> Iterator[Expression]:
     """The outermost expressions in a statement, in textual order."""
-    pending: list[Statement | Expression | None] = [statement]
+    pending = [statement]
     while pending:
-        current = pending.pop()
-        match current:
-            case None:
-                pass
+        match pending.pop():
             case Evaluate(expression):
                 yield expression
             case Declare(_, initial) | Return(initial):
-                pending.append(initial)
+                if initial is not None:
+                    yield initial
             case Block(statements):
                 pending.extend(reversed(statements))
             case If(condition, then, otherwise):
-                pending += (otherwise, then, condition)
+                yield condition
+                pending.extend((then,) if otherwise is None else (otherwise, then))
             case While(condition, body):
-                pending += (body, condition)
+                yield condition
+                pending.append(body)
             case Iterate(_, body):
                 pending.append(body)
             case Assert(condition):
                 yield condition
-            case _:
-                yield current
 
 
 def denoted(place: Expression) -> Iterator[Reference | Index | Field]:
