@@ -14,6 +14,7 @@ from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.engine.compiler.goal import check_predicate, mentions_time
 from tachk.engine.compiler.hybrid import refuse_hybrid
+from tachk.model.connectives import negation
 from tachk.model.expressions import (
     Binary,
     Constant,
@@ -67,13 +68,23 @@ def check_supported(network: Network, query: Query) -> None:
     """Raises UnsupportedError, naming the place, if no engine can decide the query."""
     _check_urgency(network)
     _check_rates(network)
-    for predicate in (query.target or query.predicate, query.avoided):
-        if predicate is None:
-            continue
-        if query.avoided is not None and next(stopwatches(network), None) is not None:
+    stopped = query.avoided is not None and next(stopwatches(network), None) is not None
+    for predicate in _compiled_predicates(query):
+        if stopped:
             _check_no_deadlock(predicate)
         if mentions_time(predicate):
             check_predicate(predicate, known_values(network, [predicate]))
+
+
+def _compiled_predicates(query: Query) -> Iterator[Expression]:
+    """What becomes a goal of a search. For `lower_obligation` these are also the negations."""
+    goal = query.target or query.predicate
+    if goal is not None:
+        yield goal
+    if query.avoided is not None:
+        for predicate in (query.avoided, query.begins):
+            if predicate is not None:
+                yield from (predicate, negation(predicate))
 
 
 def check_simulated(network: Network) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import tachk
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.words import QueryKind
@@ -99,6 +100,18 @@ def test_a_predicate_that_is_too_large_when_negated_is_refused_under_invariantly
         predicate = predicate | ((x < i) & (y > i))
     check_supported(network.build(), query(predicate))
     assert refusal(network, query(predicate, QueryKind.INVARIANTLY)) == "E0707"
+
+
+@pytest.mark.parametrize("query", ["A<> {}", "P(1).A --> {}", "{} --> P(1).A", "E[] not ({})"])
+def test_a_predicate_that_is_too_large_when_negated_leaves_other_queries_of_runs_their_answers(query: str) -> None:
+    model = tachk.loads(
+        "typedef int[1,6] id_t; process P(const id_t me) { clock x; state A, B; init A;"
+        " trans A -> B { guard x > 1; }; } system P;"
+    )
+    large = "exists (i : id_t) exists (j : id_t) i != j && P(i).B && P(j).x > 3"
+    report = model.verify("E<> P(1).B", query.format(large), trace=False)
+    assert [verdict.answer.name for verdict in report] == ["HOLDS", "UNKNOWN"]
+    assert report[1].unsupported is not None and report[1].unsupported.code == "E0707"
 
 
 def test_selections_that_cannot_all_be_tried_are_refused() -> None:
