@@ -7,8 +7,9 @@ import tomllib
 from pathlib import Path
 
 from tachk.engine.options import REDUCTIONS
-from tachk.verify.strategies import LIVENESS, REACHABILITY
-from tachk.verify.strategy import Decides, Strategy
+from tachk.transform.transformation import Exactness
+from tachk.verify.strategies import every_strategy
+from tachk.verify.strategy import Strategy
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
@@ -27,12 +28,13 @@ def test_the_drawing_has_the_rooms_in_the_order_of_the_contract() -> None:
 
 def test_the_tables_are_those_of_the_code() -> None:
     rows = re.findall(r"^\| `([\w-]+)` \| (.*?) \| (\w+) \|$", PAGE, re.MULTILINE)
-    assert rows == [(row.name, row.meaning, _worth(row)) for row in (*REACHABILITY, *LIVENESS)]
+    assert rows == [(row.name, row.meaning, _decides(row)) for row in every_strategy()]
 
 
-def _worth(strategy: Strategy) -> str:
-    known = strategy.decides & (Decides.REACHED | Decides.UNREACHABLE)
-    return {Decides.REACHED: "reached", Decides.UNREACHABLE: "unreachable"}.get(known, "both")
+def _decides(strategy: Strategy) -> str:
+    found = Exactness.REACHABLE in strategy.exactness or Exactness.RUN in strategy.exactness
+    absent = Exactness.UNREACHABLE in strategy.exactness or Exactness.NO_RUN in strategy.exactness
+    return "both" if found and absent else "found" if found else "absent"
 
 
 def test_reductions_and_files_that_are_named_exist() -> None:

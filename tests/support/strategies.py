@@ -12,8 +12,8 @@ from tachk.engine.options import Options
 from tachk.verify import over_approximations, strategies
 from tachk.verify.strategy import Strategy
 
-TABLES = ("REACHABILITY", "LIVENESS")
-ALWAYS_ANSWER = ("zones", "any-run", "recurring", "long-delays")
+TABLES = ("REACHABILITY", "SMT", "LIVENESS", "EXTREMES")
+ALWAYS_ANSWER = ("zones", "smt", "bounded", "any-run", "recurring", "long-delays", "bisection")
 """Without these there may be no answer."""
 
 

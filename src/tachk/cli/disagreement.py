@@ -1,4 +1,4 @@
-"""The report of two engines that contradict each other: all that is needed to find out which one is wrong."""
+"""The report of two strategies that contradict each other: all that is needed to find out which one is wrong."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from tachk.api import model as api
 from tachk.report.answers import Report
 from tachk.report.record import RunRecord
-from tachk.verify.variants.second_engine import DisagreementError
+from tachk.verify.strategy import DisagreementError
 from tachk.verify.verdict import Verdict
 
 
@@ -28,8 +28,8 @@ def write_disagreement(model: api.Model, error: DisagreementError) -> Path:
         "constants": dict(model.constants),
         "query": error.query.text,
         "options": asdict(error.options),
-        "zone": told(error.zone),
-        "smt": told(error.smt),
+        error.one.strategy: told(error.one),
+        error.other.strategy: told(error.other),
     }
     with tempfile.NamedTemporaryFile(
         "w", prefix="tachk-disagreement-", suffix=".json", delete=False, encoding="utf-8"

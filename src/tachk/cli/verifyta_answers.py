@@ -50,8 +50,7 @@ from tachk.simulation.statistics.estimate import Settings
 from tachk.simulation.statistics.sampling import RunSource
 from tachk.syntax.source_files import read_source
 from tachk.verify.answering import agreed
-from tachk.verify.unanswered import refused
-from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verdict import Answer, Verdict, refused
 from tachk.verify.verify import verify
 
 Formula = Query | UncheckedQuery

@@ -19,17 +19,24 @@ from tachk.model.run import Ending, Participant, RunTimeFault, TimedState, Timed
 
 
 class Exactness(Flag):
-    """Which answers about a transformed network are answers about the original one."""
+    """Which answers about a transformed network, or of a search that sees only a part, are answers about the original
+    network."""
 
     NOTHING = 0
     REACHABLE = auto()
-    """A state that is reached in it is reachable in the original."""
+    """A state that is reached is reachable in the original."""
     UNREACHABLE = auto()
-    """A state that is not reached in it is unreachable in the original: it over-approximates."""
-    INFINITE_RUNS = auto()
-    """Whether a run avoids something for ever, or ends without it."""
+    """A state that is not reached is unreachable in the original: the network or the search over-approximates."""
+    RUN = auto()
+    """A run that was found, which avoids something for ever or ends without it, is one of the original."""
+    NO_RUN = auto()
+    """Where no such run was found the original has none."""
+    ERRORS = auto()
+    """A run-time error, or a limit that was hit, would end every further search of the original, too."""
     SAME_STATES = REACHABLE | UNREACHABLE
+    INFINITE_RUNS = RUN | NO_RUN
     SAME_ANSWERS = SAME_STATES | INFINITE_RUNS
+    EVERYTHING = SAME_ANSWERS | ERRORS
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +49,7 @@ class Transformation:
     Attributes:
         original: what it was made from.
         network: what was made of it.
-        exactness: what answers about it are worth.
+        exactness: which answers about it can be believed.
     """
 
     original: Network

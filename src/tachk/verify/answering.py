@@ -11,8 +11,7 @@ from tachk.frontend.loaded import LoadedModel, other_readings_of
 from tachk.frontend.priority_readings import FIRST
 from tachk.model.query import Query
 from tachk.verify.questions import Questions, checked
-from tachk.verify.unanswered import refused
-from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verdict import Answer, Verdict, refused
 from tachk.verify.verify import verify
 
 

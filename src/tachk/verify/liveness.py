@@ -91,14 +91,14 @@ def any_run(problem: Problem) -> Findings:
             verdicts[task.number] = _finished(problem, task, searched)
         else:
             runs[task.number] = searched
-    return Findings(verdicts, runs=runs)
+    return Findings(verdicts, partial=runs)
 
 
 def recurring(problem: Problem) -> Findings:
     """Searches for runs that meet each predicate again and again, or end where they may."""
     verdicts = {}
     for task in problem.tasks:
-        first = problem.runs.get(task.number)
+        first = problem.partial.get(task.number)
         if first is not None and not task.query.non_zeno:
             second = _recurring(problem.network, first.obligation, problem.options, problem.limits)
             verdicts[task.number] = _finished(problem, task, replace(first, outcome=_after(first.outcome, second)))
@@ -119,7 +119,7 @@ def long_delays(problem: Problem) -> Findings:
 def _diverging(problem: Problem, length_of: Callable[[int], int | None]) -> Findings:
     verdicts, runs = {}, {}
     for task in problem.tasks:
-        first = problem.runs.get(task.number)
+        first = problem.partial.get(task.number)
         if first is None or not task.query.non_zeno:
             continue
         query = task.query
@@ -134,7 +134,7 @@ def _diverging(problem: Problem, length_of: Callable[[int], int | None]) -> Find
         searched = SearchedRun(_after(first.outcome, second), counting, instrumented)
         verdicts[task.number] = _finished(problem, task, searched)
         runs[task.number] = searched
-    return Findings(verdicts, runs=runs)
+    return Findings(verdicts, partial=runs)
 
 
 def _finished(problem: Problem, task: Task, searched: SearchedRun) -> Verdict:

@@ -14,7 +14,7 @@ from functools import reduce
 from tachk.base.job import StoppedError, unhurried
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.words import QueryKind
-from tachk.engine.options import Limits, Options
+from tachk.engine.options import Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
@@ -76,7 +76,8 @@ def _with_notes(
     ]
     if not asked:
         return verdict
-    found = reachable(model, Search(Analysis.REACHABILITY, tuple(asked)), options, limits, False).values()
+    by_zones = replace(options, engine=Engine.ZONE)
+    found = reachable(model, Search(Analysis.REACHABILITY, tuple(asked)), by_zones, limits, False).values()
     if any(one.reason == INTERRUPTED for one in found):
         raise KeyboardInterrupt
     never = [one.query.name for one in found if one.answer is Answer.FAILS]

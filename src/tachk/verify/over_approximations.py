@@ -27,10 +27,9 @@ from tachk.transform.monotone_counters import monotone_counters
 from tachk.transform.transformation import Transformation, unchanged
 from tachk.verify.plan import Task
 from tachk.verify.strategy import Findings, OverApproximation, Problem, ReachedInAbstraction
-from tachk.verify.unanswered import none_begun
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import noted, triggers_of, with_notes
-from tachk.verify.verdict import Verdict, answers_of
+from tachk.verify.verdict import Verdict, answers_of, none_begun
 
 WORTH_CARRYING_OVER = 5_000
 """So many states without blocking processes make it worth while to look for the run with them along the one without."""

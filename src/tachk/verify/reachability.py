@@ -20,10 +20,9 @@ from tachk.verify.fault_explanation import explain
 from tachk.verify.over_approximations import can_be_abstracted, can_be_symmetrised, lowered, reduced_for
 from tachk.verify.plan import Task
 from tachk.verify.strategy import Findings, Problem, ReachedInAbstraction
-from tachk.verify.unanswered import none_begun
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import triggers_of, with_notes
-from tachk.verify.verdict import Answer, Verdict, answers_of
+from tachk.verify.verdict import Answer, Verdict, answers_of, none_begun
 from tachk.verify.witness import witness
 
 

@@ -1,37 +1,69 @@
 """How verdicts are decided: for each kind of question, the strategies in the order in which they are tried.
 
-A new strategy is a row here. The module of its function describes what it does.
+A new strategy is a row here. The module of its function describes what it does. The last strategy of a table always
+answers, if the limits allow it; those before save states.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from types import ModuleType
+from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import closest
-from tachk.engine.options import REDUCTIONS, Limits, Options
+from tachk.base.job import StoppedError, current_job, limited
+from tachk.engine.options import REDUCTIONS, Engine, Limits, Options
+from tachk.engine.outcome import INTERRUPTED
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.transform.observed import observed
+from tachk.transform.transformation import Exactness
 from tachk.verify.over_approximations import abstracted, symmetrised, unblocked
 from tachk.verify.plan import Search
 from tachk.verify.reachability import along_path, depth_first, equal_parts, explored, few_states, first_states
-from tachk.verify.strategy import Decides, Findings, Problem, Strategy, decided
-from tachk.verify.verdict import Verdict
+from tachk.verify.strategy import Findings, Problem, Strategy, agreed, decided
+from tachk.verify.verdict import Answer, Verdict, none_begun
 
 _FEW, _FEW_DIVERGING, _SOME, _MANY = 1_000, 2_000, 20_000, 1_000_000
-_KNOWN = Decides.REACHED | Decides.UNREACHABLE
+
+
+def _later(
+    load: Callable[[], ModuleType], function: Callable[[ModuleType], Callable[[Problem], Findings]]
+) -> Callable[[Problem], Findings]:
+    """A function of a module that is loaded when the function is called first."""
+    return lambda problem: function(load())(problem)
+
+
+def _smt() -> ModuleType:
+    from tachk.verify import smt
+
+    return smt
+
+
+def _liveness() -> ModuleType:
+    from tachk.verify import liveness
+
+    return liveness
+
+
+def _extremes() -> ModuleType:
+    from tachk.verify import extremes
+
+    return extremes
+
 
 REACHABILITY = (
     Strategy(
         "unblocked",
         "search without the processes that can only block others",
         unblocked,
-        Decides.UNREACHABLE,
+        Exactness.UNREACHABLE,
         states=_MANY,
         share=0.5,
     ),
-    Strategy("along-path", "search along the path that was found without these processes", along_path, Decides.REACHED),
+    Strategy(
+        "along-path", "search along the path that was found without these processes", along_path, Exactness.REACHABLE
+    ),
     Strategy(
         "few-states",
         "search for few states where the question can be asked of all interchangeable processes",
@@ -44,7 +76,7 @@ REACHABILITY = (
         "symmetrised",
         "ask the question of all interchangeable processes",
         symmetrised,
-        Decides.UNREACHABLE,
+        Exactness.UNREACHABLE,
         states=_MANY,
         share=0.5,
     ),
@@ -61,7 +93,7 @@ REACHABILITY = (
         "abstracted",
         "search with less known of the variables that tell processes apart",
         abstracted,
-        Decides.UNREACHABLE,
+        Exactness.UNREACHABLE,
         states=_MANY,
         share=0.5,
         parts=equal_parts,
@@ -70,7 +102,7 @@ REACHABILITY = (
         "depth-first",
         "search depth first for some states where variables can be abstracted",
         depth_first,
-        _KNOWN,
+        Exactness.SAME_STATES,
         states=_SOME,
         preliminary=True,
         parts=equal_parts,
@@ -80,39 +112,43 @@ REACHABILITY = (
 """Whether some state of a set can be reached: `E<>`, `A[]`, and formulas with deadlines by their observers."""
 
 
-def _of_liveness(strategy_of: Callable[[ModuleType], Callable[[Problem], Findings]]) -> Callable[[Problem], Findings]:
-    """A function of `tachk.verify.liveness`, which is loaded when it is called first."""
-
-    def run(problem: Problem) -> Findings:
-        from tachk.verify import liveness
-
-        return strategy_of(liveness)(problem)
-
-    return run
-
+SMT = (
+    Strategy(
+        "smt",
+        "unroll runs step after step, and prove by induction what no longer one does",
+        _later(_smt, lambda smt: smt.induction),
+    ),
+    Strategy(
+        "bounded",
+        "unroll runs step after step (bounded model checking)",
+        _later(_smt, lambda smt: smt.bounded),
+        Exactness.REACHABLE | Exactness.ERRORS,
+    ),
+)
+"""The same, by z3."""
 
 LIVENESS = (
     Strategy(
         "sliced",
         "search without what changes no run that goes on for ever",
-        _of_liveness(lambda liveness: liveness.sliced),
-        Decides.UNREACHABLE | Decides.ERRORS,
+        _later(_liveness, lambda liveness: liveness.sliced),
+        Exactness.NO_RUN | Exactness.ERRORS,
     ),
     Strategy(
         "any-run",
         "search for any run that avoids the goal, also one that does not count",
-        _of_liveness(lambda liveness: liveness.any_run),
+        _later(_liveness, lambda liveness: liveness.any_run),
         plain=True,
     ),
     Strategy(
         "recurring",
         "search for runs that meet something again and again",
-        _of_liveness(lambda liveness: liveness.recurring),
+        _later(_liveness, lambda liveness: liveness.recurring),
     ),
     Strategy(
         "short-delays",
         "search few states for runs in which a time unit passes again and again",
-        _of_liveness(lambda liveness: liveness.short_delays),
+        _later(_liveness, lambda liveness: liveness.short_delays),
         states=_FEW_DIVERGING,
         preliminary=True,
         plain=True,
@@ -120,21 +156,44 @@ LIVENESS = (
     Strategy(
         "long-delays",
         "search for runs in which the longest waiting time passes again and again",
-        _of_liveness(lambda liveness: liveness.long_delays),
+        _later(_liveness, lambda liveness: liveness.long_delays),
         plain=True,
     ),
 )
 """Whether some run avoids a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
 
+EXTREMES = (
+    Strategy(
+        "measured", "measure integers in all states", _later(_extremes, lambda extremes: extremes.measured), plain=True
+    ),
+    Strategy(
+        "time-bound",
+        "measure clocks up to a time bound, which is doubled until their values are below",
+        _later(_extremes, lambda extremes: extremes.time_bound),
+        plain=True,
+    ),
+    Strategy(
+        "bisection",
+        "search for states with a value beyond a number, and bisect",
+        _later(_extremes, lambda extremes: extremes.bisection),
+        plain=True,
+    ),
+)
+"""How large or small expressions become: `sup`, `inf`, `bounds`. Each leaves open values to the next one."""
+
+
+def every_strategy() -> tuple[Strategy, ...]:
+    return (*REACHABILITY, *SMT, *LIVENESS, *EXTREMES)
+
 
 def names() -> dict[str, str]:
     """All that can be switched off by name, with its meaning: strategies in their order, then reductions."""
-    return {strategy.name: strategy.meaning for strategy in (*REACHABILITY, *LIVENESS)} | REDUCTIONS
+    return {strategy.name: strategy.meaning for strategy in every_strategy()} | REDUCTIONS
 
 
 def is_plain(name: str) -> bool:
     """Whether a strategy searches as one expects."""
-    return any(strategy.plain for strategy in (*REACHABILITY, *LIVENESS) if strategy.name == name)
+    return any(strategy.plain for strategy in every_strategy() if strategy.name == name)
 
 
 def check_names(without: Collection[str]) -> None:
@@ -154,16 +213,60 @@ def reachable(
     """Whether the targets of a search can be reached, as verdicts by the numbers of its tasks."""
     watched = observed(model.network, search.observer)
     problem = Problem(prepare(watched.network), watched, search.tasks, options, limits, trace)
-    return decided(problem, REACHABILITY)
+    match options.engine:
+        case Engine.ZONE:
+            return decided(problem, REACHABILITY)
+        case Engine.SMT:
+            return decided(problem, SMT)
+        case Engine.BOTH:
+            return _by_both(problem)
+        case never:
+            assert_never(never)
+
+
+def _by_both(problem: Problem) -> dict[int, Verdict]:
+    """The verdicts of the zone engine, each compared with that of z3, which has the time that is left.
+
+    Raises DisagreementError.
+    """
+    left = current_job().seconds_left
+    try:
+        with limited(None if left is None else left / 2):
+            verdicts = decided(problem, REACHABILITY)
+    except StoppedError as stopped:
+        verdicts = none_begun(problem.tasks, stopped.reason)
+    if any(verdict.reason == INTERRUPTED for verdict in verdicts.values()):
+        return verdicts
+    for number, smt in decided(problem, SMT).items():
+        zone = verdicts[number]
+        if smt.answer is Answer.UNKNOWN:
+            verdicts[number] = zone.noted(f"only the zone engine has answered; smt: {smt.reason}")
+        elif zone.answer is Answer.UNKNOWN:
+            verdicts[number] = smt.noted(f"only the engine smt has answered; zone: {zone.reason}")
+        else:
+            verdicts[number] = agreed(problem.options, zone, smt)
+    return verdicts
 
 
 def avoidable(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
     """Whether runs avoid the goals of a search for ever, as verdicts by the numbers of its tasks."""
+    return _one_by_one(LIVENESS, model, search, options, limits, trace)
+
+
+def extreme(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
+) -> dict[int, Verdict]:
+    """The extreme values that a search asks for, as verdicts by the numbers of its tasks."""
+    return _one_by_one(EXTREMES, model, search, options, limits, trace)
+
+
+def _one_by_one(
+    table: Iterable[Strategy], model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
+) -> dict[int, Verdict]:
     unobserved = observed(model.network, None)
     verdicts: dict[int, Verdict] = {}
     for task in search.tasks:
-        problem = Problem(model, unobserved, (task,), options, limits, trace)
-        verdicts |= decided(problem, LIVENESS)
+        verdicts |= decided(Problem(model, unobserved, (task,), options, limits, trace), table)
     return verdicts

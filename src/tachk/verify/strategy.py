@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import field, replace
-from enum import Flag, auto
-from typing import Any
+from typing import Any, assert_never
 
+from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import StoppedError, current_job, limited
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits, Options
@@ -20,25 +20,36 @@ from tachk.engine.outcome import INTERRUPTED, STATE_LIMIT, Statistics
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
+from tachk.model.query import Query
 from tachk.model.run import Transition
 from tachk.transform.observed import ObservedNetwork
-from tachk.verify.plan import Task
-from tachk.verify.unanswered import none_begun
-from tachk.verify.verdict import Answer, Verdict, answers_of
+from tachk.transform.transformation import Exactness
+from tachk.verify.plan import Analysis, Task, analysis_of
+from tachk.verify.verdict import Answer, Verdict, answers_of, none_begun
 
 NO_STRATEGY = "none of the strategies that are left decides it"
 
 
-class Decides(Flag):
-    """The verdicts of a strategy that can be believed."""
+class DisagreementError(InternalError):
+    """Two strategies have contradicted each other: one of them is wrong.
 
-    REACHED = auto()
-    """A target that it reaches is reachable."""
-    UNREACHABLE = auto()
-    """A target that it does not reach is unreachable."""
-    ERRORS = auto()
-    """A run-time error or a limit other than its own budget would end every further search, too."""
-    ALL = REACHED | UNREACHABLE | ERRORS
+    Attributes:
+        options: with which they were run.
+        one, other: their verdicts about the same query.
+    """
+
+    def __init__(self, options: Options, one: Verdict, other: Verdict) -> None:
+        self.options = options
+        self.one = one
+        self.other = other
+        super().__init__(
+            f"the strategies contradict each other about {one.query.text!r}: "
+            f"{one.strategy} says {one.answer.value}, {other.strategy} says {other.answer.value}"
+        )
+
+    @property
+    def query(self) -> Query:
+        return self.one.query
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +93,12 @@ class Findings:
     Attributes:
         verdicts: by the numbers of the tasks.
         reached: targets that are reached in an over-approximation, by the numbers of the tasks.
-        runs: what `tachk.verify.liveness` has found that decides nothing yet, by the numbers of the tasks.
+        partial: what decides nothing yet and helps later strategies of the table, by the numbers of the tasks.
     """
 
     verdicts: Mapping[int, Verdict]
     reached: Mapping[int, ReachedInAbstraction] = field(default_factory=dict)
-    runs: Mapping[int, Any] = field(default_factory=dict)
+    partial: Mapping[int, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +110,7 @@ class Problem:
         observed: how it was made from the network without.
         limits: of each search. The time is that of the job.
         trace: whether runs are to be shown.
-        reached, runs: as strategies before have found them, see `Findings`.
+        reached, partial: as strategies before have found them, see `Findings`.
     """
 
     model: PreparedNetwork
@@ -109,7 +120,7 @@ class Problem:
     limits: Limits
     trace: bool
     reached: Mapping[int, ReachedInAbstraction] = field(default_factory=dict)
-    runs: Mapping[int, Any] = field(default_factory=dict)
+    partial: Mapping[int, Any] = field(default_factory=dict)
 
     @property
     def network(self) -> Network:
@@ -119,6 +130,10 @@ class Problem:
     @property
     def targets(self) -> list[Expression]:
         return [task.target for task in self.tasks]
+
+    def knowing(self, found: Findings) -> Problem:
+        """The problem, with what a strategy has found about it."""
+        return replace(self, reached={**self.reached, **found.reached}, partial={**self.partial, **found.partial})
 
     def about(self, numbers: Collection[int]) -> Problem:
         """The problem with the tasks of these numbers."""
@@ -141,7 +156,7 @@ class Strategy:
         name: one word, for reports and for `--without`.
         meaning: what it does, in a sentence.
         run: looks for the verdicts about the tasks of a problem; it may leave out some or all of them.
-        decides: what its verdicts are worth.
+        exactness: which of its verdicts can be believed.
         states: how many states each of its searches may store; None: as many as the limits allow.
         share: of the time that is left, so much at most.
         preliminary: a search for few states, which is of no use where the limits allow no more.
@@ -152,7 +167,7 @@ class Strategy:
     name: str
     meaning: str
     run: Callable[[Problem], Findings]
-    decides: Decides = Decides.ALL
+    exactness: Exactness = Exactness.EVERYTHING
     states: int | None = None
     share: float = 1.0
     preliminary: bool = False
@@ -161,7 +176,10 @@ class Strategy:
 
 
 def decided(problem: Problem, strategies: Iterable[Strategy]) -> dict[int, Verdict]:
-    """The verdicts about the tasks of a problem, by number: each by the first strategy that decides it."""
+    """The verdicts about the tasks of a problem, by number: each by the first strategy that decides it.
+
+    Raises DisagreementError where a strategy contradicts one before: what is proved stays proved, whatever is found.
+    """
     settled: dict[int, Verdict] = {}
     open_: dict[int, Verdict] = {}
     for strategy in strategies:
@@ -169,15 +187,25 @@ def decided(problem: Problem, strategies: Iterable[Strategy]) -> dict[int, Verdi
             continue
         for part in strategy.parts(problem):
             found = _found(strategy, part)
-            problem = replace(
-                problem, reached={**problem.reached, **found.reached}, runs={**problem.runs, **found.runs}
-            )
-            open_ |= {number: v for number, v in found.verdicts.items() if v.answer is Answer.UNKNOWN}
-            settled |= {number: verdict for number, verdict in found.verdicts.items() if _counts(strategy, verdict)}
+            problem = problem.knowing(found)
+            for number, verdict in found.verdicts.items():
+                if _is_final(strategy, verdict):
+                    settled[number] = agreed(problem.options, settled.get(number, verdict), verdict)
+                elif verdict.answer is Answer.UNKNOWN:
+                    open_[number] = verdict
             if any(verdict.reason == INTERRUPTED for verdict in found.verdicts.values()):
                 return none_begun(problem.tasks, INTERRUPTED) | settled
         problem = problem.without(settled)
     return none_begun(problem.tasks, NO_STRATEGY) | open_ | settled
+
+
+def agreed(options: Options, one: Verdict, other: Verdict) -> Verdict:
+    """The first of two verdicts about a query that is known. Raises DisagreementError if both are, and differ."""
+    if one.answer is Answer.UNKNOWN:
+        return other
+    if other.answer not in (one.answer, Answer.UNKNOWN):
+        raise DisagreementError(options, one, other)
+    return one
 
 
 def _found(strategy: Strategy, problem: Problem) -> Findings:
@@ -197,11 +225,27 @@ def _found(strategy: Strategy, problem: Problem) -> Findings:
     return replace(found, verdicts=named)
 
 
-def _counts(strategy: Strategy, verdict: Verdict) -> bool:
-    """Whether the verdict is final."""
+def _is_final(strategy: Strategy, verdict: Verdict) -> bool:
+    """Whether nothing else has to be tried for a query."""
     if verdict.reason == INTERRUPTED:
         return True
+    if verdict.reason == STATE_LIMIT and strategy.states is not None:
+        return False
+    return _claim(verdict) in strategy.exactness
+
+
+def _claim(verdict: Verdict) -> Exactness:
+    """What a strategy has to be exact about for its verdict to be right."""
     if verdict.answer is Answer.UNKNOWN:
-        return Decides.ERRORS in strategy.decides and (strategy.states is None or verdict.reason != STATE_LIMIT)
-    reached, _ = answers_of(verdict.query)
-    return (Decides.REACHED if verdict.answer is reached else Decides.UNREACHABLE) in strategy.decides
+        return Exactness.ERRORS
+    found = verdict.answer is answers_of(verdict.query)[0]
+    match analysis_of(verdict.query):
+        case Analysis.REACHABILITY:
+            return Exactness.REACHABLE if found else Exactness.UNREACHABLE
+        case Analysis.LIVENESS:
+            return Exactness.RUN if found else Exactness.NO_RUN
+        case Analysis.EXTREMES:
+            # Some state has the value, and none has one beyond; or no state counts.
+            return Exactness.SAME_STATES if verdict.answer is Answer.HOLDS else Exactness.UNREACHABLE
+        case never:
+            assert_never(never)

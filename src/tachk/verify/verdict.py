@@ -1,7 +1,8 @@
-"""The answer to one query, with its evidence."""
+"""The answer to one query, with its evidence; and those about queries that no search has looked into."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from enum import StrEnum
 
@@ -14,6 +15,7 @@ from tachk.model.query import Expectation, Query
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
 from tachk.transform.observed import ObserverMove
 from tachk.transform.transformation import Transformation
+from tachk.verify.plan import Task
 
 
 class Answer(StrEnum):
@@ -94,6 +96,10 @@ class Verdict:
     def __repr__(self) -> str:
         return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"
 
+    def noted(self, note: str) -> Verdict:
+        """The verdict with a note more."""
+        return replace(self, notes=(*self.notes, note))
+
     @property
     def met(self) -> bool | None:
         """Whether the answer is the expected one (without ``expect``: whether it is HOLDS); None for UNKNOWN."""
@@ -109,3 +115,20 @@ def lifted(verdict: Verdict, transformation: Transformation) -> Verdict:
     fault = None if verdict.fault is None else transformation.lift_fault(verdict.fault)
     trace = None if verdict.trace is None else transformation.lift(verdict.trace)
     return replace(verdict, fault=fault, trace=trace)
+
+
+def not_begun(query: Query, reason: str) -> Verdict:
+    return Verdict(query, Answer.UNKNOWN, True, reason, Statistics())
+
+
+def none_begun(tasks: Iterable[Task], reason: str) -> dict[int, Verdict]:
+    return {task.number: not_begun(task.query, reason) for task in tasks}
+
+
+def refused(queries: Iterable[Query], reason: Diagnostic) -> tuple[Verdict, ...]:
+    """The verdicts about a model that has something tachk does not check, so that no query can be decided."""
+    return tuple(unsupported(query, reason) for query in queries)
+
+
+def unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:
+    return Verdict(query, Answer.UNKNOWN, True, diagnostic.message, Statistics(), unsupported=diagnostic)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import assert_never
 
-from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.job import StoppedError, current_job, limited, unhurried
 from tachk.engine.compiler.features import check_supported
-from tachk.engine.options import Limits, Options
+from tachk.engine.options import Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.initial_state import check_initial_state
@@ -19,15 +19,13 @@ from tachk.model.query import Query
 from tachk.model.selections import check_selections
 from tachk.transform.cone_of_influence import every_action_counts
 from tachk.transform.observed import check_observable
+from tachk.verify import non_zeno, pace
 from tachk.verify.fault_explanation import with_blame
-from tachk.verify.plan import Analysis, Search, Task, plan
+from tachk.verify.plan import Analysis, Search, Task, analysis_of, plan
 from tachk.verify.scheduling.in_order import in_order, processes
 from tachk.verify.scheduling.shares import Shares
-from tachk.verify.strategies import avoidable, check_names
-from tachk.verify.unanswered import none_begun, not_begun, unsupported
-from tachk.verify.variants import non_zeno, pace, second_engine
-from tachk.verify.variants.second_engine import Answering
-from tachk.verify.verdict import Verdict, answers_of
+from tachk.verify.strategies import avoidable, check_names, extreme, reachable
+from tachk.verify.verdict import Verdict, answers_of, none_begun, not_begun, unsupported
 
 
 def verify(
@@ -109,7 +107,9 @@ def _check_answerable(network: Network, query: Query, options: Options) -> None:
 
         check_deadline(network, query)
     non_zeno.check_combination(query)
-    second_engine.check_answerable(query, options.engine)
+    if options.engine is Engine.SMT and analysis_of(query) is not Analysis.REACHABILITY:
+        message = f"the engine smt does not answer {query.kind.value}"
+        raise UnsupportedError(Diagnostic("E0745", message, query.span, "ask the zone engine: --engine zone"))
 
 
 def _answer(
@@ -134,34 +134,36 @@ def _answer(
 def _analysed(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
+    found = _deciding(search)(model, search, options, limits, trace)
+    if search.analysis is Analysis.REACHABILITY:
+        return pace.at_pace(model, search, found, options, limits)
+    if options.engine is Engine.BOTH:
+        found = {number: verdict.noted(_UNCOMPARED) for number, verdict in found.items()}
+    return pace.unpaced(found, options)
+
+
+_UNCOMPARED = "only the zone engine has answered: the engine smt answers E<> and A[]"
+
+
+def _deciding(search: Search) -> Callable[[PreparedNetwork, Search, Options, Limits, bool], dict[int, Verdict]]:
+    """The function that decides the tasks of a search, by one of the tables of `tachk.verify.strategies`."""
     match search.analysis:
         case Analysis.REACHABILITY:
-            found = second_engine.answering(options.engine)(model, search, options, limits, trace)
-            return pace.at_pace(model, search, found, options, limits)
-        case Analysis.LIVENESS:
-            decide = _deciding(search)
-            found = decide(model, search, options, limits, trace)
-            return pace.unpaced(second_engine.uncompared(found, options.engine), options)
+            return reachable
         case Analysis.EXTREMES:
-            from tachk.verify import extremes
+            return extreme
+        case Analysis.LIVENESS if search.observer is not None:
+            from tachk.verify import observed_liveness
 
-            found = extremes.answer(model, search, options, limits, trace)
-            return pace.unpaced(second_engine.uncompared(found, options.engine), options)
+            return observed_liveness.answer
+        case Analysis.LIVENESS if search.tasks[0].query.deadline is not None:
+            from tachk.verify import deadlines
+
+            return deadlines.answer
+        case Analysis.LIVENESS:
+            return avoidable
         case never:
             assert_never(never)
-
-
-def _deciding(search: Search) -> Answering:
-    """What decides whether some run avoids something for ever."""
-    if search.observer is not None:
-        from tachk.verify import observed_liveness
-
-        return observed_liveness.answer
-    if search.tasks[0].query.deadline is None:
-        return avoidable
-    from tachk.verify import deadlines
-
-    return deadlines.answer
 
 
 def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:

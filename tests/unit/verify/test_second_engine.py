@@ -14,7 +14,7 @@ from tachk.cli.main import app
 from tachk.engine.options import Engine, Limits, Options
 from tachk.engine.outcome import GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.smt import search
-from tachk.verify.variants.second_engine import DisagreementError
+from tachk.verify.strategy import DisagreementError
 from tachk.verify.verdict import Answer, Verdict
 
 Verdicts = Callable[..., dict[str, Verdict]]
@@ -68,7 +68,8 @@ def test_a_contradiction_is_an_internal_error(verdicts: Verdicts, monkeypatch: p
     with pytest.raises(DisagreementError) as caught:
         verdicts(MODEL, options=BOTH)
     assert caught.value.query.name == "reached"
-    assert (caught.value.zone.answer, caught.value.smt.answer) == (Answer.HOLDS, Answer.FAILS)
+    assert (caught.value.one.strategy, caught.value.other.strategy) == ("zones", "smt")
+    assert (caught.value.one.answer, caught.value.other.answer) == (Answer.HOLDS, Answer.FAILS)
 
 
 def test_a_contradiction_is_written_to_a_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -83,7 +84,7 @@ def test_a_contradiction_is_written_to_a_file(monkeypatch: pytest.MonkeyPatch, t
     content = json.loads(report.read_text(encoding="utf-8"))
     assert content["text"] == MODEL
     assert content["query"] == "E<> P.B"
-    assert content["zone"]["results"][0]["answer"] == "holds"
+    assert content["zones"]["results"][0]["answer"] == "holds"
     assert content["smt"]["results"][0]["answer"] == "fails"
 
 

@@ -21,8 +21,7 @@ from tachk.verify.plan import Analysis, Search, Task
 from tachk.verify.scheduling import in_order
 from tachk.verify.scheduling.shares import Shares
 from tachk.verify.scheduling.side_by_side import SideBySide
-from tachk.verify.unanswered import none_begun
-from tachk.verify.verdict import Answer, Verdict
+from tachk.verify.verdict import Answer, Verdict, none_begun
 
 ROOT = Path(__file__).resolve().parents[3]
 

@@ -41,7 +41,7 @@ from tachk.engine.options import (
 from tachk.engine.outcome import INTERRUPTED
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Telling
-from tachk.verify.variants.second_engine import DisagreementError
+from tachk.verify.strategy import DisagreementError
 
 _DEFAULT = Options()
 

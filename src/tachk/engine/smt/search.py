@@ -27,8 +27,12 @@ DEPTH = 64
 """How many steps are unrolled where no limit is given."""
 
 
-def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:
+def explore(
+    network: Network, goals: Sequence[Expression], limits: Limits = Limits(), induction: bool = True
+) -> Outcome:
     """Searches until every goal is reached or proved unreachable, or a limit is hit.
+
+    Without ``induction`` a goal is proved unreachable only if there is no run that could be longer.
 
     ``limits.depth`` bounds the steps that are unrolled, `DEPTH` if it is None. ``limits.states`` is not looked at. In
     the statistics a state is a step that was unrolled, a transition a question to z3.
@@ -58,7 +62,8 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
         targets = Targets.of(relation(network), goals)
         unrolled = Unrolled(targets, asking)
         status = unrolled.status
-        fault, reason = _decide(unrolled, Proofs(targets, asking, network, goals), limits.depth)
+        proofs = Proofs(targets, asking, network, goals) if induction else None
+        fault, reason = _decide(unrolled, proofs, limits.depth)
     except GaveUpError as given_up:
         reason = given_up.reason
     except StoppedError as error:
@@ -74,7 +79,7 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
     return Outcome(outcomes, statistics(), reason, fault)
 
 
-def _decide(unrolled: Unrolled, proofs: Proofs, depth_limit: int | None) -> tuple[RunTimeFault | None, str]:
+def _decide(unrolled: Unrolled, proofs: Proofs | None, depth_limit: int | None) -> tuple[RunTimeFault | None, str]:
     """Decides goals; what went wrong, and why some goal is still open."""
     fault = unrolled.entry_fault()
     while fault is None:
@@ -86,7 +91,7 @@ def _decide(unrolled: Unrolled, proofs: Proofs, depth_limit: int | None) -> tupl
         fault = unrolled.fault()
         if fault is not None:
             break
-        for number in proofs.attempt(unrolled.depth, unrolled.open):
+        for number in [] if proofs is None else proofs.attempt(unrolled.depth, unrolled.open):
             unrolled.status[number] = GoalOutcome(Status.UNREACHABLE)
         if not unrolled.open:
             return None, ""

@@ -11,8 +11,7 @@ from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.verify.plan import Search
 from tachk.verify.scheduling.shares import Shares
-from tachk.verify.unanswered import none_begun
-from tachk.verify.verdict import Verdict
+from tachk.verify.verdict import Verdict, none_begun
 
 ALONE = 1.0
 """After so many seconds other processes are worth while."""

@@ -22,8 +22,7 @@ from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED, Statistics
 from tachk.verify.plan import Search
-from tachk.verify.unanswered import none_begun
-from tachk.verify.verdict import Verdict
+from tachk.verify.verdict import Verdict, none_begun
 
 
 class Interrupts:

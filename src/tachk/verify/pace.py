@@ -32,7 +32,7 @@ from tachk.model.traversal import asks_deadlock
 from tachk.transform.extension import Clocked, with_clock
 from tachk.transform.observed import ObservedNetwork, observed
 from tachk.verify.plan import Analysis, Search, Task
-from tachk.verify.variants.second_engine import answering
+from tachk.verify.strategies import reachable
 from tachk.verify.verdict import Verdict
 
 
@@ -132,8 +132,7 @@ class _Hunt:
         timed, in_time = _in_time(self._model.network, self._target, bound, strict)
         query = Query("fastest", QueryKind.POSSIBLY, in_time, text="the target in time")
         search = Search(Analysis.REACHABILITY, (Task(0, query),))
-        answer = answering(self._options.engine)
-        verdict = answer(prepare(timed.network), search, self._options, limits, True)[0]
+        verdict = reachable(prepare(timed.network), search, self._options, limits, True)[0]
         if verdict.reason == INTERRUPTED:
             raise KeyboardInterrupt
         return verdict
