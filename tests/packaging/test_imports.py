@@ -42,7 +42,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
     users = {str(p.relative_to(SOURCES)) for p in SOURCES.rglob("*.py") if "tachk._core" in imported_modules(p)}
     assert users == {
         "xrce/bridge/part.py",
-        "engine/attempts.py",
+        "engine/portfolio.py",
         "engine/closed_set.py",
         "engine/core_search.py",
         "engine/cover.py",

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
+from tachk.engine import zone
 from tachk.engine.options import Options
+from tachk.engine.portfolio import PORTFOLIO
 from tachk.verify import over_approximations, strategies
 from tachk.verify.strategy import Strategy
 
@@ -24,7 +27,7 @@ def rows() -> Iterator[Strategy]:
 
 def each_switched_off() -> dict[str, Options]:
     """Options for which an answer may take more states, but is the same."""
-    names = [row.name for row in rows() if row.name not in ALWAYS_ANSWER]
+    names = [row.name for row in (*rows(), *PORTFOLIO) if row.name not in ALWAYS_ANSWER]
     return {f"without {name}": Options().off(name) for name in names}
 
 
@@ -45,6 +48,13 @@ def with_states(monkeypatch: pytest.MonkeyPatch, name: str, states: int) -> None
         monkeypatch.setattr(
             strategies, table, tuple(replace(row, states=states) if row.name == name else row for row in of_table)
         )
+
+
+def with_search_budgets(monkeypatch: pytest.MonkeyPatch, name: str | None = None, **budget: Any) -> None:
+    """Changes fields of the search of the portfolio of this name; without a name, of those that have a budget."""
+    chosen = [row.name for row in PORTFOLIO if (row.after is not None if name is None else row.name == name)]
+    rows = [replace(row, **budget) if row.name in chosen else row for row in zone.PORTFOLIO]
+    monkeypatch.setattr(zone, "PORTFOLIO", tuple(rows))
 
 
 @contextmanager

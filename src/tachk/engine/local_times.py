@@ -7,24 +7,14 @@ elsewhere larger matrices only cost time.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError, current_job
 from tachk.engine.compiler.program import Goal, Program
-from tachk.engine.core_search import (
-    core_limits,
-    core_options,
-    run_in_slices,
-    statistics_of,
-    transitions_of,
-    user_seconds,
-)
-from tachk.engine.exchanged import with_exchanges
+from tachk.engine.core_search import core_limits, core_options
 from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options
-from tachk.engine.outcome import GoalOutcome, Outcome, Status
 from tachk.engine.program_image import encode
 
 _FIRST_LOOK = 500
@@ -44,44 +34,19 @@ def obstacle(image: Sequence[int]) -> str | None:
     return _core.local_agents(image)[0]
 
 
-def explore_locally(
-    program: Program,
-    goals: Sequence[Goal],
-    ordinary: _core.Explorer,
-    options: Options,
-    limits: Limits,
-) -> Outcome | None:
-    """Search over local times, where the options and the program allow it and it seems to pay.
-
-    Args:
-        ordinary: a search of the same that has not run; where this one is not made it may have explored some states.
-
-    Returns:
-        None where an ordinary search has to answer, also where this one met a run-time error or times out of range:
-        the order in which things happen counts for those.
-    """
-    start, user = time.perf_counter(), user_seconds()
-    search = _chosen(program, goals, ordinary, options, limits)
-    if search is None:
-        return None
-    status, reason = run_in_slices(search, start)
-    if status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT):
-        return None
-    outcomes = tuple(_goal_outcome(program, search, number, goal, status) for number, goal in enumerate(goals))
-    statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user, local_times=True)
-    return Outcome(outcomes, with_exchanges(statistics, program) if search.exchanges() else statistics, reason)
-
-
-def _chosen(
+def begin(
     program: Program, goals: Sequence[Goal], ordinary: _core.Explorer, options: Options, limits: Limits
 ) -> _core.LocalExplorer | None:
+    """A search over local times, where the options and the program allow it and it seems to pay; else None.
+
+    Where it meets a run-time error or times out of range an ordinary search has to answer: the order in which things
+    happen counts for those.
+
+    Args:
+        ordinary: a search of the same that has not run; it may have explored some states behind this.
+    """
     counts_steps = options.shortest or limits.depth is not None
-    if (
-        options.local_times is LocalTimes.NEVER
-        or "local-times" in options.without
-        or counts_steps
-        or options.extrapolation is Extrapolation.NONE
-    ):
+    if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
     look = options.local_times is LocalTimes.AUTO
     if look and _first_look(ordinary) is not _core.Status.RUNNING:
@@ -137,14 +102,3 @@ def _look_beside(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
 def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:
     """How many zones are stored for each discrete state."""
     return search.statistics()[1] / max(search.discrete_states(), 1)
-
-
-def _goal_outcome(
-    program: Program, search: _core.LocalExplorer, number: int, goal: Goal, status: _core.Status
-) -> GoalOutcome:
-    actions = search.path_to_goal(number)
-    if actions is None:
-        return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)
-    if not goal.decides:
-        return GoalOutcome(Status.REACHED)
-    return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)

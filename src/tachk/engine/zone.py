@@ -9,7 +9,6 @@ from dataclasses import replace
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
 from tachk.base.records import dataclass
-from tachk.engine import attempts
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import (
     RUN_TIME_ERROR,
@@ -23,9 +22,9 @@ from tachk.engine.core_search import (
     user_seconds,
 )
 from tachk.engine.exchanged import with_exchanges
-from tachk.engine.local_times import explore_locally
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Statistics, Status
+from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, SearchProblem, ZoneSearch
 from tachk.engine.program_image import encode
 
 
@@ -73,8 +72,7 @@ def explore_everything(
     options = replace(options.off("attempts"), partial_order=False)
     explorer = _explorer(program, [*goals, never], options, limits)
     begun = time.perf_counter(), user_seconds()
-    ran = _ran(program, [*goals, never], explorer, options, limits, begun)
-    outcome, doubtful = _told(program, [*goals, never], options, ran)
+    outcome, doubtful = _outcome_of(program, [*goals, never], options, _to_the_end(explorer, begun))
     outcome = replace(outcome, goals=outcome.goals[:-1])
     taken = frozenset((program.edges[n].process, program.edges[n].edge) for n in explorer.taken())
     if doubtful:
@@ -93,96 +91,102 @@ def leads_to(
     return _explorer(program, goals, exact, Limits()).leads_to(actions, goal)
 
 
-def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[Outcome, list[int]]:
-    """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
-    begun = time.perf_counter(), user_seconds()
-    explorer = _explorer(program, goals, options, limits)
-    try:
-        found = explore_locally(program, goals, explorer, options, limits)
-    except (MemoryError, OutOfMemoryError) as error:
-        # In the midst of the first states: the search cannot go on from there.
-        reason = error.reason if isinstance(error, OutOfMemoryError) else MACHINE_OUT_OF_MEMORY
-        ran = _Ran(explorer, _core.Status.RUNNING, reason, statistics_of(explorer, begun[0]))
-        return _told(program, goals, options, ran)
-    if found is not None:
-        return replace(found, goals=_noted(goals, found.goals)), []
-    return _told(program, goals, options, _ran(program, goals, explorer, options, limits, begun))
-
-
 @dataclass(frozen=True, slots=True)
-class _Ran:
+class _Ended:
     """A search that has ended, with its last status and why that is not FINISHED."""
 
-    explorer: _core.Explorer
+    search: ZoneSearch
     status: _core.Status
     reason: str
     statistics: Statistics
 
 
-def _ran(
-    program: Program,
-    goals: Sequence[Goal],
-    explorer: _core.Explorer,
-    options: Options,
-    limits: Limits,
-    begun: tuple[float, float],
-) -> _Ran:
-    """Runs an explorer; or, if that decides the goals, another one for a while.
+def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[Outcome, list[int]]:
+    """The outcome of the first search of the portfolio that decides all goals, else of the ordinary one; and the goals
+    that may be REACHED only seemingly."""
+    begun = time.perf_counter(), user_seconds()
+    problem = SearchProblem(program, goals, options, limits, _explorer(program, goals, options, limits))
+    try:
+        ended = _from_portfolio(problem, begun) or _to_the_end(problem.ordinary, begun)
+    except (MemoryError, OutOfMemoryError) as error:
+        # In the midst of a state: the search cannot go on from there.
+        reason = error.reason if isinstance(error, OutOfMemoryError) else MACHINE_OUT_OF_MEMORY
+        ended = _Ended(problem.ordinary, _core.Status.RUNNING, reason, _statistics(problem.ordinary, begun))
+    return _outcome_of(program, goals, options, ended)
+
+
+def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ended | None:
+    """The search that decides, or that was ended from outside; None where the ordinary search has to go on.
+
+    Raises MemoryError and OutOfMemoryError.
+    """
+    program, goals, options, ordinary = problem.program, problem.goals, problem.options, problem.ordinary
+    for strategy in PORTFOLIO:
+        if not strategy.is_allowed(options, problem.limits):
+            continue
+        before = Statistics()
+        if strategy.after is not None:
+            status, reason = run_in_slices(BudgetedSearch(ordinary, stored=strategy.after), begun[0])
+            before = _statistics(ordinary, begun)
+            if status is not _core.Status.STATE_LIMIT:
+                return _Ended(ordinary, status, reason, before)
+        search = strategy.begin(problem)
+        if search is None:
+            continue
+        status, reason = strategy.run(search)
+        if strategy.decides(problem, search, status) and not _doubtful(program, goals, options, search):
+            # The clock of the second search has run since the first one began.
+            both = replace(before, seconds=0.0, user_seconds=0.0).then(_statistics(search, begun))
+            if strategy.explored is not None:
+                status, reason = _core.Status.FINISHED, ""
+            return _Ended(search, status, reason, both)
+        if strategy.is_stopped(status, reason):
+            return _Ended(ordinary, status, reason, _statistics(ordinary, begun))
+    return None
+
+
+def _to_the_end(explorer: _core.Explorer, begun: tuple[float, float]) -> _Ended:
+    """Runs a search.
 
     Args:
         begun: the time, and the time in user mode, when the search began.
     """
-    start, user = begun
-
-    def statistics(search: _core.Explorer) -> Statistics:
-        used = user_seconds() - user
-        return replace(statistics_of(search, start), user_seconds=used)
-
-    status, reason = _core.Status.STATE_LIMIT, ""
-    if attempts.are_made(options, limits):
-        stretch = attempts.BudgetedSearch(explorer, stored=attempts.STORED)
-        status, reason = run_in_slices(stretch, start)
-        others = (attempts.in_one_order, attempts.depth_first) if status is _core.Status.STATE_LIMIT else ()
-        reason = "" if others else reason
-        for attempt in others:
-            if reason:
-                break
-            first = statistics(explorer)
-            other, reason = attempt(program, goals, options, limits)
-            if other is not None and not _doubtful(program, goals, options, other):
-                # The clock of the other one has run since the first one began.
-                both = replace(first, seconds=0.0, user_seconds=0.0).then(statistics(other))
-                return _Ran(other, _core.Status.FINISHED, "", both)
-    if status is _core.Status.STATE_LIMIT and not reason:
-        status, reason = run_in_slices(explorer, start)
-    return _Ran(explorer, status, reason, statistics(explorer))
+    status, reason = run_in_slices(explorer, begun[0])
+    return _Ended(explorer, status, reason, _statistics(explorer, begun))
 
 
-def _told(program: Program, goals: Sequence[Goal], options: Options, ran: _Ran) -> tuple[Outcome, list[int]]:
-    """What comes of a search; and the goals REACHED only seemingly."""
-    explorer = ran.explorer
-    fault = fault_of(program, explorer) if ran.status is _core.Status.FAULT else None
-    outcomes = tuple(goal_outcome(program, explorer, number, goal, ran.status) for number, goal in enumerate(goals))
+def _statistics(search: ZoneSearch, begun: tuple[float, float]) -> Statistics:
+    found = replace(statistics_of(search, begun[0]), user_seconds=user_seconds() - begun[1])
+    return replace(found, local_times=isinstance(search, _core.LocalExplorer))
+
+
+def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended: _Ended) -> tuple[Outcome, list[int]]:
+    """The outcome of a search, and the goals REACHED only seemingly."""
+    search, statistics = ended.search, ended.statistics
+    fault = None
+    if isinstance(search, _core.Explorer):
+        fault = fault_of(program, search) if ended.status is _core.Status.FAULT else None
+    if isinstance(search, _core.Explorer) or search.exchanges():
+        statistics = with_exchanges(statistics, program)
+    outcomes = tuple(goal_outcome(program, search, number, goal, ended.status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
-    statistics = with_exchanges(ran.statistics, program)
-    reason = ran.reason
+    reason = ended.reason
     if fault is None:
         fault = next((o.fault for g, o in zip(goals, outcomes, strict=True) if g.decides and o.fault is not None), None)
         reason = reason or (RUN_TIME_ERROR if fault is not None else "")
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
-    return outcome, _doubtful(program, goals, options, explorer)
+    return outcome, _doubtful(program, goals, options, search)
 
 
-def _doubtful(program: Program, goals: Sequence[Goal], options: Options, explorer: _core.Explorer) -> list[int]:
-    """The goals that an explorer has reached, maybe only seemingly: those that a replay does not confirm."""
-    if options.extrapolation is not Extrapolation.LU:
+def _doubtful(program: Program, goals: Sequence[Goal], options: Options, search: ZoneSearch) -> list[int]:
+    """The goals that a search has reached, maybe only seemingly: those that a replay does not confirm."""
+    if options.extrapolation is not Extrapolation.LU or isinstance(search, _core.LocalExplorer):
         return []
     everybody = replace(program, interchangeable=())
     doubtful = []
     for number, goal in enumerate(goals):
-        node = explorer.reached(number)
-        if node is not None and goal.asks_deadlock:
-            if not leads_to(everybody, goals, options, explorer.path_to_goal(number), number):
+        if goal.asks_deadlock and search.reached(number) is not None:
+            if not leads_to(everybody, goals, options, search.path_to_goal(number), number):
                 doubtful.append(number)
     return doubtful
 
@@ -219,16 +223,22 @@ def _noted(goals: Sequence[Goal], outcomes: tuple[GoalOutcome, ...]) -> tuple[Go
 
 
 def goal_outcome(
-    program: Program, explorer: _core.Explorer, number: int, goal: Goal, status: _core.Status
+    program: Program,
+    search: ZoneSearch,
+    number: int,
+    goal: Goal,
+    status: _core.Status,
 ) -> GoalOutcome:
-    """What a search that ended with a status has found about a goal."""
-    node = explorer.reached(number)
-    if node is not None:
+    """The outcome of a search, which ended with a status, for a goal."""
+    if isinstance(search, _core.LocalExplorer):
+        actions, fault = search.path_to_goal(number), None
+    else:
+        actions = None if search.reached(number) is None else search.path_to_goal(number)
+        fault = None if actions is not None else fault_of_goal(program, search, number)
+    if actions is not None:
         if not goal.decides:
             return GoalOutcome(Status.REACHED)
-        actions = explorer.path_to_goal(number)
         return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)
-    fault = fault_of_goal(program, explorer, number)
     if fault is not None:
         return GoalOutcome(Status.UNDECIDED, fault=fault)
     return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)

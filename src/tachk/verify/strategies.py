@@ -15,6 +15,7 @@ from tachk.base.diagnostics.suggestion import closest
 from tachk.base.job import StoppedError, current_job, limited
 from tachk.engine.options import REDUCTIONS, Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED
+from tachk.engine.portfolio import PORTFOLIO
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.transform.observed import observed
 from tachk.transform.transformation import Exactness
@@ -188,7 +189,8 @@ def every_strategy() -> tuple[Strategy, ...]:
 
 def names() -> dict[str, str]:
     """All that can be switched off by name, with its meaning: strategies in their order, then reductions."""
-    return {strategy.name: strategy.meaning for strategy in every_strategy()} | REDUCTIONS
+    of_queries = {strategy.name: strategy.meaning for strategy in every_strategy()}
+    return of_queries | {strategy.name: strategy.meaning for strategy in PORTFOLIO} | REDUCTIONS
 
 
 def is_plain(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Short searches beside the default one: what they find, when they are made, and that they change no verdict."""
+"""The portfolio beside the ordinary search: what it finds, when it is tried, and that it changes no verdict."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ import pytest
 
 import tachk
 from tachk import _core
-from tachk.engine import attempts
+from tachk.engine import portfolio
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.engine.outcome import INTERRUPTED
+from tachk.engine.portfolio import SearchProblem
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer, Verdict
 from tests.support.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
 from tests.support.seeds import seeds
+from tests.support.strategies import with_search_budgets
 
 # Seven processes that count for themselves: 8**7 states and more, of which each run to the last one passes 50.
 COUNTERS = """
@@ -34,6 +36,8 @@ process P(const id_t me) {
 }
 system P;
 """
+STORED = 20_000
+"""So many states are stored before the first attempt."""
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
 ALL_STATES = Options(local_times=LocalTimes.NEVER).off("unblocked", "sliced", "symmetry")
@@ -47,22 +51,22 @@ def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = N
 def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
     found = verdict(REACHED)
     assert found.answer is Answer.HOLDS
-    assert attempts.STORED <= found.statistics.states_stored < attempts.STORED + 2000
+    assert STORED <= found.statistics.states_stored < STORED + 2000
     assert found.trace is not None
-    more = Limits(states=3 * attempts.STORED)
+    more = Limits(states=3 * STORED)
     assert verdict(REACHED, ALL_STATES.off("attempts"), more).answer is Answer.UNKNOWN
 
 
 def test_the_time_of_both_searches_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock, depth_first, later = time.perf_counter, attempts.depth_first, [0.0]
+    clock, begin, later = time.perf_counter, portfolio.PORTFOLIO[-1].begin, [0.0]
 
-    def taking_long(*arguments: Any) -> Any:
+    def taking_long(problem: SearchProblem) -> Any:
         later[0] = 100.0
-        return depth_first(*arguments)
+        return begin(problem)
 
     monkeypatch.setattr(time, "perf_counter", lambda: clock() + later[0])
-    monkeypatch.setattr(attempts, "STORED", 100)
-    monkeypatch.setattr(attempts, "depth_first", taking_long)
+    with_search_budgets(monkeypatch, after=100)
+    with_search_budgets(monkeypatch, "probe", begin=taking_long)
     assert 100 < verdict(REACHED).statistics.seconds < 200
 
 
@@ -74,8 +78,8 @@ def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: py
         searched.append(program)
         return encode(program, goals)
 
-    monkeypatch.setattr(attempts, "STORED", 100)
-    monkeypatch.setattr(attempts, "encode", noting)
+    with_search_budgets(monkeypatch, after=100)
+    monkeypatch.setattr(portfolio, "encode", noting)
     found = verdict(REACHED, ALL_STATES.on("symmetry"))
     assert found.answer is Answer.HOLDS and found.statistics.interchangeable == 7
     assert searched and all(not program.interchangeable for program in searched)
@@ -91,19 +95,19 @@ def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: py
     ids=["breadth first", "shortest", "off"],
 )
 def test_nothing_is_tried_where_the_order_is_asked_for(options: Options, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 100)
+    with_search_budgets(monkeypatch, after=100)
     assert verdict(REACHED, options, Limits(states=2000)).answer is Answer.UNKNOWN
 
 
 @pytest.mark.parametrize("limits", [Limits(depth=20), Limits(states=1000)], ids=["depth", "states"])
 def test_limits_are_kept(limits: Limits, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 1000)
+    with_search_budgets(monkeypatch, after=1000)
     assert verdict(REACHED, limits=limits).answer is Answer.UNKNOWN
     assert verdict(REACHED, limits=Limits(depth=60, states=2000)).answer is Answer.HOLDS
 
 
 def test_deadlocks_are_looked_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 100)
+    with_search_budgets(monkeypatch, after=100)
     found = verdict("E<> deadlock", limits=Limits(states=2000))
     assert (found.answer, found.statistics.states_stored < 1000) == (Answer.HOLDS, True)
     assert found.trace is not None
@@ -120,7 +124,7 @@ system P, Q;
 
 
 def test_a_deadlock_that_only_seems_to_be_found_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 5)
+    with_search_budgets(monkeypatch, after=5)
     text = COUNTERS.replace("N = 7", "N = 5").replace("system P;", SEEMINGLY_STUCK)
     (found,) = tachk.loads(text).verify("E<> deadlock", options=ALL_STATES)
     (plain,) = tachk.loads(text).verify("E<> deadlock", options=ALL_STATES.off("attempts"))
@@ -128,23 +132,33 @@ def test_a_deadlock_that_only_seems_to_be_found_does_not_count(monkeypatch: pyte
 
 
 def test_what_is_not_found_depth_first_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 100)
-    monkeypatch.setattr(attempts, "EXPLORED", 10)
+    with_search_budgets(monkeypatch, after=100)
+    with_search_budgets(monkeypatch, "probe", explored=10)
     assert verdict(REACHED, limits=Limits(states=2000)).answer is Answer.UNKNOWN
     assert verdict(NEVER, limits=Limits(states=2000)).answer is Answer.UNKNOWN
 
 
 def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 100)
-    monkeypatch.setattr(attempts, "EXPLORED", 10**9)
+    with_search_budgets(monkeypatch, after=100)
+    with_search_budgets(monkeypatch, "probe", explored=10**9)
     found = verdict(NEVER, limits=Limits(seconds=0.3))
     assert (found.answer, found.reason) == (Answer.UNKNOWN, "time limit")
 
 
-@pytest.mark.parametrize("attempt", ["in_one_order", "depth_first"])
-def test_ctrl_c_in_an_attempt_ends_the_search(attempt: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 100)
-    monkeypatch.setattr(attempts, attempt, lambda *_: (None, INTERRUPTED))
+class Interrupted:
+    """A search in which Ctrl-C comes at once."""
+
+    def run(self, expansions: int, seconds: float | None = None, look: object = None) -> _core.Status:
+        raise KeyboardInterrupt
+
+    def reached(self, goal: int) -> None:
+        return None
+
+
+@pytest.mark.parametrize("name", ["one-order", "probe"])
+def test_ctrl_c_in_an_attempt_ends_the_search(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    with_search_budgets(monkeypatch, after=100)
+    with_search_budgets(monkeypatch, name, begin=lambda problem: Interrupted())
     found = verdict(NEVER, limits=Limits(states=2000))
     assert (found.answer, found.reason) == (Answer.UNKNOWN, INTERRUPTED)
 
@@ -169,17 +183,16 @@ def alarms(options: Options = ALL_STATES, limits: Limits | None = None, rung: st
 
 
 def test_one_order_is_enough_where_time_cannot_pass(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 500)
+    with_search_budgets(monkeypatch, after=500)
     assert alarms(limits=Limits(states=1000)).answer is Answer.FAILS
     assert alarms(ALL_STATES.off("attempts"), Limits(states=1000)).answer is Answer.UNKNOWN
     assert alarms(ALL_STATES.off("attempts"), Limits(states=5000)).statistics.states_stored == 2**12
-    monkeypatch.setattr(attempts, "FIRST_IN_ONE_ORDER", 4)
-    monkeypatch.setattr(attempts, "EXPLORED_IN_ONE_ORDER", 8)
+    with_search_budgets(monkeypatch, "one-order", trial=4, explored=8)
     assert alarms(limits=Limits(states=1000)).answer is Answer.UNKNOWN
 
 
 def test_run_time_errors_are_met_in_one_order_and_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "STORED", 500)
+    with_search_budgets(monkeypatch, after=500)
     for options in (ALL_STATES, ALL_STATES.off("attempts")):
         found = alarms(options, rung="me == N ? 2 : 1")
         assert (found.answer, found.reason) == (Answer.UNKNOWN, "run-time error")
@@ -203,7 +216,7 @@ class Counting:
 def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
     for bound, explored in [({"explored": 100}, 100), ({"stored": 300}, 192), ({"stored": 10**6}, 1000)]:
         search = Counting()
-        stretch = attempts.BudgetedSearch(search, **bound)
+        stretch = portfolio.BudgetedSearch(search, **bound)
         while (status := stretch.run(size)) is _core.Status.RUNNING:
             assert search.explored <= explored
         assert search.explored == explored
@@ -213,6 +226,16 @@ def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
 @pytest.mark.parametrize("seed", seeds(range(40)))
 def test_no_verdict_changes(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where attempts begin with the first states, and are short or long. Runs are replayed."""
-    monkeypatch.setattr(attempts, "STORED", 2)
-    monkeypatch.setattr(attempts, "EXPLORED", 3 if seed % 2 else 1000)
+    with_search_budgets(monkeypatch, after=2)
+    with_search_budgets(monkeypatch, "probe", explored=3 if seed % 2 else 1000)
     assert compare_verdicts(random_questions(seed), {"default": BY_DEFAULT}).problems == ()
+
+
+@pytest.mark.parametrize("name", ["local-times", "one-order", "probe"])
+def test_each_search_can_be_switched_off(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun = []
+    with_search_budgets(monkeypatch, after=100)
+    for strategy in portfolio.PORTFOLIO:
+        with_search_budgets(monkeypatch, strategy.name, begin=lambda problem, own=strategy.name: begun.append(own))
+    assert verdict(REACHED, replace(ALL_STATES, local_times=LocalTimes.AUTO).off(name), Limits(states=300)).reason
+    assert begun == [other for other in ("local-times", "one-order", "probe") if other != name]
