@@ -34,10 +34,10 @@ from tachk.model.types import ClockType
 from tachk.transform.transformation import Transformation
 from tachk.verify.fault_explanation import explain
 from tachk.verify.over_approximations import reduced_for
+from tachk.verify.reachability import witness
 from tachk.verify.strategy import Findings, Problem
 from tachk.verify.unexamined import unexamined
 from tachk.verify.verdict import Answer, Extreme, Extremes, Verdict
-from tachk.verify.witness import witness
 
 NEVER = "no reachable state satisfies the restriction, so that there is no value"
 

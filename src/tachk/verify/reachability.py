@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import unhurried
 from tachk.engine.core_search import RUN_TIME_ERROR
+from tachk.engine.exact.concretise import concretise
 from tachk.engine.guided_search import explore_along, states_along
 from tachk.engine.options import SearchOrder
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Status
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
-from tachk.model.run import RunTimeFault
+from tachk.meaning.judge.replay import ReplayError, replay
+from tachk.model.expressions import Expression
+from tachk.model.run import RunTimeFault, TimedTrace, Transition
 from tachk.transform.guided import guided
 from tachk.transform.observed import ObservedNetwork
 from tachk.transform.transformation import Transformation
@@ -23,7 +27,6 @@ from tachk.verify.strategy import Findings, Problem, ReachedInAbstraction
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import triggers_of, with_notes
 from tachk.verify.verdict import Answer, Verdict, answers_of, none_begun
-from tachk.verify.witness import witness
 
 
 def equal_parts(problem: Problem) -> Iterator[Problem]:
@@ -157,3 +160,36 @@ def verdict_of(
         moves=watched.moves(run),
         path=run.path,
     )
+
+
+@unhurried()
+def witness(
+    reduced: Transformation, path: Sequence[Transition], target: Expression, exact: bool, what: str
+) -> tuple[TimedTrace | None, bool]:
+    """A replayed run to the target, in the network from which the searched one was made; None if there is none.
+
+    Args:
+        path: in the searched network.
+        exact: whether each path that the search finds has a run.
+        what: the path leads to, for messages.
+
+    Returns:
+        The run, and False where a process that was frozen meets a run-time error on the way.
+
+    Raises InternalError if there is no run, or none that replays, although the search is exact.
+    """
+    run = concretise(prepare(reduced.network), path, target)
+    if run is None:
+        if exact:
+            raise InternalError(f"the path found for {what} has no timed run")
+        return None, True
+    whole = reduced.lift(run)
+    if whole is None:
+        return None, False
+    try:
+        replay(prepare(reduced.original), whole, target)
+    except ReplayError as error:
+        if exact:
+            raise InternalError(f"the run found for {what} does not replay: {error}") from error
+        return None, True
+    return whole, True

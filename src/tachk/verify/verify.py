@@ -9,6 +9,7 @@ from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.job import StoppedError, current_job, limited, unhurried
+from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.options import Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY
@@ -19,11 +20,10 @@ from tachk.model.query import Query
 from tachk.model.selections import check_selections
 from tachk.transform.cone_of_influence import every_action_counts
 from tachk.transform.observed import check_observable
-from tachk.verify import non_zeno, pace
+from tachk.verify import pace
 from tachk.verify.fault_explanation import with_blame
 from tachk.verify.plan import Analysis, Search, Task, analysis_of, plan
-from tachk.verify.scheduling.in_order import in_order, processes
-from tachk.verify.scheduling.shares import Shares
+from tachk.verify.scheduling.in_order import Shares, in_order, processes
 from tachk.verify.strategies import avoidable, check_names, extreme, reachable
 from tachk.verify.verdict import Verdict, answers_of, none_begun, not_begun, unsupported
 
@@ -82,7 +82,15 @@ def _verified(
     left = replace(limits, seconds=current_job().seconds_left)
     with unhurried():  # what has been decided is told; the searches for notes have the limits that are left
         found = [with_blame(verdicts[number]) for number in range(len(queries))]
-        return non_zeno.noted(_examined(network, _with_momentary_triggers(network, found, left)))
+        return tuple(map(_with_note, _examined(network, _with_momentary_triggers(network, found, left))))
+
+
+def _with_note(verdict: Verdict) -> Verdict:
+    """The verdict, with a note where the runs do not decide it, so that it does not matter which ones count."""
+    query = verdict.query
+    if not query.non_zeno or verdict.unsupported is not None or analysis_of(query) is Analysis.LIVENESS:
+        return verdict
+    return verdict.noted("--non-zeno makes no difference here: every state counts that some run reaches")
 
 
 def _with_momentary_triggers(network: Network, found: Sequence[Verdict], left: Limits) -> Sequence[Verdict]:
@@ -106,7 +114,11 @@ def _check_answerable(network: Network, query: Query, options: Options) -> None:
         from tachk.verify.deadlines import check_deadline
 
         check_deadline(network, query)
-    non_zeno.check_combination(query)
+    if query.non_zeno and query.deadline is not None and query.kind is QueryKind.LEADS_TO:
+        # Nobody may act once the deadline is kept.
+        message = "queries with `-->[<= t]` are not checked with --non-zeno"
+        remedy = "the formula G (p -> F[0, t] q) asks nearly the same of runs of any kind"
+        raise UnsupportedError(Diagnostic("E0720", message, query.span, remedy))
     if options.engine is Engine.SMT and analysis_of(query) is not Analysis.REACHABILITY:
         message = f"the engine smt does not answer {query.kind.value}"
         raise UnsupportedError(Diagnostic("E0745", message, query.span, "ask the zone engine: --engine zone"))

@@ -19,7 +19,7 @@ from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT, Statistics
 from tachk.model.query import Query
 from tachk.verify.plan import Analysis, Search, Task
 from tachk.verify.scheduling import in_order
-from tachk.verify.scheduling.shares import Shares
+from tachk.verify.scheduling.in_order import Shares
 from tachk.verify.scheduling.side_by_side import SideBySide
 from tachk.verify.verdict import Answer, Verdict, none_begun
 

@@ -1,16 +1,18 @@
-"""Searches one after the other, as long as that is quick."""
+"""Searches one after the other, as long as that is quick, and how they share the seconds that there are."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from functools import partial
+from time import monotonic
 
-from tachk.base.job import answering
+from tachk.base.job import answering, current_job
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.verify.plan import Search
-from tachk.verify.scheduling.shares import Shares
 from tachk.verify.verdict import Verdict, none_begun
 
 ALONE = 1.0
@@ -18,6 +20,32 @@ ALONE = 1.0
 
 Answer = Callable[[Search, Limits], dict[int, Verdict]]
 """What looks for the verdicts of a search, by the numbers of its tasks."""
+
+
+class Shares:
+    """What is left for the searches that have not begun."""
+
+    def __init__(self, limits: Limits, tasks: int) -> None:
+        """Args:
+        tasks: how many all searches have.
+        """
+        self._limits = limits
+        self._started = monotonic()
+        self._left = tasks
+
+    def begin(self, search: Search, processes: int = 1) -> Limits:
+        """The limits of a search that begins now: each of its tasks has the same share of the seconds that are left as
+        those of the searches behind it, or so many of them where so many searches run at the same time."""
+        part = min(Fraction(len(search.tasks) * processes, self._left), Fraction(1))
+        self._left -= len(search.tasks)
+        left = current_job().seconds_left
+        of_all = None if left is None else left * part.numerator / part.denominator
+        allowed = [seconds for seconds in (of_all, self._limits.seconds_each) if seconds is not None]
+        return replace(self._limits, seconds=min(allowed, default=None))
+
+    def used(self) -> float:
+        """The seconds since the verification began."""
+        return monotonic() - self._started
 
 
 def processes(options: Options) -> int:
