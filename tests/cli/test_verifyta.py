@@ -294,7 +294,7 @@ def test_no_trace_unless_asked_for(folder: Path) -> None:
         (["-t1", "-o1"], "Search order is breadth first"),
         (["-o6"], "tachk: there is no search order 6 here"),
         (["-A"], "tachk: -A has no effect: zones are kept exact"),
-        (["-S2"], "tachk: -S 2 stores what -S 1 does"),
+        (["-S2"], "tachk: -S 2 has no effect: all states are stored"),
         (["-Z", "-H27"], "tachk: -H has no effect"),
         (["-ZH", "27"], "tachk: -Z has no effect"),
         (["-D", "0.01", "-E=0.1"], "tachk: -D has no effect"),
@@ -433,8 +433,7 @@ def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytes
         (["-n", "2"], Options(SearchOrder.BFS, extrapolation=Extrapolation.MAX)),
         ([], Options(SearchOrder.BFS)),
         (["-S0"], Options(SearchOrder.BFS)),
-        (["-S1"], Options(SearchOrder.BFS, passing=8)),
-        (["-S", "2", "-t1"], Options(SearchOrder.BFS, passing=8, shortest=True)),
+        (["-S", "2", "-t1"], Options(SearchOrder.BFS, shortest=True)),
         (["--statespace-consumption=1", "-S0"], Options(SearchOrder.BFS)),
     ],
 )

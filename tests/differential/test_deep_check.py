@@ -43,7 +43,7 @@ SHAPES = {
     "copies": Shape(copies=0.5, clocks=2),
     "diagonals": Shape(diagonals=True, clocks=2, constant=3),
 }
-VARIANTS = (Options(), Options(order=SearchOrder.DFS), Options(extrapolation=Extrapolation.MAX), Options(passing=4))
+VARIANTS = (Options(), Options(order=SearchOrder.DFS), Options(extrapolation=Extrapolation.MAX))
 AGES = Fraction(10**6)
 
 

@@ -13,7 +13,7 @@ from tests.support import Shape, random_case
 from tests.support.extremes_agreement import compare_extremes, expressions_of
 from tests.support.seeds import enough, seeds
 
-OPTIONS = (Options(), Options(order=SearchOrder.DFS, extrapolation=Extrapolation.MAX, passing=8))
+OPTIONS = (Options(), Options(order=SearchOrder.DFS, extrapolation=Extrapolation.MAX))
 
 SHAPES = {
     "plain": Shape(),

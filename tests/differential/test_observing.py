@@ -26,7 +26,6 @@ EFFORT = Effort(reference=300, sampled=0, unrolled=8)
 VARIANTS = (
     Options(partial_order=True, local_times=LocalTimes.NEVER),
     Options(partial_order=True, local_times=LocalTimes.NEVER, order=SearchOrder.DFS, subsumption=False),
-    Options(passing=4),
 )
 SHAPES = (
     Shape(hurried=0.8, clocks=1, deadlocks=False),

@@ -109,7 +109,6 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         vector=False,
         reclaim=False,
         pack_clocks=2**32 - 1,
-        passing=64,
         partial_order=True,
         chunk_words=2**16,
         rows_after=2**32 - 1,

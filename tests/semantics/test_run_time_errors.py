@@ -303,7 +303,6 @@ def test_an_error_in_a_query_leaves_the_others_their_answers(engine: Engine) -> 
 @pytest.mark.parametrize(
     "options",
     [
-        Options(passing=2),
         Options(order=SearchOrder.DFS),
         Options(shortest=True),
         Options(local_times=LocalTimes.ALWAYS),

@@ -110,7 +110,6 @@ void bind_options(nb::module_& m) {
       .def_rw("merging", &Options::merging)
       .def_rw("reclaim", &Options::reclaim)
       .def_rw("pack_clocks", &Options::pack_clocks)
-      .def_rw("passing", &Options::passing)
       .def_rw("partial_order", &Options::partial_order)
       .def_rw("shortest", &Options::shortest)
       .def_rw("proof_after", &Options::proof_after)
@@ -134,7 +133,6 @@ std::optional<FaultTuple> fault_of(Explorer& explorer) {
   if (!explorer.fault()) return std::nullopt;
   std::vector<std::vector<std::uint32_t>> path;
   const reachability::FaultReport told = explorer.told_fault(path);
-  path.insert(path.end(), told.passed.begin(), told.passed.end());
   return FaultTuple{told.kind, told.position, std::move(path), told.edges};
 }
 

@@ -295,7 +295,7 @@ Path LivenessSearch::path_so_far() {
     Reachable& reachable = overview_.reachable;
     const bool reaching = overview_.stage == Stage::reaching && !overview_.attempts;
     const std::uint32_t node = reaching ? reachable.node() : overview_.begun;
-    if (node != no_node) path = reachability::path_to(graph_, reachable.states(), 0, node);
+    if (node != no_node) path = reachability::path_to(graph_, reachable.states(), node);
     if (reaching) return path;
   }
   const std::vector<std::uint32_t> open = stack_.path();

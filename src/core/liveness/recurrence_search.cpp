@@ -262,7 +262,7 @@ Path RecurrenceSearch::path_to_state(State state, std::size_t& begins) {
   std::reverse(chain.begin(), chain.end());
   Path path;
   const auto origin = beginnings_.origins.find(chain.front());
-  if (origin != beginnings_.origins.end()) path = path_to(graph_, beginnings_.reachable.states(), 0, origin->second);
+  if (origin != beginnings_.origins.end()) path = path_to(graph_, beginnings_.reachable.states(), origin->second);
   begins = path.size();
   for (std::size_t number = 1; number < chain.size(); ++number) {
     const std::vector<Step> steps = steps_from(chain[number - 1]);
@@ -306,8 +306,8 @@ Status RecurrenceSearch::run(std::uint64_t steps) {
 Path RecurrenceSearch::path_so_far() {
   std::size_t begins = 0;
   if (beginnings_.reaching && beginnings_.reachable.node() != no_node)
-    return path_to(graph_, beginnings_.reachable.states(), 0, beginnings_.reachable.node());
-  if (beginnings_.origin != no_node) return path_to(graph_, beginnings_.reachable.states(), 0, beginnings_.origin);
+    return path_to(graph_, beginnings_.reachable.states(), beginnings_.reachable.node());
+  if (beginnings_.origin != no_node) return path_to(graph_, beginnings_.reachable.states(), beginnings_.origin);
   return way_.expanded == no_node ? Path{} : path_to_state(way_.expanded, begins);
 }
 

@@ -17,7 +17,6 @@ constexpr int attempts_by_locations = 24;  // before all discrete states do
 // Zones are stored whole, and no state is left out.
 Options plain(Options options) {
   options.pack_clocks = UINT32_MAX;
-  options.passing = 0;
   options.shortest = false;
   options.subsumption = true;
   options.order = order::SearchOrder::breadth_first;

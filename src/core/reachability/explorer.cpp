@@ -11,7 +11,6 @@ namespace tachk::reachability {
 using machine::ModelFault;
 using order::SearchOrder;
 using program::Program;
-using program::SlotSet;
 using states::no_node;
 using symbolic::Path;
 using symbolic::Successor;
@@ -25,16 +24,11 @@ Options consistent(Options options, const Limits& limits, const Program& program
     options.order = SearchOrder::breadth_first;
   if (options.shortest && options.order != SearchOrder::breadth_first)
     throw std::invalid_argument("shortest paths need a breadth-first search");
-  // Steps are counted in stored states.
-  if (options.shortest || limits.depth != UINT32_MAX) options.passing = 0;
-  // What is passed through is not measured, and paths through it are not told with the names of processes.
-  if (!program.measures.empty() || !program.interchangeable.empty()) options.passing = 0;
-  // An action that is taken first makes paths longer, and what is passed through is explored before what is new.
-  if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || !program.interchangeable.empty())
-    options.partial_order = false;
+  // An action that is taken first makes paths longer.
+  if (options.shortest || limits.depth != UINT32_MAX || !program.interchangeable.empty()) options.partial_order = false;
   // A path to a united state has not been stored, and is told only to goals.
-  if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || options.partial_order ||
-      !program.measures.empty() || !options.subsumption)
+  if (options.shortest || limits.depth != UINT32_MAX || options.partial_order || !program.measures.empty() ||
+      !options.subsumption)
     options.merging = false;
   return options;
 }
@@ -63,7 +57,6 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       goals_(graph_.program(), graph_.semantics(), graph_.operations(), options_.shortest),
       deadlocks_(graph_, goals_),
       measures_(graph_.program(), graph_.semantics(), graph_.operations()),
-      passing_(graph_, options_.passing),
       partial_order_(graph_, options_.partial_order),
       merging_(options_.merging, graph_.operations()),
       source_(graph_.blank()),
@@ -73,11 +66,10 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
-// Stores successors, unless they are covered or passed through.
+// Stores successors, unless they are covered.
 struct Explorer::Storing {
   Explorer& search;
   std::uint32_t discrete = 0;
-  bool passes = false;
 
   bool counts() const { return search.deadlocks_.counts(); }
   bool admits(const symbolic::Edges& edges) const { return search.partial_order_.admits(edges); }
@@ -85,29 +77,17 @@ struct Explorer::Storing {
     search.deadlocks_.pass(guarded, effect);
     search.partial_order_.pass(guarded, effect);
   }
-  void expect(const symbolic::Effect& effect) const {
-    // The state unpacked last is the stored one, not one that is passed through.
-    const SlotSet& written = search.passing_.actions().empty() ? effect.written : SlotSet::all();
-    search.passed_.announce(effect.slots.data(), written);
-  }
+  void expect(const symbolic::Effect& effect) const { search.passed_.announce(effect.slots.data(), effect.written); }
   bool wants(const Successor& successor) {
     if (!successor.edges.empty()) ++search.work_.transitions;
     for (const std::uint32_t edge : successor.edges) search.work_.taken[edge] = 1;
     if (search.corridor_ && !search.corridor_->contains(successor.slots)) return false;
-    passes = search.passing_.passes(successor);
-    if (passes) return true;
     discrete = search.passed_.locate();
     if (!search.options_.subsumption || !search.covers(discrete, successor)) return true;
     search.note_coverer(discrete, successor);
     return false;
   }
-  void take(const Successor& successor) {
-    if (passes) {
-      if (!search.meets_a_goal(successor)) return search.passing_.add(successor);
-      discrete = search.passed_.locate();
-    }
-    search.store(successor, discrete);
-  }
+  void take(const Successor& successor) { search.store(successor, discrete); }
 };
 
 Status Explorer::search(std::uint64_t expansions) {
@@ -118,13 +98,9 @@ Status Explorer::search(std::uint64_t expansions) {
   }
   while (!goals_.settled()) {
     if (expansions-- == 0) return Status::running;
-    if (passing_.next(source_)) {
-      pass();
-    } else {
-      const std::uint32_t node = next();
-      if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
-      expand(node);
-    }
+    const std::uint32_t node = next();
+    if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
+    expand(node);
     if (passed_.stored() > limits_.states) return Status::state_limit;
     if (needs_too_much_memory()) return Status::memory_limit;
   }
@@ -146,21 +122,8 @@ void Explorer::expand(std::uint32_t number) {
   waiting_.begin(source_.slots.data());
   graph_.unpack(passed_, number, source_);
   deadlocks_.begin(number, source_);
-  passing_.begin(!deadlocks_.open());
   for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
   deadlocks_.end(number, source_);
-  end_of_expansion();
-}
-
-// Expands a state that is passed through, on the way from the stored state that was expanded last.
-void Explorer::pass() {
-  ++work_.explored;
-  graph_.expand(source_, Storing{*this});
-  end_of_expansion();
-}
-
-void Explorer::end_of_expansion() {
-  if (passing_.any()) return;
   waiting_.close();
   waiting_.consider(graph_.program(), passed_);
 }
@@ -212,7 +175,7 @@ void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successo
   try {
     measures_.check(number, slots, zone);
   } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
-    throw FaultReport{fault.kind, fault.position, number, {}, {}};
+    throw FaultReport{fault.kind, fault.position, number, {}};
   }
 }
 
@@ -224,15 +187,6 @@ bool Explorer::keeps_layers(std::uint32_t node) {
   if (layers_.begins(node, passed_.size())) goals_.end_layer();
   passed_.protect(node + 1, layers_.end());
   return !goals_.settled();
-}
-
-// A state to be passed through is stored nevertheless if a goal is reached in it, or fails.
-bool Explorer::meets_a_goal(const Successor& successor) {
-  try {
-    return goals_.meets_any(successor.slots, successor.zone);
-  } catch (const ModelFault&) {
-    return true;
-  }
 }
 
 // ---- how it is asked for --------------------------------------------------------------------------------------------
@@ -249,9 +203,9 @@ Status Explorer::search_keeping_faults(std::uint64_t expansions) {
   } catch (const FaultReport& report) {
     fault_ = report;
   } catch (const symbolic::ActionFault& fault) {
-    fault_ = FaultReport{fault.kind, fault.position, node_, passing_.actions(), fault.edges};
+    fault_ = FaultReport{fault.kind, fault.position, node_, fault.edges};
   } catch (const ModelFault& fault) {
-    fault_ = FaultReport{fault.kind, fault.position, node_, passing_.actions(), {}};
+    fault_ = FaultReport{fault.kind, fault.position, node_, {}};
   } catch (const symbolic::ConstantOverflow&) {
     return Status::constant_limit;
   } catch (const TooMuchMemory&) {
@@ -262,8 +216,7 @@ Status Explorer::search_keeping_faults(std::uint64_t expansions) {
 }
 
 Statistics Explorer::statistics() const {
-  return {work_.explored, passed_.stored(), work_.transitions,
-          passed_.bytes() + waiting_.bytes() + merging_.bytes() + passing_.bytes()};
+  return {work_.explored, passed_.stored(), work_.transitions, passed_.bytes() + waiting_.bytes() + merging_.bytes()};
 }
 
 std::vector<std::uint32_t> Explorer::taken() const {
@@ -305,7 +258,7 @@ Path Explorer::path_to_goal(std::size_t goal) {
   return narrow->path_to_goal(goal);
 }
 
-Path Explorer::path(std::uint32_t node) { return path_to(graph_, passed_, options_.passing, node); }
+Path Explorer::path(std::uint32_t node) { return path_to(graph_, passed_, node); }
 
 FaultReport Explorer::told_fault(Path& path) {
   FaultReport report = *fault_;
@@ -318,10 +271,10 @@ FaultReport Explorer::told_fault(Path& path) {
     return narrow->told_fault(path);
   }
   symbolic::SymbolicState last = graph_.blank();
-  path = path_to(graph_, passed_, options_.passing, report.node, &last);
+  path = path_to(graph_, passed_, report.node, &last);
   if (report.edges.empty() || !graph_.representatives().active()) return report;
   if (const std::optional<symbolic::ActionFault> fault = fault_after(graph_, last))
-    report = {fault->kind, fault->position, report.node, {}, fault->edges};
+    report = {fault->kind, fault->position, report.node, fault->edges};
   return report;
 }
 

@@ -2,7 +2,7 @@
 // each goal is reached or nothing is left.
 //
 // The loop takes the next waiting state, expands it, and stores its successors. What surrounds it has a class each: the
-// order (Waiting), what is looked for (GoalWatch, DeadlockWatch), what is not stored (PassingStates), the graph itself
+// order (Waiting), what is looked for (GoalWatch, DeadlockWatch), the graph itself
 // (ZoneGraph) and the store (PassedList). Another algorithm is another loop over the same parts.
 #pragma once
 
@@ -19,7 +19,6 @@
 #include "reachability/merging/corridor.hpp"
 #include "reachability/merging/merging.hpp"
 #include "reachability/options.hpp"
-#include "reachability/passing.hpp"
 #include "states/adaptive_check.hpp"
 #include "states/store.hpp"
 #include "stubborn/partial_order.hpp"
@@ -50,7 +49,6 @@ struct FaultReport {
   machine::FaultKind kind;
   std::int32_t position;  // of the code word
   std::uint32_t node;     // the last stored state before it; no_node for the initial state
-  symbolic::Path passed;  // actions that lead on from there, through states not stored
   symbolic::Edges edges;  // of the action; empty for a guard, an invariant of the initial state or what is measured
 };
 
@@ -109,8 +107,6 @@ class Explorer final {
   Status search_keeping_faults(std::uint64_t expansions);
   std::uint32_t next();
   void expand(std::uint32_t node);
-  void pass();
-  void end_of_expansion();
   bool needs_too_much_memory() const;
   bool covers(std::uint32_t discrete, const symbolic::Successor& successor);
   bool simulates(std::uint32_t discrete, const symbolic::Successor& successor);
@@ -118,7 +114,6 @@ class Explorer final {
   void enlist(std::uint32_t number, std::uint32_t parent, const symbolic::Successor& successor);
   void note_coverer(std::uint32_t discrete, const symbolic::Successor& successor);
   bool keeps_layers(std::uint32_t node);
-  bool meets_a_goal(const symbolic::Successor& successor);
   // The node in which a goal was reached or failed; no_node for an open one.
   std::uint32_t settled_in(std::size_t goal) const;
   // A search through the discrete states that lead to a node, which unites none.
@@ -133,12 +128,11 @@ class Explorer final {
   GoalWatch goals_;
   DeadlockWatch deadlocks_;
   MeasureWatch measures_;
-  PassingStates passing_;
   stubborn::PartialOrder partial_order_;
   merging::Merging merging_;
   std::unique_ptr<merging::Corridor> corridor_;  // null: all discrete states
   symbolic::SymbolicState source_;        // that is being expanded; a copy, because its node may be covered meanwhile
-  std::uint32_t node_ = states::no_node;  // its number, or that of the stored state from which it is passed through
+  std::uint32_t node_ = states::no_node;  // its number
   Work work_;
   std::optional<FaultReport> fault_;
 };

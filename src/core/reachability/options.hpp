@@ -16,8 +16,6 @@ struct Options : symbolic::ZoneGraphOptions, states::StoreOptions {
   bool subsumption = true;
   bool alu = true;      // a state is dropped also for one that simulates it, where only what can be reached matters
   bool merging = true;  // waiting states of one discrete part become one where their zones together are a zone
-  // States with one process in a committed location are passed through, not stored, up to so many in a row.
-  std::uint32_t passing = 0;
   // Where time cannot pass, not all orders of independent actions are explored.
   bool partial_order = false;
   bool shortest = false;  // breadth first only: no path to a goal is shorter than the one that is found

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "reachability/passing.hpp"
-
 namespace tachk::reachability {
 
 using machine::ModelFault;
@@ -33,16 +31,15 @@ struct OnlyStates {
 
 // How a state that a path may lead through is reached.
 struct BackwardStep {
-  Path actions;             // more than one where states between were not stored
+  Edges action;             // none to an initial state
   std::size_t previous;     // among the states one step before
   Arrangement arrangement;  // of the state, behind the actions; empty where processes keep their places
 };
 
-// Keeps the states that may be those of a node, each once, with the actions that lead there, and those passed through.
+// Keeps the states that may be those of a node, each once, with the action that leads there.
 struct Recogniser : OnlyStates {
   ZoneGraph& graph;
   PassedList& passed;
-  PassingStates& passing;
   std::uint32_t node;
   std::vector<SymbolicState>& states;
   std::vector<BackwardStep>& steps;
@@ -60,18 +57,16 @@ struct Recogniser : OnlyStates {
     failing.push_back(edges);
     return true;
   }
-  bool wants(const Successor& successor) const {
-    return passed.equals(node, successor.slots) || passing.passes(successor);
-  }
+  bool wants(const Successor& successor) const { return passed.equals(node, successor.slots); }
   void take(const Successor& successor) const {
-    if (passing.passes(successor)) passing.add(successor);
-    if (!passed.equals(node, successor.slots)) return;
     if (!passed.may_equal(node, graph.packed(successor.slots, successor.zone))) return;
     for (const SymbolicState& state : states)
       if (std::memcmp(state.zone.get().bytes, successor.zone.bytes, graph.operations().bytes) == 0) return;
     symbolic::Representatives& sorted = graph.representatives();
     states.push_back(graph.copy(successor));
-    steps.push_back({passing.actions_to(successor), previous, sorted.active() ? sorted.arrangement() : Arrangement{}});
+    steps.push_back({{successor.edges.begin(), successor.edges.end()},
+                     previous,
+                     sorted.active() ? sorted.arrangement() : Arrangement{}});
   }
 };
 
@@ -180,7 +175,7 @@ Path actions_through(std::vector<std::vector<BackwardStep>>& layers) {
   std::size_t number = 0;
   for (std::size_t layer = layers.size() - 1; layer > 0; --layer) {
     BackwardStep& step = layers[layer][number];
-    std::move(step.actions.rbegin(), step.actions.rend(), std::back_inserter(actions));
+    actions.push_back(std::move(step.action));
     number = step.previous;
   }
   std::reverse(actions.begin(), actions.end());
@@ -191,28 +186,21 @@ Path actions_through(std::vector<std::vector<BackwardStep>>& layers) {
 
 // Of a covered node only half a hash of the zone is known, so that two states may seem to be its own: all are followed.
 // Each is reached by the actions noted for it, so that whichever remains at the end has been reached.
-Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, std::uint32_t node,
-             SymbolicState* last) {
+Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t node, SymbolicState* last) {
   const bool sorted = graph.representatives().active();
   std::vector<std::vector<SymbolicState>> kept;  // of all layers, where processes have been sorted
-  PassingStates passing(graph, most_passing);
-  SymbolicState source = graph.blank();
-  std::vector<SymbolicState> states;  // of the last layer
+  std::vector<SymbolicState> states;             // of the last layer
   std::vector<std::vector<BackwardStep>> layers;
   for (const std::uint32_t child : chain_of_parents(passed, node)) {
     std::vector<SymbolicState> next;
     std::vector<BackwardStep>& steps = layers.emplace_back();
-    passing.begin(false);
-    if (layers.size() == 1) graph.start(Recogniser{{}, graph, passed, passing, child, next, steps});
+    if (layers.size() == 1) graph.start(Recogniser{{}, graph, passed, child, next, steps});
     for (std::size_t number = 0; number < states.size(); ++number) {
-      Recogniser recogniser{{}, graph, passed, passing, child, next, steps, number};
+      Recogniser recogniser{{}, graph, passed, child, next, steps, number};
       for (bool goes_on = true; goes_on;) {
         goes_on = false;
-        // Whether a state was passed through depended on the goals open at the time: any may have been.
-        passing.begin(true);
         try {
           graph.expand(states[number], recogniser);
-          while (passing.next(source)) graph.expand(source, recogniser);
         } catch (const ActionFault& fault) {
           goes_on = next.empty() && recogniser.leaves_out(fault.edges);
         } catch (const ModelFault&) {

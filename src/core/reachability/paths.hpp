@@ -13,11 +13,10 @@
 namespace tachk::reachability {
 
 // The actions that lead from the initial state to a node, found from one node of the chain of its parents to the next.
-// `most_passing`: how many states in a row may have been passed through.
 // Where states are told with interchangeable processes sorted, the actions are those of a run in which no process ever
 // changes its place. `last`: gets the state at the end of that run.
-symbolic::Path path_to(symbolic::ZoneGraph& graph, states::PassedList& passed, std::uint32_t most_passing,
-                       std::uint32_t node, symbolic::SymbolicState* last = nullptr);
+symbolic::Path path_to(symbolic::ZoneGraph& graph, states::PassedList& passed, std::uint32_t node,
+                       symbolic::SymbolicState* last = nullptr);
 
 // The run-time error in an action of a state.
 std::optional<symbolic::ActionFault> fault_after(symbolic::ZoneGraph& graph, symbolic::SymbolicState& state);

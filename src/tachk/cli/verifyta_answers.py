@@ -145,7 +145,6 @@ def _verdicts(network: Network, queries: Sequence[Query], options: VerifytaOptio
         options.order,
         options.seed % 2**32,
         options.extrapolation,
-        passing=options.passing,
         shortest=options.trace is TraceChoice.SHORTEST,
         pace=Pace.FASTEST if options.trace is TraceChoice.FASTEST else Pace.EARLY,
     )

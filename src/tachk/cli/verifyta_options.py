@@ -12,7 +12,7 @@ from typing import TypeVar
 from tachk.base.diagnostics.diagnostic import InternalError, UsageError
 from tachk.base.diagnostics.suggestion import closest
 from tachk.base.seeds import DEFAULT_SEED
-from tachk.engine.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
+from tachk.engine.options import Extrapolation, SearchOrder
 
 
 class TraceChoice(StrEnum):
@@ -29,7 +29,6 @@ class VerifytaOptions:
     symbolic: show traces as sets of clock valuations.
     xtr, xml: prefixes of files for traces; empty for none.
     seed: as given.
-    passing: as in `tachk.engine.options.Options`.
     reuse: look for the answers to all queries in one search where that is possible.
     only: the number of the only formula to check, from 1.
     show_options, summary: what is printed besides verdicts.
@@ -49,7 +48,6 @@ class VerifytaOptions:
     order: SearchOrder = SearchOrder.BFS
     seed: int = DEFAULT_SEED
     extrapolation: Extrapolation = Extrapolation.LU
-    passing: int = 0
     reuse: bool = False
     only: int | None = None
     show_options: bool = True
@@ -93,7 +91,7 @@ _OPTIONS = (
     ),
     _Option("T", "reuse", False, "Answer several queries with one search."),
     _Option("", "query-index", True, "Check one query only; they count from 0."),
-    _Option("S", "statespace-consumption", True, "Store 0 all states, 1 and 2 not the committed ones; without -S all."),
+    _Option("S", "statespace-consumption", True, "No effect: all states are stored."),
     _Option("A", "convex-hull", False, "No effect: zones are exact."),
     _Option("C", "no-reduction", False, "No effect."),
     _Option("H", "hashtable-size", True, "No effect."),
@@ -277,9 +275,9 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
                 raise UsageError(f"{shown} counts from 0, so there is no {index}")
             parsed.only = index + 1
         case "statespace-consumption":
-            parsed.passing = _chosen(shown, value, {"0": 0, "1": PASSED_IN_A_ROW, "2": PASSED_IN_A_ROW})
-            if value == "2":
-                parsed.notes.append(f"{shown} 2 stores what {shown} 1 does: all states but the committed ones")
+            _chosen(shown, value, dict.fromkeys("012"))
+            if value != "0":
+                parsed.notes.append(f"{shown} {value} has no effect: all states are stored")
         case "output":
             _chosen(shown, value, dict.fromkeys(("std", "csv")))
             if value != "std":

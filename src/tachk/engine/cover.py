@@ -171,7 +171,6 @@ def find_descent(program: Program, goals: Sequence[Goal], options: Options, limi
             extrapolation=bounds,
             reclaim=False,
             pack_clocks=LARGEST_SEED,
-            passing=0,
             subsumption=True,
             proof_after=NEVER,
         )

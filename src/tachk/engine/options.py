@@ -77,8 +77,6 @@ LARGEST_SEED = 2**32 - 1
 NEVER = 2**32 - 1
 """`Options.proof_after` for no proof at all."""
 MOST_PROCESSES = 256
-PASSED_IN_A_ROW = 8
-"""`Options.passing` where a user only says that states with a committed location need not be stored."""
 
 
 REDUCTIONS = {
@@ -86,7 +84,7 @@ REDUCTIONS = {
     "Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks of "
     "`deadlock` or of largest and smallest values, nor for runs that go on for ever.",
     "merging": "make one state of states that wait to be explored and differ in their zones only, where these together "
-    "are a zone, as long as that often is so. Breadth first; not with `shortest`, `passing`, `partial_order`, a limit "
+    "are a zone, as long as that often is so. Breadth first; not with `shortest`, `partial_order`, a limit "
     "on depth, nor for largest and smallest values or runs that go on for ever.",
     "attempts": "for `-->`: on the way to all states, explore up to one state for every eight depth first, so that a "
     "run is found early. For `E<>` and `A[]` with the order `AUTO`: once 20,000 states are stored, explore up to 5,000 "
@@ -115,12 +113,9 @@ class Options:
         vector: use the widest vector instructions of this machine; off: portable code.
         reclaim: use the memory of zones again that no uncovered state has.
         pack_clocks: zones of more clocks than this are stored without those that do not matter where the processes are.
-        passing: states in which one process is in a committed location are passed through without being stored, up to
-            so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
-            explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
         partial_order: where time cannot pass, because of an urgent or committed location or an invariant, one order of
             independent actions is explored, not each of them; off: only in an attempt (see there). Not with `shortest`,
-            `passing`, a limit on depth, priorities, clocks that stop, interchangeable processes, or where `deadlock` or
+            a limit on depth, priorities, clocks that stop, interchangeable processes, or where `deadlock` or
             extreme values are asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         rows_after: from how many different zones on their rows are held once each, if that takes less memory; 0:
@@ -149,7 +144,6 @@ class Options:
     vector: bool = True
     reclaim: bool = True
     pack_clocks: int = 16
-    passing: int = 0
     local_times: LocalTimes = LocalTimes.AUTO
     partial_order: bool = False
     chunk_words: int = 8
@@ -183,7 +177,6 @@ class Options:
         _check_range("rows_after", self.rows_after, 0, 2**32 - 1)
         _check_range("proof_after", self.proof_after, 0, NEVER)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
-        _check_range("passing", self.passing, 0, 64)
         _check_range("processes", self.processes, 0, MOST_PROCESSES)
         if self.width not in (16, 32, 64):
             raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")

@@ -38,7 +38,6 @@ ALONE: Mapping[str, Options] = {
     "subsumption": replace(NO_REDUCTION, subsumption=True),
     "alu": replace(NO_REDUCTION.on("alu"), subsumption=True),
     "merging": replace(NO_REDUCTION.on("merging"), subsumption=True),
-    "passing": replace(NO_REDUCTION, passing=8),
     "local times": replace(NO_REDUCTION, local_times=LocalTimes.ALWAYS),
     "partial order": replace(NO_REDUCTION, partial_order=True),
     "cone of influence": NO_REDUCTION.on("cone"),
@@ -49,7 +48,7 @@ TOGETHER: Mapping[str, Options] = {
     **each_switched_off(),
     "local times and symmetry": Options(local_times=LocalTimes.ALWAYS),
     "partial order, all": Options(partial_order=True).off("symmetry"),
-    "depth first, passing": Options(order=SearchOrder.DFS, passing=8),
+    "depth first": Options(order=SearchOrder.DFS),
     "by progress": Options(order=SearchOrder.PROGRESS),
     "shortest": Options(shortest=True),
 }

@@ -19,8 +19,6 @@ from tachk.formats.loading.load import load_model
 from tachk.model.connectives import negation
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
-from tachk.verify.verdict import Answer
-from tachk.verify.verify import verify
 
 RECEIVERS = 40
 MANY_SUCCESSORS = f"""
@@ -93,44 +91,6 @@ def test_a_limit_on_memory_ends_a_search_in_the_midst_of_a_state() -> None:
     outcome = explore(program, goals, limits=Limits(memory_bytes=2_000_000))
     assert outcome.reason == "memory limit"
     assert outcome.statistics.states_explored == 1
-
-
-PASSED = """
-    int[0,20] n;
-    process P() {
-        init location A { to B; }
-        committed location B { to B { select i : int[0,20]; assign n = i; } }
-    }
-    system P;
-    property q : E<> n < 0;
-    property last : E<> n == 20;
-"""
-
-
-def test_states_that_are_passed_through_are_passed_once() -> None:
-    """Else there are 21^8 ways through them."""
-    loaded = load_model(Source("model.ta", PASSED))
-    never, last = verify(loaded.network, loaded.queries, Options(passing=8))
-    assert (never.answer, last.answer) == (Answer.FAILS, Answer.HOLDS)
-    assert never.statistics.states_explored < 1000
-    assert last.trace is not None
-
-
-def test_a_search_may_be_divided_between_states_that_are_passed_through() -> None:
-    network, target = model(PASSED)
-    program, goals = lower(network, [target])
-
-    def fresh() -> _core.Explorer:
-        return _core.Explorer(encode(program, goals), core_options(Options(passing=8)), core_limits(Limits()))
-
-    whole, pieces = fresh(), fresh()
-    assert whole.run(10_000) is _core.Status.FINISHED
-    steps = 1
-    while pieces.run(1) is _core.Status.RUNNING:
-        steps += 1
-    assert steps > 20
-    assert pieces.statistics() == whole.statistics()
-    assert pieces.taken() == whole.taken()
 
 
 def test_the_time_of_first_looks_counts() -> None:

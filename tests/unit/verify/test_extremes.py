@@ -238,7 +238,6 @@ def test_a_stopped_clock_keeps_its_value(verdicts: Verdicts) -> None:
         Options(order=SearchOrder.DFS),
         Options(extrapolation=Extrapolation.MAX),
         Options(subsumption=False),
-        Options(passing=8),
         Options(scale=False, width=64),
     ],
 )

@@ -29,7 +29,6 @@ from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import (
     LARGEST_SEED,
     MOST_PROCESSES,
-    PASSED_IN_A_ROW,
     Engine,
     Extrapolation,
     Limits,
@@ -144,15 +143,6 @@ _DEFAULT = Options()
     help="The abstraction of zones.",
 )
 @click.option(
-    "passing",
-    "--pass-committed",
-    type=int,
-    flag_value=PASSED_IN_A_ROW,
-    default=_DEFAULT.passing,
-    help="Do not store states in which one process is in a committed location. This takes less memory, but some of "
-    "them are explored more than once. No effect with --trace shortest, --max-depth or deadlock.",
-)
-@click.option(
     "without",
     "--without",
     metavar="NAME,...",
@@ -177,7 +167,7 @@ _DEFAULT = Options()
     "--partial-order",
     is_flag=True,
     help="Where time cannot pass, explore one order of independent actions, not each of them. No effect with "
-    "--trace shortest, --max-depth, --pass-committed, deadlock, priorities, stopwatches, interchangeable processes "
+    "--trace shortest, --max-depth, deadlock, priorities, stopwatches, interchangeable processes "
     "(but for --without symmetry), or where the search is over local times.",
 )
 @click.option(
