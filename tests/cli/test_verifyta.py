@@ -309,7 +309,7 @@ def test_options_are_honoured_or_noted(folder: Path, arguments: Sequence[str], s
 
 
 def test_harmless_values_are_not_noted(folder: Path) -> None:
-    quiet = ["-S0", "-S1", "-O", "std", "--key", "K", "--lease=168", "-T", "-n", "4"]
+    quiet = ["-S0", "-S0", "-O", "std", "--key", "K", "--lease=168", "-T", "-n", "4"]
     assert "tachk" not in verifyta(*quiet, "m.xml", "holds.q").out
 
 

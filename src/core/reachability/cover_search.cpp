@@ -54,7 +54,7 @@ struct CoverSearch::Keeping {
   std::uint32_t discrete = 0;
 
   void possible(ConstZoneRef guarded, const symbolic::Effect& effect) const {
-    search.attempt_->deadlocks.pass(guarded, effect);
+    search.attempt_->deadlocks.possible(guarded, effect);
   }
   void expect(const symbolic::Effect& effect) const {
     search.attempt_->passed.announce(effect.slots.data(), program::SlotSet::all());
@@ -105,10 +105,10 @@ void CoverSearch::expand(std::uint32_t number) {
   attempt_->passed.copy_zone(number, source_.zone);
   node_ = number;
   ++explored_;
-  attempt_->deadlocks.begin(number, source_);
+  attempt_->deadlocks.before_expand(number, source_);
   attempt_->goals.throw_failure();
   graph_.expand(source_, Keeping{*this});
-  attempt_->deadlocks.end(number, source_);
+  attempt_->deadlocks.after_expand(number, source_);
 }
 
 void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {

@@ -41,7 +41,7 @@ void DeadlockWatch::find_candidates(std::uint32_t node, SymbolicState& source) {
   }
 }
 
-void DeadlockWatch::begin(std::uint32_t node, SymbolicState& source) {
+void DeadlockWatch::before_expand(std::uint32_t node, SymbolicState& source) {
   if (!open_) return;
   find_candidates(node, source);
   if (candidates_.empty()) return;
@@ -54,7 +54,7 @@ void DeadlockWatch::begin(std::uint32_t node, SymbolicState& source) {
   finder_.begin(source.zone.get(), atoms_, delay, wants_live);
 }
 
-void DeadlockWatch::pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
+void DeadlockWatch::possible(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
   if (candidates_.empty() || !finder_.open()) return;
   atoms_.clear();
   if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
@@ -70,7 +70,7 @@ bool DeadlockWatch::meets(const Candidate& candidate, std::uint32_t node, Symbol
   return met;
 }
 
-void DeadlockWatch::end(std::uint32_t node, SymbolicState& source) {
+void DeadlockWatch::after_expand(std::uint32_t node, SymbolicState& source) {
   for (const Candidate& candidate : candidates_)
     if (meets(candidate, node, source)) goals_.settle(candidate.goal, node);
   candidates_.clear();

@@ -1,5 +1,5 @@
 // Which open goals a deadlock in the state being expanded satisfies. Whether valuations of a state are stuck follows
-// from its actions, so that the watch is told of each: begin, pass for every action that is possible, end.
+// from its actions, so that the watch observes each of them (Observers).
 #pragma once
 
 #include <cstddef>
@@ -24,10 +24,10 @@ class DeadlockWatch final {
   bool counts() const { return !candidates_.empty(); }
 
   // Goals whose predicates are a run-time error fail. Throws ModelFault. `node` is the number of the state.
-  void begin(std::uint32_t node, symbolic::SymbolicState& source);
-  void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
+  void before_expand(std::uint32_t node, symbolic::SymbolicState& source);
+  void possible(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
   // Throws ModelFault.
-  void end(std::uint32_t node, symbolic::SymbolicState& source);
+  void after_expand(std::uint32_t node, symbolic::SymbolicState& source);
 
  private:
   struct Candidate {

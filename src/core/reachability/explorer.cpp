@@ -14,7 +14,6 @@ using program::Program;
 using states::no_node;
 using symbolic::Path;
 using symbolic::Successor;
-using zones::ClockBounds;
 
 namespace {
 
@@ -33,16 +32,6 @@ Options consistent(Options options, const Limits& limits, const Program& program
   return options;
 }
 
-// Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
-// impossible, or on how long clocks have run.
-bool looks_at_actions_only(const Program& program) {
-  if (!program.measures.empty()) return false;
-  for (const program::Goal& goal : program.goals)
-    for (const program::Disjunct& disjunct : goal.disjuncts)
-      if (disjunct.deadlock != program::DeadlockLiteral::absent) return false;
-  return true;
-}
-
 // The limit is met in the midst of a state.
 struct TooMuchMemory : std::exception {};
 
@@ -52,56 +41,54 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
     : options_(consistent(options, limits, program)),
       limits_(limits),
       graph_(std::move(program), options_),
-      passed_(graph_.program(), graph_.operations(), options_, graph_.smaller_operations()),
+      store_(graph_, options_),
       waiting_(options_.order, options_.seed, limits_.depth),
-      goals_(graph_.program(), graph_.semantics(), graph_.operations(), options_.shortest),
-      deadlocks_(graph_, goals_),
-      measures_(graph_.program(), graph_.semantics(), graph_.operations()),
-      partial_order_(graph_, options_.partial_order),
-      merging_(options_.merging, graph_.operations()),
-      source_(graph_.blank()),
-      work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
-            .simulation = states::AdaptiveCheck(options_.alu && options_.subsumption && graph_.knows_simulation() &&
-                                                looks_at_actions_only(graph_.program()))} {}
+      parts_(graph_, options_),
+      source_(graph_.blank()) {}
+
+Explorer::Parts::Parts(symbolic::ZoneGraph& graph, const Options& options)
+    : taken(graph.program().edges.size()),
+      path_filter(graph.program().state_slots),
+      partial_order(graph, options.partial_order),
+      goals(graph.program(), graph.semantics(), graph.operations(), options.shortest),
+      deadlocks(graph, goals),
+      measures(graph.program(), graph.semantics(), graph.operations()) {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
 // Stores successors, unless they are covered.
 struct Explorer::Storing {
   Explorer& search;
-  std::uint32_t discrete = 0;
 
-  bool counts() const { return search.deadlocks_.counts(); }
-  bool admits(const symbolic::Edges& edges) const { return search.partial_order_.admits(edges); }
+  bool counts() const { return search.parts_.all.counts(); }
+  bool admits(const symbolic::Edges& edges) const { return search.parts_.all.admits(edges); }
   void possible(zones::ConstZoneRef guarded, const symbolic::Effect& effect) const {
-    search.deadlocks_.pass(guarded, effect);
-    search.partial_order_.pass(guarded, effect);
+    search.parts_.all.possible(guarded, effect);
   }
-  void expect(const symbolic::Effect& effect) const { search.passed_.announce(effect.slots.data(), effect.written); }
-  bool wants(const Successor& successor) {
-    if (!successor.edges.empty()) ++search.work_.transitions;
-    for (const std::uint32_t edge : successor.edges) search.work_.taken[edge] = 1;
-    if (search.corridor_ && !search.corridor_->contains(successor.slots)) return false;
-    discrete = search.passed_.locate();
-    if (!search.options_.subsumption || !search.covers(discrete, successor)) return true;
-    search.note_coverer(discrete, successor);
+  void expect(const symbolic::Effect& effect) const {
+    search.store_.states().announce(effect.slots.data(), effect.written);
+  }
+  bool wants(const Successor& successor) const {
+    if (!search.parts_.all.on_successor(successor)) return false;
+    search.store_.locate();
+    if (!search.store_.covers(successor)) return true;
+    search.parts_.all.on_covered([&] { return search.store_.coverer(successor); });
     return false;
   }
-  void take(const Successor& successor) { search.store(successor, discrete); }
+  void take(const Successor& successor) const { search.store(successor); }
 };
 
 Status Explorer::search(std::uint64_t expansions) {
   if (!std::exchange(work_.started, true)) {
     graph_.start(Storing{*this});
-    waiting_.close();
-    waiting_.consider(graph_.program(), passed_);
+    close();
   }
-  while (!goals_.settled()) {
+  while (!parts_.goals.settled()) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t node = next();
-    if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
+    if (node == no_node) return parts_.goals.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
     expand(node);
-    if (passed_.stored() > limits_.states) return Status::state_limit;
+    if (store_.states().stored() > limits_.states) return Status::state_limit;
     if (needs_too_much_memory()) return Status::memory_limit;
   }
   return Status::finished;
@@ -110,7 +97,7 @@ Status Explorer::search(std::uint64_t expansions) {
 std::uint32_t Explorer::next() {
   for (std::uint32_t node = waiting_.next(); node != no_node; node = waiting_.next()) {
     if (options_.shortest && !keeps_layers(node)) return no_node;
-    if (!passed_.covered(node) && waiting_.admits(node)) return node;
+    if (!store_.states().covered(node) && waiting_.admits(node)) return node;
   }
   return no_node;
 }
@@ -118,65 +105,33 @@ std::uint32_t Explorer::next() {
 void Explorer::expand(std::uint32_t number) {
   node_ = number;
   ++work_.explored;
-  passed_.unpack(number, source_.slots.data());
+  store_.states().unpack(number, source_.slots.data());
   waiting_.begin(source_.slots.data());
-  graph_.unpack(passed_, number, source_);
-  deadlocks_.begin(number, source_);
-  for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
-  deadlocks_.end(number, source_);
+  graph_.unpack(store_.states(), number, source_);
+  parts_.all.before_expand(number, source_);
+  while (parts_.partial_order.next()) graph_.expand(source_, Storing{*this});
+  parts_.all.after_expand(number, source_);
+  close();
+}
+
+// All successors of a state have been stored.
+void Explorer::close() {
   waiting_.close();
-  waiting_.consider(graph_.program(), passed_);
+  waiting_.consider(graph_.program(), store_.states());
 }
 
 bool Explorer::needs_too_much_memory() const {
   return limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes;
 }
 
-bool Explorer::covers(std::uint32_t discrete, const Successor& successor) {
-  return passed_.covers(discrete, graph_.packed(successor.slots, successor.zone)) || simulates(discrete, successor);
-}
-
-bool Explorer::simulates(std::uint32_t discrete, const Successor& successor) {
-  if (!work_.simulation.asks()) return false;
-  const std::size_t others = passed_.count(discrete);
-  if (others == 0) return false;
-  const ClockBounds bounds = graph_.bounds(successor.slots);
-  const bool simulated = passed_.covers(discrete, graph_.packed(successor.slots, successor.zone), &bounds);
-  work_.simulation.tell(simulated, others);
-  return simulated;
-}
-
-// What covers a successor only in that it can do as much is not asked for.
-void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) {
-  if (!partial_order_.asks()) return;
-  const std::uint32_t coverer = passed_.coverer(discrete, graph_.packed(successor.slots, successor.zone));
-  if (coverer != no_node) partial_order_.leads_to(coverer);
-}
-
-void Explorer::store(const Successor& successor, std::uint32_t discrete) {
+void Explorer::store(const Successor& successor) {
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
-  const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
-  const states::ZoneView united = merging_.united(passed_, discrete, zone, waiting_.first_untouched());
-  const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
-  const std::uint32_t number =
-      passed_.add(discrete, united, parent, options_.subsumption, work_.simulation.asking() ? &bounds : nullptr);
-  if (number == no_node) return note_coverer(discrete, successor);
-  merging_.stored(number);
-  partial_order_.leads_to(number);
-  enlist(number, parent, successor);
+  const std::uint32_t number = store_.add(successor, parent, waiting_.first_untouched());
+  if (number == no_node) return parts_.all.on_covered([&] { return store_.coverer(successor); });
+  waiting_.add(number, parent, successor.slots, store_.states().covered_last());
+  parts_.all.on_store(number, successor);
   constexpr std::uint32_t seldom = 256;  // one state may have very many successors
   if (number % seldom == seldom - 1 && needs_too_much_memory()) throw TooMuchMemory{};
-}
-
-void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor) {
-  const auto [edges, slots, zone] = successor;
-  waiting_.add(number, parent, slots, passed_.covered_last());
-  goals_.check(number, slots, zone);
-  try {
-    measures_.check(number, slots, zone);
-  } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
-    throw FaultReport{fault.kind, fault.position, number, {}};
-  }
 }
 
 // ---- special cases --------------------------------------------------------------------------------------------------
@@ -184,9 +139,9 @@ void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successo
 // For shortest paths: a waiting state may be covered only by one that is no further from the initial state. False if
 // the layer that has been gone through settles the goals.
 bool Explorer::keeps_layers(std::uint32_t node) {
-  if (layers_.begins(node, passed_.size())) goals_.end_layer();
-  passed_.protect(node + 1, layers_.end());
-  return !goals_.settled();
+  if (layers_.begins(node, store_.states().size())) parts_.goals.end_layer();
+  store_.states().protect(node + 1, layers_.end());
+  return !parts_.goals.settled();
 }
 
 // ---- how it is asked for --------------------------------------------------------------------------------------------
@@ -216,41 +171,32 @@ Status Explorer::search_keeping_faults(std::uint64_t expansions) {
 }
 
 Statistics Explorer::statistics() const {
-  return {work_.explored, passed_.stored(), work_.transitions, passed_.bytes() + waiting_.bytes() + merging_.bytes()};
-}
-
-std::vector<std::uint32_t> Explorer::taken() const {
-  std::vector<std::uint32_t> edges;
-  for (std::uint32_t edge = 0; edge < work_.taken.size(); ++edge)
-    if (work_.taken[edge] != 0) edges.push_back(edge);
-  return edges;
+  return {work_.explored, store_.states().stored(), parts_.taken.steps(), store_.bytes() + waiting_.bytes()};
 }
 
 std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
-  return goals_.node(goal) == no_node ? std::nullopt : std::optional(goals_.node(goal));
+  return parts_.goals.node(goal) == no_node ? std::nullopt : std::optional(parts_.goals.node(goal));
 }
 
 std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program program) {
-  auto corridor = std::make_unique<merging::Corridor>(graph_.program().state_slots);
-  std::vector<std::int32_t> slots(source_.slots.size());
-  for (const std::uint32_t origin : merging_.origins(passed_, node)) {
-    passed_.unpack(origin, slots.data());
-    corridor->add(slots.data());
-  }
   Options options = options_;
   options.merging = false;
   auto search = std::make_unique<Explorer>(std::move(program), options);
-  search->corridor_ = std::move(corridor);
+  std::vector<std::int32_t> slots(source_.slots.size());
+  for (const std::uint32_t origin : store_.merging().origins(store_.states(), node)) {
+    store_.states().unpack(origin, slots.data());
+    search->parts_.path_filter.add(slots.data());
+  }
   return search;
 }
 
 std::uint32_t Explorer::settled_in(std::size_t goal) const {
-  const std::uint32_t reached = goals_.node(goal);
-  return reached == no_node && goals_.failure(goal) ? goals_.failure(goal)->node : reached;
+  const std::uint32_t reached = parts_.goals.node(goal);
+  return reached == no_node && parts_.goals.failure(goal) ? parts_.goals.failure(goal)->node : reached;
 }
 
 Path Explorer::path_to_goal(std::size_t goal) {
-  if (!merging_.any()) return path(settled_in(goal));
+  if (!has_merged()) return path(settled_in(goal));
   const std::unique_ptr<Explorer> narrow = among_origins(settled_in(goal), graph_.program());
   while (narrow->settled_in(goal) == no_node)
     if (narrow->run(1) != Status::running && narrow->settled_in(goal) == no_node)
@@ -258,12 +204,12 @@ Path Explorer::path_to_goal(std::size_t goal) {
   return narrow->path_to_goal(goal);
 }
 
-Path Explorer::path(std::uint32_t node) { return path_to(graph_, passed_, node); }
+Path Explorer::path(std::uint32_t node) { return path_to(graph_, store_.states(), node); }
 
 FaultReport Explorer::told_fault(Path& path) {
   FaultReport report = *fault_;
   if (report.node == no_node) return report;
-  if (merging_.any()) {
+  if (has_merged()) {
     Program endless = graph_.program();  // no goal ends the search before the error does
     endless.goals.emplace_back();
     const std::unique_ptr<Explorer> narrow = among_origins(report.node, std::move(endless));
@@ -271,7 +217,7 @@ FaultReport Explorer::told_fault(Path& path) {
     return narrow->told_fault(path);
   }
   symbolic::SymbolicState last = graph_.blank();
-  path = path_to(graph_, passed_, report.node, &last);
+  path = path_to(graph_, store_.states(), report.node, &last);
   if (report.edges.empty() || !graph_.representatives().active()) return report;
   if (const std::optional<symbolic::ActionFault> fault = fault_after(graph_, last))
     report = {fault->kind, fault->position, report.node, fault->edges};
@@ -279,7 +225,7 @@ FaultReport Explorer::told_fault(Path& path) {
 }
 
 bool Explorer::leads_to(const Path& actions, std::size_t goal) {
-  return reachability::leads_to(graph_, goals_, deadlocks_, actions, goal);
+  return reachability::leads_to(graph_, parts_.goals, parts_.deadlocks, actions, goal);
 }
 
 }  // namespace tachk::reachability

@@ -12,6 +12,7 @@
 #include "program/program.hpp"
 #include "states/store.hpp"
 #include "symbolic/successor.hpp"
+#include "symbolic/zone_graph.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
@@ -32,6 +33,9 @@ class GoalWatch final {
 
   // Looks which open goals a new state satisfies by its predicates, and of which these are a run-time error there.
   void check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone);
+  void on_store(std::uint32_t node, const symbolic::Successor& successor) {
+    check(node, successor.slots, successor.zone);
+  }
   // Whether there is one. Throws ModelFault.
   bool meets_any(std::int32_t* slots, zones::ConstZoneRef zone);
   // Whether some valuation of the zone satisfies the condition. Throws ModelFault.

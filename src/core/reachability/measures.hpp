@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "program/program.hpp"
+#include "reachability/observers.hpp"
 #include "states/store.hpp"
 #include "symbolic/successor.hpp"
 #include "zones/zone.hpp"
@@ -26,6 +27,15 @@ class MeasureWatch final {
  public:
   MeasureWatch(const program::Program& program, symbolic::Semantics& semantics,
                const zones::ZoneOperations& operations);
+
+  // Looks at a new state. Throws FaultReport: the error is of that state, not of the action that leads there.
+  void on_store(std::uint32_t node, const symbolic::Successor& successor) {
+    try {
+      check(node, successor.slots, successor.zone);
+    } catch (const machine::ModelFault& fault) {
+      throw FaultReport{fault.kind, fault.position, node, {}};
+    }
+  }
 
   // Looks at a new state. Throws ModelFault.
   void check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone);

@@ -86,7 +86,7 @@ struct Follower : OnlyStates {
 struct Prober {
   DeadlockWatch& deadlocks;
 
-  void possible(zones::ConstZoneRef guarded, const Effect& effect) const { deadlocks.pass(guarded, effect); }
+  void possible(zones::ConstZoneRef guarded, const Effect& effect) const { deadlocks.possible(guarded, effect); }
   void expect(const Effect&) const {}
   bool wants(const Successor&) const { return false; }
   void take(const Successor&) const {}
@@ -247,9 +247,9 @@ bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, cons
     for (SymbolicState& state : states) {
       goals.check(0, state.slots.data(), state.zone.get());
       if (!deadlocks.open()) continue;
-      deadlocks.begin(0, state);
+      deadlocks.before_expand(0, state);
       graph.expand(state, Prober{deadlocks});
-      deadlocks.end(0, state);
+      deadlocks.after_expand(0, state);
     }
   } catch (const ModelFault&) {
   } catch (const ConstantOverflow&) {

@@ -11,7 +11,7 @@ PartialOrder::PartialOrder(symbolic::ZoneGraph& graph, bool wanted)
     process_of_.push_back(static_cast<std::uint8_t>(edge.process));
 }
 
-void PartialOrder::begin(std::uint32_t node, const symbolic::SymbolicState& source) {
+void PartialOrder::before_expand(std::uint32_t node, const symbolic::SymbolicState& source) {
   node_ = node;
   source_ = &source;
   members_ = sets_.enough(source.slots.data(), source.zone.get());

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "states/store.hpp"
 #include "stubborn/stubborn_sets.hpp"
 #include "symbolic/zone_graph.hpp"
 
@@ -18,7 +19,7 @@ class PartialOrder final {
   PartialOrder(symbolic::ZoneGraph& graph, bool wanted);
 
   // A state is going to be expanded, in as many parts as `next` says.
-  void begin(std::uint32_t node, const symbolic::SymbolicState& source);
+  void before_expand(std::uint32_t node, const symbolic::SymbolicState& source);
   // Whether there is one more part to expand.
   bool next();
   // Whether an action belongs to the part.
@@ -26,10 +27,13 @@ class PartialOrder final {
     return part_ == Part::all || (members_ >> process_of_[edges.front()] & 1) == (part_ == Part::members);
   }
   // An action of the part is possible, and then perhaps: what it leads to is in this node.
-  void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
+  void possible(zones::ConstZoneRef guarded, const symbolic::Effect& effect) {
     if (part_ == Part::members) sure_ = is_sure(guarded, effect);
   }
-  void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (asks() && !puts_off(node)); }
+  void on_store(std::uint32_t node, const symbolic::Successor&) { leads_to(node); }
+  void on_covered(std::uint32_t node) {
+    if (node != states::no_node) leads_to(node);
+  }
   // How many states have been expanded with some of their actions only.
   std::uint64_t reduced_states() const { return reduced_states_; }
   // Whether it matters which node that is.
@@ -38,6 +42,7 @@ class PartialOrder final {
  private:
   enum class Part : std::uint8_t { none, members, others, all };
 
+  void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (asks() && !puts_off(node)); }
   // Whether every valuation of the source can take the action.
   bool is_sure(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
 

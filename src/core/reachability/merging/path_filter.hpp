@@ -1,4 +1,4 @@
-// Some discrete states, told apart from all others: a search may be made to stay among them.
+// Keeps a search among some discrete states.
 #pragma once
 
 #include <algorithm>
@@ -7,15 +7,20 @@
 #include <unordered_set>
 #include <vector>
 
+#include "symbolic/zone_graph.hpp"
+
 namespace tachk::reachability::merging {
 
-class Corridor final {
+class PathFilter final {
  public:
-  explicit Corridor(std::size_t slots) : slots_(slots) {}
+  explicit PathFilter(std::size_t slots) : slots_(slots) {}
 
+  // From the first call on the search stays among the states that have been added.
   void add(const std::int32_t* slots) { states_.emplace(slots, slots + slots_); }
-  bool contains(const std::int32_t* slots) {
-    sought_.assign(slots, slots + slots_);
+
+  bool on_successor(const symbolic::Successor& successor) {
+    if (states_.empty()) return true;
+    sought_.assign(successor.slots, successor.slots + slots_);
     return states_.contains(sought_);
   }
 

@@ -1,0 +1,61 @@
+#include "reachability/covering_store.hpp"
+
+namespace tachk::reachability {
+
+using program::Program;
+using states::no_node;
+using symbolic::Successor;
+using zones::ClockBounds;
+
+namespace {
+
+// Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
+// impossible, or on how long clocks have run.
+bool looks_at_actions_only(const Program& program) {
+  if (!program.measures.empty()) return false;
+  for (const program::Goal& goal : program.goals)
+    for (const program::Disjunct& disjunct : goal.disjuncts)
+      if (disjunct.deadlock != program::DeadlockLiteral::absent) return false;
+  return true;
+}
+
+}  // namespace
+
+CoveringStore::CoveringStore(symbolic::ZoneGraph& graph, const Options& options)
+    : graph_(graph),
+      subsumption_(options.subsumption),
+      states_(graph.program(), graph.operations(), options, graph.smaller_operations()),
+      merging_(options.merging, graph.operations()),
+      simulation_(options.alu && options.subsumption && graph.knows_simulation() &&
+                  looks_at_actions_only(graph.program())) {}
+
+bool CoveringStore::covers(const Successor& successor) {
+  if (!subsumption_) return false;
+  return states_.covers(discrete_, graph_.packed(successor.slots, successor.zone)) || simulates(successor);
+}
+
+bool CoveringStore::simulates(const Successor& successor) {
+  if (!simulation_.asks()) return false;
+  const std::size_t others = states_.count(discrete_);
+  if (others == 0) return false;
+  const ClockBounds bounds = graph_.bounds(successor.slots);
+  const bool simulated = states_.covers(discrete_, graph_.packed(successor.slots, successor.zone), &bounds);
+  simulation_.tell(simulated, others);
+  return simulated;
+}
+
+std::uint32_t CoveringStore::coverer(const Successor& successor) const {
+  return states_.coverer(discrete_, graph_.packed(successor.slots, successor.zone));
+}
+
+std::uint32_t CoveringStore::add(const Successor& successor, std::uint32_t parent, std::uint32_t first_untouched) {
+  const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
+  const states::ZoneView united = merging_.united(states_, discrete_, zone, first_untouched);
+  const ClockBounds bounds = simulation_.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
+  const std::uint32_t number =
+      states_.add(discrete_, united, parent, subsumption_, simulation_.asking() ? &bounds : nullptr);
+  if (number != no_node) merging_.stored(number);
+  return number;
+}
+
+}  // namespace tachk::reachability
