@@ -24,9 +24,10 @@
 
 #include "liveness/covered_graph.hpp"
 #include "liveness/ends.hpp"
+#include "liveness/nested_search.hpp"
 #include "liveness/reachable.hpp"
 #include "liveness/restriction.hpp"
-#include "liveness/search_stack.hpp"
+#include "liveness/stuck_path.hpp"
 #include "liveness/violation.hpp"
 #include "reachability/cover_parts.hpp"
 #include "reachability/explorer.hpp"
@@ -62,9 +63,6 @@ class LivenessSearch final {
   bool gets_stuck(const symbolic::Path& actions, std::size_t begins);
 
  private:
-  struct Descending;
-  struct Finding;
-
   enum class Stage { reaching, proving, descending };
   // Where runs begin, and what is reachable: of p --> q all states, else those of the restricted graph.
   struct Overview {
@@ -77,14 +75,9 @@ class LivenessSearch final {
     std::uint32_t next = 0;                 // the next one that is looked at
     bool attempts = false;                  // reaching: whether the step at hand is one depth first
     bool met = false;                       // whether p holds in one of the reached states
+    bool complete = true;                   // reaching: whether the limit on depth has left nothing out
     zones::InPieces pieces = {};
   };
-  // An action that leads back to an open state.
-  struct Closing {
-    std::uint32_t state;
-    symbolic::Edges edges;
-  };
-
   Overview overview();
   reachability::Status search(std::uint64_t steps);
   std::uint64_t stored() const;
@@ -95,12 +88,8 @@ class LivenessSearch final {
   bool prove();
   bool descend();
   bool start();
-  bool start_from(std::uint32_t node);
-  void expand();
-  void push(const symbolic::Successor& successor);
-  void unpack(std::uint32_t number);
-  void found(ViolationKind kind);
-  symbolic::Edges edges_between(std::uint32_t from, std::uint32_t to);
+  bool complete() const { return proved_ || (overview_.complete && nested_.complete()); }
+  symbolic::Path stem();
   symbolic::Path path_so_far();
 
   reachability::Options options_;
@@ -109,12 +98,9 @@ class LivenessSearch final {
   Restriction restriction_;
   Ends ends_;
   Overview overview_;
-  states::PassedList passed_;  // finished states; the later one has finished, the larger is its number
-  SearchStack stack_;
+  NestedSearch nested_;
   symbolic::SymbolicState source_;
-  std::optional<Closing> closing_;  // of the state being expanded
-  reachability::Statistics done_;   // without what `overview_` counts
-  bool complete_ = true;
+  bool proved_ = false;
   std::optional<Violation> violation_;
   std::optional<LivenessFault> fault_;
   reachability::CoverParts parts_;
