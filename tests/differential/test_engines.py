@@ -51,7 +51,7 @@ LONG_TIMES = {
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(2))
 def test_engines_agree_on_seeded_networks(shape: str, block: int) -> None:
     for seed in seeds(range(10 * block, 10 * block + 10)):
         assert compare(random_case(Random(seed), SHAPES[shape]), VARIANTS, EFFORT).problems == (), f"seed {seed}"
@@ -66,14 +66,14 @@ def test_searches_over_local_times_agree_with_the_others() -> None:
         replace(always, subsumption=False, chunk_words=1, rows_after=0),
     )
     suited = stuck = 0
-    for seed in seeds(range(40)):
+    for seed in seeds(range(24)):
         case = random_case(Random(seed), APART)
         program, goals = lower(case.network, case.predicates)
         is_suited = obstacle(encode(program, goals)) is None
         suited += is_suited
         stuck += is_suited and any(goal.asks_deadlock for goal in goals)
         assert compare(case, local, Effort(reference=100, sampled=150)).problems == (), f"seed {seed}"
-    assert enough(suited > 28 and stuck > 8)
+    assert enough(suited > 16 and stuck > 4)
 
 
 @pytest.mark.parametrize("shape", LONG_TIMES)

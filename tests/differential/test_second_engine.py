@@ -29,9 +29,9 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 def test_z3_agrees_with_the_other_engines(shape: str) -> None:
     decided = 0
-    for seed in seeds(range(8)):
+    for seed in seeds(range(5)):
         found = compare(random_case(Random(seed), SHAPES[shape]), (), EFFORT)
         assert found.problems == (), f"seed {seed}"
         if "smt" in found.outcomes:
             decided += sum(goal.status is not Status.UNDECIDED for goal in found.outcomes["smt"].goals)
-    assert enough(decided >= 8)
+    assert enough(decided >= 5)

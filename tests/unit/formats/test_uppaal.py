@@ -280,7 +280,7 @@ def random_model(random: Random) -> str:
     return text
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15)
 @given(st.randoms(use_true_random=False))
 def test_random_models_come_back_equal(random: Random) -> None:
     model = load(random_model(random))
@@ -305,7 +305,7 @@ def test_random_models_come_back_equal(random: Random) -> None:
         assert over.layout.templates[name].edges == picture.edges
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(st.randoms(use_true_random=False))
 def test_random_models_have_the_same_verdicts_after_the_trip(random: Random) -> None:
     model = load(random_model(random))

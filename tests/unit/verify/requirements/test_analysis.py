@@ -171,7 +171,7 @@ def _can_be_stuck(rules: list[Small]) -> bool:
     )
 
 
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(2))
 def test_what_can_collide_is_what_gets_stuck_on_a_grid(block: int) -> None:
     stuck = []
     for seed in seeds(range(10 * block, 10 * block + 10)):
