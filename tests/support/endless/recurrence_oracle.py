@@ -57,13 +57,18 @@ def answers_for_ever(network: Network, asked: Answering, states: int) -> bool | 
 
 
 def _exists_at_once(graph: _Answers, after: Expression, reached: Iterable[TimedState], budget: Budget) -> bool:
-    """Whether time need not go on where ``after`` begins to hold, which then lasts for ever."""
+    """Whether time need not go on where ``after`` holds, which then lasts for ever: always, or again and again."""
 
     def steps(node: Node) -> list[tuple[Transition | None, Node]]:
         return [step for step in graph.instant_steps(node) if graph.holds(step[1][0], after)]
 
-    begun = [(state, False) for state in reached if graph.holds(state, after) and graph.holds(state, graph.asked.kept)]
-    return _exists(begun, steps, graph.end, graph.answers, budget)
+    kept = [(state, False) for state in reached if graph.holds(state, graph.asked.kept)]
+    begun = [node for node in kept if graph.holds(node[0], after)]
+    again = [lambda node, _, __: graph.answers(node), lambda node, _, __: graph.holds(node[0], after)]
+    return (
+        _exists(begun, steps, graph.end, graph.answers, budget)
+        or avoiding_run(dict.fromkeys(kept, ()), graph.instant_steps, _nowhere, budget, again) is not None
+    )
 
 
 def _exists(
