@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from bench.conformance import logs_of_clients
-from tachk.recordings.conformance.asking import with_log as with_application
+from tachk.recordings.conformance.conform_file import with_log as with_application
 from tachk.recordings.conformance.events import EventLog, RecordedEvent
 
 CALLED, LEFT, BACK, TOLD_ALL, TOLD_SOME = range(5)

@@ -20,8 +20,8 @@ from typing import Any
 
 import tachk
 from tachk.engine.options import Limits
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
@@ -148,7 +148,7 @@ def main() -> None:
         if found.refusal is not None and found.refusal.event is not None:
             event = recording.events[found.refusal.event]
             print(f"    at {event.place}: {event.name} {dict(event.cells)}; {found.refusal.state}")
-            for offer in found.refusal.offers[:4]:
+            for offer in found.refusal.enabled_events[:4]:
                 print(f"    allowed: {offer.text} {offer.earliest}..{offer.latest}")
 
 

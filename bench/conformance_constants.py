@@ -15,8 +15,8 @@ from pathlib import Path
 import tachk
 from bench.conformance import LADDER, as_told, settings
 from tachk.engine.options import Limits
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.xrce.conformance.packet_events import read_capture
 
 WRONG: dict[str, tuple[dict[str, int], tuple[str, ...]]] = {

@@ -23,8 +23,8 @@ import tachk
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.console_script import RARELY
 from tachk.formats.loading.recorded_models import recorded_model
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.events import EventLog
 from tachk.xrce.conformance.packet_events import read_capture
 

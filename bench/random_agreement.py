@@ -49,7 +49,7 @@ SHAPES = (
     Shape(language=True, faults=0.3, priorities=True, clocks=2),
     Shape(language=True, faults=0.08, exact=0.3, diagonals=True, clocks=2, constant=3, processes=2),
     Shape(language=True, faults=0.08, stopwatches=True, clocks=2),
-    Shape(language=True, faults=0.3, listeners=1, blockers=1, processes=2, clocks=1, locations=3),
+    Shape(language=True, faults=0.3, receivers=1, blockers=1, processes=2, clocks=1, locations=3),
 )
 
 _EFFORT = Effort(reference=250, sampled=500)

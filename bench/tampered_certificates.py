@@ -39,7 +39,7 @@ from tachk.meaning.judge.certificate import (
     read_certificates,
     starts,
 )
-from tachk.meaning.judge.exchanges import ExchangeGroup, exchange
+from tachk.meaning.judge.transpositions import SymmetryGroup, group_element
 from tachk.meaning.symbolic import elapse, fire, initial_situation, intersections, situation, where
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -50,8 +50,8 @@ from tachk.verify.verdict import Answer
 from tachk.verify.verify import verify
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
-from tests.support.symmetric.rings import random_ring_case
 
 SHAPES = (
     Shape(),
@@ -198,7 +198,7 @@ def _with_other_groups(header: CertificateHeader, random: Random) -> Certificate
     name = random.choice(("slots", "clocks", "channels", "names", "tables", "cyclic"))
     if name == "cyclic":
         told[name] = not told[name]
-        return replace(header, groups=tuple(map(ExchangeGroup.from_json, groups)))
+        return replace(header, groups=tuple(map(SymmetryGroup.from_json, groups)))
     part = [list(own) for own in told[name]]
     filled = [own for own in part if own]
     if filled and random.random() < 0.5:
@@ -213,10 +213,10 @@ def _with_other_groups(header: CertificateHeader, random: Random) -> Certificate
     else:
         random.shuffle(part)
     told[name] = part
-    return replace(header, groups=tuple(map(ExchangeGroup.from_json, groups)))
+    return replace(header, groups=tuple(map(SymmetryGroup.from_json, groups)))
 
 
-def _everything(elements: list[Element], groups: Sequence[ExchangeGroup], dimension: int) -> Iterator[Element]:
+def _everything(elements: list[Element], groups: Sequence[SymmetryGroup], dimension: int) -> Iterator[Element]:
     """All that exchanges make of elements."""
     arrangements = [
         [[(m + turn) % g.size for m in range(g.size)] for turn in range(g.size)]
@@ -225,7 +225,7 @@ def _everything(elements: list[Element], groups: Sequence[ExchangeGroup], dimens
         for g in groups
     ]
     for chosen in product(*arrangements):
-        exchanges = [exchange(group, places) for group, places in zip(groups, chosen, strict=True)]
+        exchanges = [group_element(group, places) for group, places in zip(groups, chosen, strict=True)]
         for element in elements:
             for each in exchanges:
                 discrete = list(element.discrete)

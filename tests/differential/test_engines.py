@@ -33,7 +33,7 @@ SHAPES = {
     "everything": Shape(diagonals=True, priorities=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2),
     "copies": Shape(copies=0.5),
-    "copies and others": Shape(copies=0.4, apart=0.3, exact=0.4, priorities=True, listeners=1, blockers=1),
+    "copies and others": Shape(copies=0.4, apart=0.3, exact=0.4, priorities=True, receivers=1, blockers=1),
     "copies and diagonals": Shape(copies=0.4, advances=False, diagonals=True, constant=3),
 }
 
@@ -102,7 +102,7 @@ FAULTS = {
     "language": Shape(language=True, faults=0.08, exact=0.3, processes=2, locations=3, clocks=2, constant=3),
     "faults": Shape(language=True, faults=1.0, processes=2, locations=3, clocks=2, constant=3),
     "priorities": Shape(language=True, faults=1.0, priorities=True, processes=2, locations=3, clocks=1),
-    "left out": Shape(language=True, faults=0.5, listeners=1, blockers=1, processes=2, locations=3, clocks=1),
+    "left out": Shape(language=True, faults=0.5, receivers=1, blockers=1, processes=2, locations=3, clocks=1),
     "stopwatches": Shape(language=True, faults=0.3, stopwatches=True, processes=2, locations=3, clocks=2),
     "diagonals": Shape(language=True, faults=0.3, exact=0.3, diagonals=True, processes=2, locations=3, clocks=2),
     "copies": Shape(language=True, faults=0.5, copies=0.5, processes=2, locations=3, clocks=2),

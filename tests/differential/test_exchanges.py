@@ -13,14 +13,14 @@ from tachk.engine.options import NEVER, Limits, Options
 from tachk.engine.symmetry.tables import with_symmetry
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.automorphism import Automorphisms
-from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError, exchange
+from tachk.meaning.judge.transpositions import MalformedGroupError, SymmetryGroup, group_element
 from tachk.verify.certificates import Proof, find_proof, is_provable
 from tests.support.seeds import enough, seeds
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.exchanged_states import is_kept, mutated, random_state
 from tests.support.symmetric.registers import random_register_case
-from tests.support.symmetric.rings import random_ring_case
 from tests.unit.meaning.judge.proofs import PLAIN, judged, proved, written
 
 CASES = {
@@ -46,13 +46,13 @@ def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
         slots = [slot for slot in range(processes + len(layout.initial)) if slot not in pinned]
         program = with_symmetry(lower(model.network, [])[0], model.network, [])
         for table in program.interchangeable:
-            group = ExchangeGroup(table.slots, table.clocks, table.channels, table.names, table.tables, table.cyclic)
+            group = SymmetryGroup(table.slots, table.clocks, table.channels, table.names, table.tables, table.cyclic)
             for _ in range(4):
                 try:
                     reason = proving.objection(group)
                     accepted, refused = accepted + (reason is None), refused + (reason is not None)
                     for places in group.generators() if reason is None else ():
-                        given = proving.with_own_cells(exchange(group, places))
+                        given = proving.with_own_cells(group_element(group, places))
                         for _ in range(STATES):
                             state = random_state(prepared, proving.constants, random)
                             assert is_kept(prepared, [], state, given), (seed, group, state)
@@ -63,9 +63,9 @@ def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", CASES)
-def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> None:
+def test_certificates_with_orbits_prove_what_those_without_do(kind: str) -> None:
     """Each proof is accepted by both checkers; and what is not so is not proved, with or without."""
-    with_exchanges = 0
+    with_orbits = 0
     for seed in seeds(range(12)):
         case = CASES[kind](Random(f"{kind}{seed}"))
         model = tachk.loads(case.text)
@@ -74,10 +74,10 @@ def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> N
             if not isinstance(found, Proof):
                 continue
             assert is_provable(verdict) or verdict.reason, (seed, verdict.query.text)
-            with_exchanges += bool(found.header.groups)
+            with_orbits += bool(found.header.groups)
             assert judged(model.network, verdict.query, written(found)) is None
             assert judged(model.network, verdict.query, written(proved(model.network, verdict.query, PLAIN))) is None
-    assert enough(with_exchanges)
+    assert enough(with_orbits)
 
 
 EVENTUALLY = (
@@ -96,7 +96,7 @@ EVENTUALLY = (
 @pytest.mark.parametrize("kind", ["groups", "rings"])
 def test_what_each_run_meets(kind: str) -> None:
     """Sorted or not, depth first or by a short proof: the same answers, runs that replay, and proofs."""
-    with_exchanges = proofs = 0
+    with_orbits = proofs = 0
     for seed in seeds(range(20)):
         model = tachk.loads(CASES[kind](Random(f"met{seed}")).text)
         queries = Random(seed).sample(EVENTUALLY, 3)
@@ -109,7 +109,7 @@ def test_what_each_run_meets(kind: str) -> None:
         found = [list(model.verify(*queries, options=way, limits=SHORT)) for way in ways]
         for *sorted_, plain in zip(*found, strict=True):
             for verdict in sorted_:
-                with_exchanges += verdict.statistics.interchangeable > 0
+                with_orbits += verdict.statistics.interchangeable > 0
                 if not plain.reason.endswith("limit") and not verdict.reason.endswith("limit"):
                     told = verdict.answer, verdict.fault is None
                     assert told == (plain.answer, plain.fault is None), (seed, verdict.query.text)
@@ -117,4 +117,4 @@ def test_what_each_run_meets(kind: str) -> None:
             if isinstance(proof, Proof) and proof.header.groups:
                 proofs += 1
                 assert judged(model.network, plain.query, written(proof)) is None
-    assert enough(with_exchanges and proofs)
+    assert enough(with_orbits and proofs)

@@ -34,9 +34,7 @@ def test_no_value_is_contradicted(shape: str) -> None:
         case = random_case(random, SHAPES[shape])
         if seed % 2:
             case = replace(case, predicates=(Constant(1, BOOL),))
-        with suppress(
-            UnsupportedError
-        ):  # it asks for a difference of clocks, and copies make more of them
+        with suppress(UnsupportedError):  # it asks for a difference of clocks, and copies make more of them
             found = compare_extremes(case, expressions_of(case, random, True), OPTIONS, 200)
             assert found.problems == (), f"seed {seed}"
             decided += found.decided

@@ -15,8 +15,8 @@ from tests.support.seeds import enough, seeds
 from tests.support.strategies import with_states
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
+from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
-from tests.support.symmetric.rings import random_ring_case
 
 LIMITS = Limits(states=1500)
 

@@ -24,9 +24,9 @@ from tests.support.transformations import TRANSFORMATIONS, random_run
 
 SHAPES = (
     Shape(processes=2, locations=3, clocks=2, constant=3),
-    Shape(processes=2, locations=3, clocks=1, listeners=1, blockers=1, deadlocks=False),
-    Shape(processes=2, locations=3, clocks=2, priorities=True, listeners=1),
-    Shape(processes=2, locations=3, clocks=1, language=True, listeners=1, blockers=1, hurried=0.4),
+    Shape(processes=2, locations=3, clocks=1, receivers=1, blockers=1, deadlocks=False),
+    Shape(processes=2, locations=3, clocks=2, priorities=True, receivers=1),
+    Shape(processes=2, locations=3, clocks=1, language=True, receivers=1, blockers=1, hurried=0.4),
 )
 LIMITS = Limits(states=2_000)
 

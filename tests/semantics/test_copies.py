@@ -11,7 +11,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.local_times import obstacle
 from tachk.engine.program_image import encode
 from tachk.meaning.discrete import initial_discrete, prepare
-from tachk.meaning.repetition import sight
+from tachk.meaning.repetition import observable_clocks
 from tachk.model.builder import NetworkBuilder, conditional, deadlock
 from tachk.model.fault import RuntimeErrorKind
 from tests.support.oracles import reference
@@ -196,7 +196,7 @@ def test_a_loop_that_repeats_has_the_same_values_where_others_copy_them() -> Non
     a = process.location("A", invariant=x <= 3)
     process.edge(a, a, guard=x >= 1, updates=[x.assign(y)])
     model = prepare(network.build())
-    seen = sight(model, [initial_discrete(model)], ())
+    seen = observable_clocks(model, [initial_discrete(model)], ())
     assert seen.largest == {1: 3}
     assert seen.related == {2}
 

@@ -1,5 +1,5 @@
 // What a unit for co-simulation is made of: a file that `tachk export --format fmu` writes, and that lies beside the
-// library. `tachk.simulation.fmi.blueprint` has the same fields.
+// library. `tachk.simulation.fmi.resource_file` has the same fields.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-"""What every value of an integer expression is a multiple of.
+"""Common divisors of all values of an integer expression.
 
 Needed where code computes the bound of a clock constraint or the value of a clock: the engine counts time in the
 largest unit of which all times of a model are multiples.

@@ -1,4 +1,4 @@
-"""What the edges of a network do to clocks and variables, as far as it matters for going round in circles."""
+"""Effects of edges on clocks and variables, as far as they matter for cycles."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def _waits(network: Network, process: int, edge: Edge, known: Known) -> Iterator
 
 
 def _changes(network: Network, edge: Edge, known: Known, first: bool) -> dict[Variable, Changes | None]:
-    """What the edge does to single integers.
+    """The effect of the edge on single integers.
 
     Args:
         first: nothing has been written in the same transition when its updates begin, so that its guard holds then.
@@ -172,7 +172,7 @@ def _direction(update: Expression, variable: Variable, known: Known) -> Changes 
 
 
 def _added(update: Expression, variable: Variable) -> tuple[bool, Expression] | None:
-    """What an update adds to a variable, or (False) takes from it; None where it does something else."""
+    """The value that an update adds to a variable, or (False) subtracts; None where it does something else."""
     if isinstance(update, Increment) and update.target == Reference(variable):
         return True, Constant(update.delta)
     if not isinstance(update, Assign) or update.target != Reference(variable):

@@ -59,7 +59,7 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
     Args:
         updates: those of its updates that are asked about, and nothing but them; all of the edge if there are none.
     """
-    asked = edge.updates if updates is None else updates
+    evaluated = edge.updates if updates is None else updates
     domain = FailureDomain(known)
     fails = edge.guard is not None and _assumed_fails(fold(edge.guard, known), domain)
     if updates is None and edge.synchronisation is not None:
@@ -68,7 +68,7 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
         return True
     if edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE:
         domain.narrow.clear()  # what the sender does comes between the guard of a receiver and its updates
-    return any(_fails(update, domain) and update in asked for update in edge.updates)
+    return any(_fails(update, domain) and update in evaluated for update in edge.updates)
 
 
 def _assumed_fails(guard: Expression, domain: FailureDomain) -> bool:

@@ -44,7 +44,7 @@ from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarTy
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What is known before the model runs.
+    """The values known before the model runs.
 
     Attributes:
         values: the cells of variables that nothing writes.

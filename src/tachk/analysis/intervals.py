@@ -216,7 +216,7 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
         return reduce(_hulls, stored)
 
     def _stored(self, cells: Cells, type_: Type) -> Cells:
-        """What is left of cells that are stored in a value of a type; what has no room there is a run-time error."""
+        """The cells after being stored in a value of a type; a value out of range is a run-time error."""
         ranges = _declared(type_)
         if cells == ranges:
             return cells
@@ -392,6 +392,6 @@ def _within(inner: Interval, outer: Interval) -> bool:
 
 
 def _common(inner: Interval, outer: Interval) -> Interval:
-    """What two intervals have in common; the outer one if that is nothing."""
+    """The intersection of two intervals; the outer one if it is empty."""
     low, high = max(inner[0], outer[0]), min(inner[1], outer[1])
     return (low, high) if low <= high else outer

@@ -1,4 +1,4 @@
-"""What a model can do by random runs, for scripts: `tachk.Model` has these methods."""
+"""Estimates by random runs, for scripts: `tachk.Model` has these methods."""
 
 from __future__ import annotations
 
@@ -111,10 +111,12 @@ class Estimable:
         loaded = simulated(self.loaded, self.path)
         orders = orders_of([fault] if isinstance(fault, str) else list(fault))
         settings = Settings(RunSource(seed, 0, threads, max_steps), confidence, epsilon, runs)
-        asked = list(_asked(loaded, queries))
-        if not asked:
+        chosen = list(_chosen_queries(loaded, queries))
+        if not chosen:
             raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
-        found = [estimate(ordered(query.network or loaded.network, orders).network, query, settings) for query in asked]
+        found = [
+            estimate(ordered(query.network or loaded.network, orders).network, query, settings) for query in chosen
+        ]
         return Estimates(self.path, tuple(found), settings)
 
 
@@ -134,7 +136,7 @@ def answers_among(
     options: Options,
     limits: Limits,
 ) -> dict[int, StatisticalAnswer | UncheckedQuery]:
-    """What comes of the statistical queries among those of a verification; as `answer_statistical`.
+    """The answers of the statistical queries among those of a verification; as `answer_statistical`.
 
     Args:
         questions: what was asked about the model, from which the formulas come.
@@ -160,7 +162,7 @@ def answers_among(
     return found
 
 
-def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
+def _chosen_queries(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
     from tachk.base.span import Source
     from tachk.frontend.queries.queries import is_statistical
     from tachk.frontend.queries.statistical import StatisticalReader

@@ -127,7 +127,7 @@ def conform(
     Raises UsageError if the recording does not fit the model, or it says nothing of them, UnsupportedError.
     """
     from tachk.formats.loading.recorded_models import recorded_model
-    from tachk.recordings.conformance.asking import conform_file
+    from tachk.recordings.conformance.conform_file import conform_file
     from tachk.recordings.conformance.question import ExplanationDetail, Question
 
     model = model if isinstance(model, Model) else load(model)
@@ -135,8 +135,8 @@ def conform(
     if explain not in list(ExplanationDetail):
         raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(ExplanationDetail)}")
     logs = tuple(os.fspath(each) for each in applications)
-    asked = Question(tolerance, late, unit, tuple(ports), logs, ExplanationDetail(explain))
-    return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
+    requested = Question(tolerance, late, unit, tuple(ports), logs, ExplanationDetail(explain))
+    return conform_file(model.loaded, model.path, os.fspath(recording), requested, limits or Limits())
 
 
 @checked_arguments
@@ -364,8 +364,8 @@ class Model(Estimable):
         network = self.network
         first = None if start is None else read_event(self.loaded, start, "--from", settled)
         second = read_event(self.loaded, end, "--to", settled)
-        asked = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
-        return times_between(network, first, second, last, options or Options(), limits or Limits(), asked, trace)
+        requested = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
+        return times_between(network, first, second, last, options or Options(), limits or Limits(), requested, trace)
 
     @checked_arguments
     def check(

@@ -213,7 +213,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
         return Plot(self.record, span, robustness)
 
     def to_text(self, all_violations: bool = False) -> str:
-        """What `tachk monitor` prints, with ``--all-violations`` or without."""
+        """The output of `tachk monitor`, with ``--all-violations`` or without."""
         out = StringIO()
         print_monitor(self.record, plain_console(out), all_violations)
         return out.getvalue()

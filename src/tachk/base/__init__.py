@@ -1,1 +1,1 @@
-"""What every other package may use: diagnostics, places in texts, units of time, limits, data files."""
+"""The base of every other package: diagnostics, places in texts, units of time, limits, data files."""

@@ -16,7 +16,7 @@ _MOST_CHARACTERS = 1000
 
 
 def exact_number(text: str) -> Fraction:
-    """What a decimal number or a fraction is worth.
+    """The value of a decimal number or a fraction.
 
     Raises ValueError for what is neither, and for a number of so many digits that nobody means it: to work it out would
     take all the time and memory there is.

@@ -27,7 +27,7 @@ from tachk.base.records import dataclass
 _STATM = Path("/proc/self/statm")
 _SECONDS_BETWEEN_CHECKS = 0.025
 _SLACK = 10
-"""What the process takes beside what is counted may be a tenth of the limit more, ..."""
+"""The memory of the process that is not counted may be a tenth of the limit, ..."""
 _LEAST_SLACK = 16 << 20
 """... or so many bytes: modules are loaded and allocators keep something."""
 

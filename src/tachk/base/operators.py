@@ -25,7 +25,7 @@ def wrapped(value: int) -> int:
 
 
 class OperandGroup(Enum):
-    """What an operator takes and gives."""
+    """The types of operands and result of an operator."""
 
     ARITHMETIC = 1
     """Two numbers to a number."""
@@ -61,7 +61,7 @@ class UnaryOperator(StrEnum):
 
 
 class PrefixOperator(StrEnum):
-    """What the text may have before an operand; the plus says nothing, so networks do not have it."""
+    """The operators before an operand in texts; networks do not have the plus, as it changes nothing."""
 
     PLUS = "+"
     MINUS = "-"

@@ -75,8 +75,8 @@ class PlainData:
             return value
         form = self._forms.get(kind)
         if isinstance(form, Fields):
-            told = ((key, get(value)) for key, get in form.parts.items())
-            return {key: item if type(item) in atoms else self(item) for key, item in told}
+            described = ((key, get(value)) for key, get in form.parts.items())
+            return {key: item if type(item) in atoms else self(item) for key, item in described}
         if form is not None:
             return form(value)
         if isinstance(value, tuple | list):

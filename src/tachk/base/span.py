@@ -14,7 +14,7 @@ from tachk.base.records import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """What a part of a file is about, where line and column alone say little.
+    """The part of a file to which a span belongs, where line and column alone say little.
 
     Attributes:
         names: in the terms of the model, such as ``Train, edge Appr -> Cross, guard``.
@@ -128,7 +128,7 @@ class Span:
 
     @property
     def passage(self) -> Passage | None:
-        """What the range is about, for files in which line and column alone say little."""
+        """The part of the file, for files in which line and column alone say little."""
         origin = self.source.origin
         return None if origin is None else origin.passage(self.start)
 

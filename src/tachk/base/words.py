@@ -6,14 +6,14 @@ from enum import StrEnum
 
 
 class Direction(StrEnum):
-    """What an edge does with a channel."""
+    """The direction of a synchronisation."""
 
     SEND = "!"
     RECEIVE = "?"
 
 
 class QueryKind(StrEnum):
-    """What a query asks."""
+    """The kind of a query."""
 
     POSSIBLY = "E<>"
     INVARIANTLY = "A[]"

@@ -19,7 +19,7 @@ _STATES_AT_ONCE = 100
 
 
 def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns]) -> Objection | None:
-    """What is wrong with a set of symbolic states as a proof that the goal cannot be reached; None if it is one.
+    """The reason why symbolic states do not prove that the goal is unreachable; None if they do.
 
     Raises MalformedCertificateError for states that are none of the program.
     """

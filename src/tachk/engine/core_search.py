@@ -48,7 +48,7 @@ class CoreSearch(RunningSearch, Protocol):
 
 
 def core_options(options: Options) -> _core.Options:
-    """What the core takes of the options: its own have the same names, its enumerations the same members."""
+    """The options of the core: its own have the same names, its enumerations the same members."""
     taken = _core.Options()
     for name in _OPTION_NAMES:
         value = name not in options.without if name in REDUCTIONS else getattr(options, name)
@@ -109,7 +109,7 @@ def run_in_slices(search: RunningSearch, start: float) -> tuple[_core.Status, st
 
 
 def statistics_of(search: RunningSearch, start: float) -> Statistics:
-    """What a search that began at ``start`` has done so far."""
+    """The statistics of a search that began at ``start`` so far."""
     explored, stored, transitions, peak = search.statistics()
     return Statistics(explored, stored, transitions, time.perf_counter() - start, peak)
 

@@ -108,7 +108,7 @@ class _TwoSearches:
         if search.reached():
             self._running.clear()
             return True
-        self._covers.append(_told(search.cover()))
+        self._covers.append(_cover_of(search.cover()))
         self._most = _AGAIN * search.statistics()[0]
         if search is self._all[0] and self._covers[-1].zones == self._covers[-1].groups:
             self._running.clear()
@@ -153,7 +153,7 @@ def _single(program: Program, goal: Goal, options: Options, best: Cover, explore
         check_job()
         status = search.run(_TURN, current_job().seconds_left, current_job().check_memory)
         if status is not _core.Status.RUNNING:
-            return _told(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
+            return _cover_of(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
     return None
 
 
@@ -179,11 +179,11 @@ def find_descent(program: Program, goals: Sequence[Goal], options: Options, limi
         if status is not _core.Status.FINISHED:
             return reason
         if search.violation() is None:
-            return _told(search.cover())
+            return _cover_of(search.cover())
     return "there is a run that avoids it, or seems to be"
 
 
-def _told(parts: _core.CoverParts) -> Cover:
+def _cover_of(parts: _core.CoverParts) -> Cover:
     groups = parts.groups()
 
     def blocks() -> Iterator[StateBlock]:

@@ -130,7 +130,7 @@ class _PathWalk:
         return symbolic.intersections(state.zones, symbolic.where(self.model, state.here, where))
 
     def seen(self, state: _ReachedZone) -> tuple[DiscreteState, tuple[tuple[int, ...], ...]]:
-        """What the rest of the path may depend on. Where it comes back to the same, it has probably been a loop."""
+        """The state on which the rest of the path may depend. If it comes back to the same, it is probably a loop."""
         zones = self._widened(dbm.reset(zone, self.spare, 0) for zone in state.zones)
         return state.here.discrete, tuple(zone.bounds for zone in zones)
 

@@ -18,7 +18,7 @@ from tachk.meaning import avoidance, dbm, symbolic
 from tachk.meaning.constraints import certain
 from tachk.meaning.dbm import LESS_EQUAL_ZERO, Federation, Zone, complement
 from tachk.meaning.discrete import PreparedNetwork, environment
-from tachk.meaning.repetition import sight
+from tachk.meaning.repetition import observable_clocks
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.run import Ending, TimedTrace, Transition
@@ -90,12 +90,12 @@ class _Course:
         invariant = symbolic.invariant_zone(self.model, self.states[phase])
         if invariant is None:
             return []
-        asked = certain(predicate, environment(self.model, self.states[phase]))
-        found = (dbm.constrain_all(invariant, conjunction) for conjunction in asked)
+        conjunctions = certain(predicate, environment(self.model, self.states[phase]))
+        found = (dbm.constrain_all(invariant, conjunction) for conjunction in conjunctions)
         return [zone for zone in found if zone is not None]
 
     def situation(self, phase: int) -> symbolic.Situation:
-        """What the state of a phase allows, for the valuations that the path can reach there."""
+        """The valuations that the state of a phase allows, of those that the path can reach there."""
         here = symbolic.situation(self.model, self.states[phase])
         if here.invariant is None:
             return here
@@ -143,7 +143,7 @@ def _periodic(
     course = _Course(model, run, obligation, rounds + 1)
     start = len(course.path) - len(run.loop)
     watched = [obligation.goal]
-    seen = sight(model, course.states[start:], watched)
+    seen = observable_clocks(model, course.states[start:], watched)
     still = _no_delay(model, len(course.path))
     durations = repeating(course.phases, [*course.requirements, still], start, seen, takes_time)
     if durations is None:

@@ -17,10 +17,10 @@ from tachk.engine.core_search import (
     transitions_of,
     user_seconds,
 )
-from tachk.engine.exchanged import with_exchanges
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.engine.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, RunEnd
 from tachk.engine.program_image import encode
+from tachk.engine.reduced_statistics import with_orbits
 
 
 def find_avoiding_run(
@@ -49,7 +49,7 @@ def find_avoiding_run(
         return _avoiding_run(program, avoided, begins, options, limits)
     first = _avoiding_run(program, avoided, begins, options, limits)
     if first.status is LivenessStatus.NONE or (first.status is LivenessStatus.UNDECIDED and first.fault is None):
-        return replace(first, statistics=with_exchanges(first.statistics, program))
+        return replace(first, statistics=with_orbits(first.statistics, program))
     everybody = replace(program, interchangeable=())
     second = _avoiding_run(everybody, avoided, begins, options, limits)
     return replace(second, statistics=first.statistics.then(second.statistics))

@@ -1,4 +1,4 @@
-"""What every exploration engine gives, and tells on the way."""
+"""Outcomes and progress of every exploration engine."""
 
 from __future__ import annotations
 

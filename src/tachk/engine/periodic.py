@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from tachk.engine.exact.schedule import PhaseConstraint, Requirement, SchedulePhase
 from tachk.meaning.dbm import INFINITY, bound_value, is_strict
-from tachk.meaning.repetition import Sight
+from tachk.meaning.repetition import ObservableClocks
 
 if TYPE_CHECKING:
     import z3
@@ -23,7 +23,11 @@ MILLISECONDS = 2000
 
 
 def repeating(
-    phases: Sequence[SchedulePhase], requirements: Sequence[Requirement], start: int, sight: Sight, takes_time: bool
+    phases: Sequence[SchedulePhase],
+    requirements: Sequence[Requirement],
+    start: int,
+    observable_clocks: ObservableClocks,
+    takes_time: bool,
 ) -> list[Fraction] | None:
     """The durations of the phases of a run that can go on from the beginning of the last phase as it went on from that
     of phase ``start``; None if none was found.
@@ -31,17 +35,17 @@ def repeating(
     Args:
         takes_time: at least one time unit passes between the two.
     """
-    found = _solve(phases, requirements, start, sight, takes_time, whole=False)
+    found = _solve(phases, requirements, start, observable_clocks, takes_time, whole=False)
     if found is None:
         return None
-    return _solve(phases, requirements, start, sight, takes_time, whole=True) or found
+    return _solve(phases, requirements, start, observable_clocks, takes_time, whole=True) or found
 
 
 def _solve(
     phases: Sequence[SchedulePhase],
     requirements: Sequence[Requirement],
     start: int,
-    sight: Sight,
+    observable_clocks: ObservableClocks,
     takes_time: bool,
     whole: bool,
 ) -> list[Fraction] | None:
@@ -78,11 +82,11 @@ def _solve(
     if takes_time:
         solver.add(moments[last] - moments[start] >= unit)
     for clock in range(1, len(phases[0].resets) - 1):
-        if clock not in sight.related and clock not in sight.largest:
+        if clock not in observable_clocks.related and clock not in observable_clocks.largest:
             continue
         before, after = (value(clock, phase, False) for phase in (start, last))
-        beyond = sight.largest.get(clock, 0) * unit
-        free = [] if clock in sight.related else [z3.And(before > beyond, after > beyond)]
+        beyond = observable_clocks.largest.get(clock, 0) * unit
+        free = [] if clock in observable_clocks.related else [z3.And(before > beyond, after > beyond)]
         solver.add(z3.Or([before == after, *free]))
     if solver.check() != z3.sat:
         return None

@@ -21,11 +21,11 @@ from tachk.engine.core_search import (
     transitions_of,
     user_seconds,
 )
-from tachk.engine.exchanged import with_exchanges
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, SearchProblem, ZoneSearch
 from tachk.engine.program_image import encode
+from tachk.engine.reduced_statistics import with_orbits
 
 
 def explore(
@@ -167,7 +167,7 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
     if isinstance(search, _core.Explorer):
         fault = fault_of(program, search) if ended.status is _core.Status.FAULT else None
     if isinstance(search, _core.Explorer) or search.exchanges():
-        statistics = with_exchanges(statistics, program)
+        statistics = with_orbits(statistics, program)
     outcomes = tuple(goal_outcome(program, search, number, goal, ended.status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
     reason = ended.reason

@@ -76,7 +76,7 @@ def zone_graph(network: Network, limit: int) -> ZoneGraph:
         node = waiting.popleft()
         here = situations[node[0]]
         exact = exact and not here.stopped
-        if any(symbolic.intersections([node[1]], asked.domain) for asked in here.faults):
+        if any(symbolic.intersections([node[1]], possible_fault.domain) for possible_fault in here.faults):
             reason = "run-time error"
         for move in here.moves:
             fired = symbolic.fire(here, [node[1]], move)

@@ -47,7 +47,7 @@ class ModelDifference:
 
 
 def difference(before: PlainModel, after: PlainModel) -> tuple[ModelDifference, ...]:
-    """What changed from one model to the other, in the order of the models."""
+    """The changes from one model to the other, in the order of the models."""
     changes: list[ModelDifference] = []
     _compare("declarations", _declarations(before.declarations), _declarations(after.declarations), changes)
     old = {template.name.name: template for template in before.templates}

@@ -10,7 +10,7 @@ from tachk.model.network import Edge, Network, Process
 
 INTERNAL = "tau"
 ALWAYS = "1"
-"""What stands for a guard and for updates that are not there."""
+"""The placeholders for a missing guard and missing updates."""
 
 
 @dataclass(frozen=True, slots=True)

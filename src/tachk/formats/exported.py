@@ -1,4 +1,4 @@
-"""What goes into writing a model in another format beside the model, and what comes of it. Imports nothing heavy."""
+"""Inputs and results of writing a model in another format. Imports nothing heavy."""
 
 from __future__ import annotations
 

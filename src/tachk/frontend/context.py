@@ -1,4 +1,4 @@
-"""What elaboration carries along: findings, constants, what functions do."""
+"""The state of an elaboration: findings, constants, effects of functions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _INSIDE = (VariableKind.FRAME, VariableKind.BOUND)
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """What a function or an expression touches outside its own frame.
+    """The effects of a function or an expression outside its own frame.
 
     Attributes:
         reads: global and local variables whose value, or whose place, it uses.
@@ -47,7 +47,7 @@ class Effects:
 
 @dataclass(slots=True)
 class Budget:
-    """What one model may use up before it is taken for a mistake (or an attack).
+    """The resources that one model may use before it is taken for a mistake or an attack.
 
     Attributes:
         instances: of quantifiers that are written out.
@@ -112,7 +112,7 @@ class Context:
     # ---- effects --------------------------------------------------------------------------------------------------
 
     def effects_of(self, expressions: Iterable[Expression]) -> Effects:
-        """What evaluating the expressions touches."""
+        """The effects of evaluating the expressions."""
         reads: set[Variable] = set()
         writes: set[Variable] = set()
         for expression in expressions:

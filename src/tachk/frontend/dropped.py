@@ -29,7 +29,7 @@ HYBRID_CLOCK = "hybrid clock"
 
 
 def dropped_kind(node: ast.TypeExpression) -> str | None:
-    """What to call variables of a type that is left out; None for any other type."""
+    """The noun for variables of a type that is left out; None for any other type."""
     if not isinstance(node.base, ast.BuiltinType):
         return None
     if "hybrid" in node.prefixes and node.base.name == "clock":
@@ -57,7 +57,7 @@ def declare_dropped(
 
 
 def dropped_variable(name: ast.Identifier, kind: str, shape: Type | None, context: Context) -> DroppedSymbol:
-    """What a variable that is left out is, after a warning."""
+    """The symbol of a variable that is left out, after a warning."""
     context.error(
         "W0406",
         name.span,

@@ -116,7 +116,7 @@ _Declaration = (
     | ast.UpdateHook
     | ast.ForeignImport
 )
-"""What can be declared globally."""
+"""The forms of global declarations."""
 
 
 def elaborate(

@@ -102,8 +102,8 @@ def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
         if sync is None or guard is None:
             continue
         channel = next(iter(_names(sync.channel, set(urgent))), None)
-        hears = channel is not None and urgent[channel] and sync.direction is Direction.RECEIVE
-        if channel is not None and not hears and any(_names(guard, clocks)):
+        receives = channel is not None and urgent[channel] and sync.direction is Direction.RECEIVE
+        if channel is not None and not receives and any(_names(guard, clocks)):
             yield guard
 
 

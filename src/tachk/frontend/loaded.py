@@ -180,7 +180,7 @@ def explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic
 
 
 def temporal_formula_of(loaded: LoadedModel, node: ast.TemporalFormula) -> Formula | None:
-    """What a temporal property of the model says, bounds in its time units; None where it is wrong."""
+    """The formula of a temporal property, bounds in time units of the model; None where it is wrong."""
     from tachk.frontend.queries.observer_processes import temporal_formula
 
     return temporal_formula(node, loaded.scope, replace(loaded.context, findings=DiagnosticCollector(), in_query=True))

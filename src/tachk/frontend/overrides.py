@@ -12,7 +12,7 @@ from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression
 
 _BOOLEAN_WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false", "true": "true", "false": "false"}
-"""What people write for a Boolean constant, in any case."""
+"""Spellings of Boolean constants, in any case."""
 
 
 def constant_overrides(

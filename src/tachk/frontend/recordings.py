@@ -1,4 +1,4 @@
-"""What a ``recording { ... }`` of a model says: names resolved, everything checked."""
+"""The ``recording { ... }`` of a model: names resolved, everything checked."""
 
 from __future__ import annotations
 
@@ -178,9 +178,9 @@ class _RecordingClauseReader:
         per = [self._common(name, indices) for name in clause.per]
         if None in columns or None in per:
             return None
-        told = {c[1].variable for c in columns if c and isinstance(c[1], Reference)}
+        declared = {c[1].variable for c in columns if c and isinstance(c[1], Reference)}
         for index, variable in zip(written, indices, strict=True):
-            if isinstance(variable, Variable) and variable not in told:
+            if isinstance(variable, Variable) and variable not in declared:
                 help_ = f"write `{clause.event.name}({variable.name}, ...)`, or a constant for it"
                 self.context.error("E0455", index.span, f"no column of the event tells `{variable.name}`", help_)
                 return None

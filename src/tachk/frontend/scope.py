@@ -1,4 +1,4 @@
-"""What names mean, and where."""
+"""Scopes: names and their meanings."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class _Uses:
 
 
 def unused_names(items: Sequence[ast.Item], own: Sequence[ast.Item]) -> tuple[Diagnostic, ...]:
-    """What is declared globally or in a template of the file itself and used nowhere.
+    """Declarations, global or in a template of the file itself, that are used nowhere.
 
     Names are compared, not what they mean: of two things with one name both count as used where one is.
 

@@ -41,7 +41,7 @@ Directions = Iterator[tuple[ast.Expression, Easier]]
 
 
 def bound_directions(formula: Formula, easier: Easier = True) -> Directions:
-    """What the bounds of a formula are computed from, each with what more of it does.
+    """The parameters in the bounds of a formula, each with the effect of increasing it.
 
     Args:
         easier: whether the formula is true more often where a part is; False below a negation.

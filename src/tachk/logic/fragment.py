@@ -60,7 +60,7 @@ class Offence:
 
 
 def outside_fragment(formula: Formula) -> Offence | None:
-    """What keeps a formula out of STL_{lb=0}, the first in the order of the text; None if nothing does.
+    """The first subformula that is not in STL_{lb=0}, in the order of the text; None if there is none.
 
     Bounds that are not numbers yet count as what they are: not known to be 0.
     """

@@ -1,4 +1,4 @@
-"""What has to happen so that a formula says something: the left sides of the implications that it always demands."""
+"""Triggers of a formula: the left sides of the implications that it always demands."""
 
 from __future__ import annotations
 

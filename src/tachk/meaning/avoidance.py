@@ -18,7 +18,7 @@ from tachk.model.run import DiscreteState, Transition
 
 
 def elapse_before(here: Situation, starts: Federation, goal: Federation) -> Federation:
-    """What is reached from valuations without the goal by letting time pass, as long as the goal is not met."""
+    """The valuations reached from others without the goal by delays that do not meet the goal."""
     reached: Federation = []
     for start, ahead in _by_future(starts, goal):
         reached += _between(symbolic.elapse(here, [start]), ahead)

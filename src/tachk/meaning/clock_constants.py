@@ -1,4 +1,4 @@
-"""What clocks are compared with anywhere in a network: one number for each clock, found by interval arithmetic."""
+"""Constants to which clocks are compared in a network: one number for each clock, found by interval arithmetic."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Copies:
 
 
 def clock_copies(network: Network) -> list[Copies]:
-    """What sets clocks to the values of clocks. Offsets are not negative: that is a run-time error."""
+    """The assignments of clocks to clocks. Offsets are not negative: that is a run-time error."""
     layout = cell_layout(network)
     found = []
     for assignment in clock_assignments(e for process in network.processes for e in process_expressions(process)):

@@ -199,7 +199,7 @@ def assign(zone: Zone, values: ClockValues) -> Zone:
 
 
 def _become(dimension: int, values: ClockValues) -> list[tuple[int, int]]:
-    """What every clock is set to, if only to itself."""
+    """The new value of every clock, if only itself."""
     become = [(clock, 0) for clock in range(dimension)]
     for clock, source, value in values:
         become[clock] = source, value

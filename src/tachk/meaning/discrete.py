@@ -60,7 +60,7 @@ class PreparedNetwork:
 
     @cached_property
     def memory(self) -> Memory:
-        """What is known of the discrete states that came last."""
+        """The cached facts about the last discrete states."""
         return Memory()
 
     @cached_property
@@ -196,21 +196,21 @@ def channel_named(model: PreparedNetwork, participant: Participant, scratch: Env
 
 
 @by_state
-def listeners(
+def enabled_receivers(
     model: PreparedNetwork, discrete: DiscreteState, sender: Participant, channel: int
 ) -> tuple[tuple[Participant, ...], ...]:
     """For each other process the receiving edges that may name a channel and that the committed rule admits."""
     admitted = _admitted(model, discrete)
     free = model.channels[channel][0].broadcast or admitted[sender.process]
     return tuple(
-        tuple(p for p in model.instances[process][location] if may_hear(model, p, channel))
+        tuple(p for p in model.instances[process][location] if may_receive(model, p, channel))
         if process != sender.process and (free or admitted[process])
         else ()
         for process, location in enumerate(discrete.locations)
     )
 
 
-def may_hear(model: PreparedNetwork, participant: Participant, channel: int) -> bool:
+def may_receive(model: PreparedNetwork, participant: Participant, channel: int) -> bool:
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None or synchronisation.direction is Direction.SEND:
         return False
@@ -292,7 +292,7 @@ def is_announced(model: PreparedNetwork, discrete: DiscreteState, transition: Tr
 
 
 def priority(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> Priority:
-    """What decides between transitions; larger goes first."""
+    """The priority of a transition; larger goes first."""
     channel = channel_of(model, discrete, transition)
     of_channel = model.network.default_priority if channel is None else model.channels[channel][1]
     return of_channel, max(model.network.processes[p.process].priority for p in transition.participants)

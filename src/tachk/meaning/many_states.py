@@ -29,7 +29,7 @@ from tachk.meaning.constraints import (
     conjunction,
 )
 from tachk.meaning.dbm import ClockValues
-from tachk.meaning.discrete import PreparedNetwork, Priority, bind_selects, channel_named, may_hear
+from tachk.meaning.discrete import PreparedNetwork, Priority, bind_selects, channel_named, may_receive
 from tachk.model.evaluate import ClockChanges, Environment, clock_number, composed, evaluate, execute
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
@@ -42,7 +42,7 @@ Numbers = NDArray[np.int64]
 Joint = tuple[Numbers, tuple[Participant, ...], Disjunction, int | None]
 """Rows, who acts together in them, the clock constraints of their guards, and the channel."""
 
-Offer = tuple[Disjunction, int | EvaluationFault | None]
+StepCandidate = tuple[Disjunction, int | EvaluationFault | None]
 """The clock constraints of a guard, and the channel that the edge names."""
 Effect = tuple[dict[int, int], ClockChanges]
 """The cells and clocks that updates write, with their new values."""
@@ -50,7 +50,7 @@ Memory = dict[tuple[tuple[int, ...], tuple[int, ...]], tuple[T | EvaluationFault
 """Answers where some columns have some contents, and the columns that these depend on."""
 
 NEVER: Conjunction = ((0, 0, 0),)
-"""What no clock values satisfy."""
+"""The condition that no clock values satisfy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ class ManyStates:
         self._numbers: dict[bytes, int] = {}
         self._invariants: dict[Conjunction, int] = {NEVER: 0, (): 1}
         self._hearing: dict[int, list[tuple[int, list[tuple[int, list[Participant]]]]]] = {}
-        self._guards: dict[Participant, Memory[Offer]] = {}
+        self._guards: dict[Participant, Memory[StepCandidate]] = {}
         self._effects: dict[Participant, Memory[Effect]] = {}
         self.moves: list[MoveOfManyStates] = []
         self.invalid: list[int] = []
@@ -160,8 +160,8 @@ class ManyStates:
                         else:
                             self.stands[part] |= np.isin(np.arange(model.dimension), stopped)
                 if location.invariant is not None:
-                    asked = rows[(self.limits[rows] > 0) & ~np.isin(rows, self.invalid)]
-                    self._limit(asked, partial(conditional_constraints, location.invariant))
+                    required = rows[(self.limits[rows] > 0) & ~np.isin(rows, self.invalid)]
+                    self._limit(required, partial(conditional_constraints, location.invariant))
         admitted = observes | (commitment >= commitment.max(axis=1, initial=0, keepdims=True))
         self._admitted = np.concatenate((self._admitted, admitted))
         return added
@@ -265,12 +265,12 @@ class ManyStates:
         if guard != TRUE:
             self.invalid += rows.tolist()
 
-    def _note(self, rows: Numbers, asked: Disjunction, transition: Transition, fault: EvaluationFault) -> None:
-        self.moves.append(MoveOfManyStates(np.sort(rows), rows[:0], transition, asked, fault=fault))
+    def _note(self, rows: Numbers, required: Disjunction, transition: Transition, fault: EvaluationFault) -> None:
+        self.moves.append(MoveOfManyStates(np.sort(rows), rows[:0], transition, required, fault=fault))
 
     def _joint(self, rows: Numbers) -> Iterator[Joint]:
         for here, participant in self._initiators(rows):
-            for part, guard, channel in self._offers(here, (participant,), TRUE):
+            for part, guard, channel in self._candidates(here, (participant,), TRUE):
                 if channel is None:
                     yield part, (participant,), guard, None
                     continue
@@ -291,13 +291,13 @@ class ManyStates:
                     elif synchronisation.direction is Direction.SEND:
                         yield here, participant
 
-    def _offers(
-        self, rows: Numbers, participants: tuple[Participant, ...], asked: Disjunction
+    def _candidates(
+        self, rows: Numbers, participants: tuple[Participant, ...], required: Disjunction
     ) -> Iterator[tuple[Numbers, Disjunction, int | None]]:
         """The rows in which the guard of the last participant holds for some clocks, with its constraints and the
         channel that its edge names."""
 
-        def offer(scratch: Environment) -> Offer:
+        def candidate(scratch: Environment) -> StepCandidate:
             bind_selects(self.model, participants[-1], scratch)
             guard = conditional_constraints(self.model.edge(participants[-1]).guard, scratch)
             try:
@@ -306,14 +306,14 @@ class ManyStates:
                 return guard, fault
 
         memory = self._guards.setdefault(participants[-1], {})
-        for part, found in self._ask(self.states, rows, offer, memory):
+        for part, found in self._ask(self.states, rows, candidate, memory):
             guard, channel = (TRUE, found) if isinstance(found, EvaluationFault) else found
             if isinstance(channel, EvaluationFault):
-                self._note(part, conjunction(asked, guard), Transition(participants), channel)
+                self._note(part, conjunction(required, guard), Transition(participants), channel)
             elif guard:
                 yield part, guard, channel
 
-    def _listeners(self, channel: int) -> list[tuple[int, list[tuple[int, list[Participant]]]]]:
+    def _potential_receivers(self, channel: int) -> list[tuple[int, list[tuple[int, list[Participant]]]]]:
         """The processes that may hear a channel, with the locations where they do and the edges."""
         if channel not in self._hearing:
             of_processes = [
@@ -322,7 +322,7 @@ class ManyStates:
                     [
                         (location, hearing)
                         for location, participants in enumerate(by_location)
-                        if (hearing := [p for p in participants if may_hear(self.model, p, channel)])
+                        if (hearing := [p for p in participants if may_receive(self.model, p, channel)])
                     ],
                 )
                 for q, by_location in enumerate(self.model.instances)
@@ -334,40 +334,40 @@ class ManyStates:
         self, rows: Numbers, _: int, channel: int, sender: tuple[Participant, ...], guard: Disjunction
     ) -> Iterator[Joint]:
         p = sender[0].process
-        for q, by_location in self._listeners(channel):
+        for q, by_location in self._potential_receivers(channel):
             free = rows[self._admitted[rows, p] | self._admitted[rows, q]]
             for location, hearing in by_location if q != p else ():
                 for receiver in hearing:
                     here = free[self.states[free, q] == location]
-                    for part, also, named in self._offers(here, (*sender, receiver), guard):
+                    for part, also, named in self._candidates(here, (*sender, receiver), guard):
                         if named == channel:
                             yield part, (*sender, receiver), conjunction(guard, also), channel
 
     def _receivers(
-        self, rows: Numbers, listener: int, channel: int, chosen: tuple[Participant, ...], guard: Disjunction
+        self, rows: Numbers, place: int, channel: int, chosen: tuple[Participant, ...], guard: Disjunction
     ) -> Iterator[Joint]:
         """Each process that can hear a broadcast does, by one of its edges, from the listener of that number on."""
-        if listener == len(self._listeners(channel)) or not len(rows):
+        if place == len(self._potential_receivers(channel)) or not len(rows):
             joined = self._admitted[rows][:, [p.process for p in chosen]].any(axis=1)
             yield rows[joined], chosen, guard, channel
             return
         staying = [(rows, guard)]
-        q, by_location = self._listeners(channel)[listener]
+        q, by_location = self._potential_receivers(channel)[place]
         for location, hearing in by_location if q != chosen[0].process else ():
             here = rows[self.states[rows, q] == location]
             for receiver in hearing:
-                for part, also, named in self._offers(here, (*chosen, receiver), guard):
+                for part, also, named in self._candidates(here, (*chosen, receiver), guard):
                     if named != channel:
                         continue
                     joint = conjunction(guard, also)
-                    yield from self._receivers(part, listener + 1, channel, (*chosen, receiver), joint)
+                    yield from self._receivers(part, place + 1, channel, (*chosen, receiver), joint)
                     hears = np.zeros(len(self.states), bool)
                     hears[part] = True
                     denied = [(all_[hears[all_]], conjunction(out, complemented(also))) for all_, out in staying]
                     staying = [(all_[~hears[all_]], out) for all_, out in staying] + denied
                     staying = [(some, out) for some, out in staying if len(some) and out]
         for some, out in staying:
-            yield from self._receivers(some, listener + 1, channel, chosen, out)
+            yield from self._receivers(some, place + 1, channel, chosen, out)
 
     def _updated(
         self,
@@ -376,7 +376,7 @@ class ManyStates:
         transition: Transition,
         guard: Disjunction,
     ) -> dict[ClockValues, tuple[Numbers, States]]:
-        """What the updates of a participant make of rows with their states, by what clocks have been set to."""
+        """The rows after the updates of a participant, by the values to which clocks were set."""
 
         def effect(scratch: Environment) -> Effect:
             cells = scratch.values

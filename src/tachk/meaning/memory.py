@@ -1,4 +1,4 @@
-"""What depends on nothing but the discrete state is worked out once for each of the states that came last.
+"""Caches of results that depend on the discrete state alone, for the states used last.
 
 A run that goes round the same discrete states thousands of times is then told and judged as fast as its few states are
 understood. Nothing that went wrong is remembered: it goes wrong again, in its place.
@@ -22,7 +22,7 @@ class Memory:
         self._last: tuple[Hashable, dict[Hashable, Any]] = (None, {})
 
     def of(self, discrete: Hashable) -> dict[Hashable, Any]:
-        """What is remembered of a discrete state; the one that has been there longest makes room for a new one."""
+        """The cache of a discrete state; the oldest one makes room for a new one."""
         last, known_of_last = self._last
         if discrete is last:  # its hash need not be computed again
             return known_of_last
@@ -42,22 +42,22 @@ class _Remembering(Protocol):
 
 Model = TypeVar("Model", bound=_Remembering)
 State = TypeVar("State", bound=Hashable)
-Asked = TypeVarTuple("Asked")
+Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 
 
-def by_state(function: Callable[[Model, State, *Asked], Result]) -> Callable[[Model, State, *Asked], Result]:
+def by_state(function: Callable[[Model, State, *Arguments], Result]) -> Callable[[Model, State, *Arguments], Result]:
     """A function of a model, a discrete state and what is asked about it, whose results the model remembers.
 
     The results are shared: nobody may change them.
     """
 
     @wraps(function)
-    def remembered(model: Model, discrete: State, /, *asked: *Asked) -> Result:
+    def remembered(model: Model, discrete: State, /, *arguments: *Arguments) -> Result:
         known = model.memory.of(discrete)
-        key = (function, asked)
+        key = (function, arguments)
         if key not in known:
-            known[key] = function(model, discrete, *asked)
+            known[key] = function(model, discrete, *arguments)
         found: Result = known[key]
         return found
 

@@ -9,14 +9,14 @@ from tachk.base.records import dataclass
 from tachk.meaning.clock_constants import clock_copies
 from tachk.meaning.dbm import INFINITY, bound_value
 from tachk.meaning.discrete import PreparedNetwork, stopped_clocks
-from tachk.meaning.step import constraints_in_sight
+from tachk.meaning.step import observable_constraints
 from tachk.model.expressions import Expression
 from tachk.model.run import DiscreteState
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
-    """What the discrete states of a loop can tell about clocks.
+class ObservableClocks:
+    """The observations of clocks in the discrete states of a loop.
 
     Attributes:
         largest: for each clock that is compared with constants the largest of these.
@@ -36,7 +36,9 @@ class Sight:
         return clock not in self.largest or min(before, after) > self.largest[clock]
 
 
-def sight(model: PreparedNetwork, states: Iterable[DiscreteState], predicates: Sequence[Expression]) -> Sight:
+def observable_clocks(
+    model: PreparedNetwork, states: Iterable[DiscreteState], predicates: Sequence[Expression]
+) -> ObservableClocks:
     """What the guards and invariants in sight of some discrete states, and the predicates there, compare clocks with.
 
     A clock that is set in one of these states has from then on the same value in both rounds of a loop.
@@ -45,7 +47,7 @@ def sight(model: PreparedNetwork, states: Iterable[DiscreteState], predicates: S
     related = {clock for copy in clock_copies(model.network) for clock in copy.sources}
     for state in set(states):
         related |= stopped_clocks(model, state)
-        for i, j, raw in constraints_in_sight(model, state, tuple(predicates)):
+        for i, j, raw in observable_constraints(model, state, tuple(predicates)):
             if raw >= INFINITY:
                 continue
             if i and j:
@@ -53,4 +55,4 @@ def sight(model: PreparedNetwork, states: Iterable[DiscreteState], predicates: S
             else:
                 clock = i or j
                 largest[clock] = max(largest.get(clock, 0), abs(bound_value(raw)))
-    return Sight(largest, frozenset(related))
+    return ObservableClocks(largest, frozenset(related))

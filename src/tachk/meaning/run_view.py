@@ -48,7 +48,7 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class ProcessMove:
-    """What one process does in a transition.
+    """The part of one process in a transition.
 
     Attributes:
         direction: None for an internal edge.
@@ -171,7 +171,7 @@ def view_event(network: Network, path: Sequence[Transition], transition: Transit
 
 
 class RunNames:
-    """What the numbers of one network stand for."""
+    """The names of the numbers of one network."""
 
     def __init__(self, network: Network) -> None:
         self.network = network
@@ -251,8 +251,8 @@ class RunNames:
     def _channel(self, cell: int) -> str:
         """The name of a channel, with constants of the model as indices where its edges write them."""
         name, *indices = self.layout.names[cell].replace("]", "").split("[")
-        told = [self._indices.get((name, i), {}).get(int(index), index) for i, index in enumerate(indices)]
-        return name + "".join(f"[{index}]" for index in told)
+        written = [self._indices.get((name, i), {}).get(int(index), index) for i, index in enumerate(indices)]
+        return name + "".join(f"[{index}]" for index in written)
 
     def _move(self, participant: Participant) -> ProcessMove:
         process = self.network.processes[participant.process]

@@ -25,13 +25,13 @@ from tachk.meaning.discrete import (
     bind_selects,
     channel_named,
     clocks_after,
+    enabled_receivers,
     environment,
     execute_updates,
     initial_clocks,
     initial_discrete,
     initiators,
     is_urgent,
-    listeners,
     may_be_urgent,
     may_delay,
     priority,
@@ -60,33 +60,33 @@ def initial_state(model: PreparedNetwork) -> TimedState:
 
 def satisfies_invariants(model: PreparedNetwork, state: TimedState) -> bool:
     """Whether all invariants hold; none is asked behind a false one. Raises EvaluationFault."""
-    return all(satisfies_invariant(model, state, process) for process in _telling_invariants(model, state.discrete))
+    return all(satisfies_invariant(model, state, process) for process in _relevant_invariants(model, state.discrete))
 
 
 @by_state
-def _telling_invariants(model: PreparedNetwork, discrete: DiscreteState) -> tuple[int, ...]:
+def _relevant_invariants(model: PreparedNetwork, discrete: DiscreteState) -> tuple[int, ...]:
     """The processes whose invariants are not true whatever the clocks, up to one that is false or goes wrong."""
     found: list[int] = []
     for process in range(len(discrete.locations)):
         try:
-            asked = _asked_by_invariant(model, discrete, process)
+            requirement = _invariant_requirement(model, discrete, process)
         except EvaluationFault:
             return (*found, process)
-        if not asked.constraints:
+        if not requirement.constraints:
             return (*found, process)
-        if asked.of_clocks:
+        if requirement.of_clocks:
             found.append(process)
     return tuple(found)
 
 
 def satisfies_invariant(model: PreparedNetwork, state: TimedState, process: int) -> bool:
     """Whether the invariant of a process's location holds. Raises EvaluationFault."""
-    return _holds_at(model, state, _asked_by_invariant(model, state.discrete, process))
+    return _holds_at(model, state, _invariant_requirement(model, state.discrete, process))
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
-    """What a guard or an invariant asks for in a discrete state.
+class _StepRequirement:
+    """The requirement of a guard or an invariant in a discrete state.
 
     Attributes:
         condition: None: nothing.
@@ -102,45 +102,45 @@ class _Asked:
 
 
 @by_state
-def _asked_by_invariant(model: PreparedNetwork, discrete: DiscreteState, process: int) -> _Asked:
-    return _asked(model, discrete, model.current(discrete)[process].invariant, None)
+def _invariant_requirement(model: PreparedNetwork, discrete: DiscreteState, process: int) -> _StepRequirement:
+    return _requirement(model, discrete, model.current(discrete)[process].invariant, None)
 
 
 @by_state
-def _asked_by_guard(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> _Asked:
-    return _asked(model, discrete, model.edge(participant).guard, participant)
+def _guard_requirement(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> _StepRequirement:
+    return _requirement(model, discrete, model.edge(participant).guard, participant)
 
 
-def _asked(
+def _requirement(
     model: PreparedNetwork, discrete: DiscreteState, condition: Expression | None, of: Participant | None
-) -> _Asked:
+) -> _StepRequirement:
     scratch = environment(model, discrete)
     if of is not None:
         bind_selects(model, of, scratch)
     found = conditional_constraints(condition, scratch)
-    return _Asked(condition, of, found, condition is not None and depends_on_clocks(condition))
+    return _StepRequirement(condition, of, found, condition is not None and depends_on_clocks(condition))
 
 
-def _holds_at(model: PreparedNetwork, state: TimedState, asked: _Asked) -> bool:
+def _holds_at(model: PreparedNetwork, state: TimedState, requirement: _StepRequirement) -> bool:
     """Whether a guard or an invariant holds, evaluated as docs/semantics.md says. Raises EvaluationFault.
 
     The rule says what goes wrong, and what is false whatever the clocks; the evaluator, which knows nothing of
     constraints, says what holds, unless it meets in the order of the text what the rule does not ask.
     """
-    if asked.condition is None or not asked.constraints or not asked.of_clocks:
-        return bool(asked.constraints)
+    if requirement.condition is None or not requirement.constraints or not requirement.of_clocks:
+        return bool(requirement.constraints)
     scratch = environment(model, state.discrete, state.clocks)
-    if asked.of is not None:
-        bind_selects(model, asked.of, scratch)
+    if requirement.of is not None:
+        bind_selects(model, requirement.of, scratch)
     try:
-        return holds(asked.condition, scratch)
+        return holds(requirement.condition, scratch)
     except EvaluationFault:
-        return satisfied(asked.constraints, state.clocks)
+        return satisfied(requirement.constraints, state.clocks)
 
 
 def is_open(model: PreparedNetwork, state: TimedState, participant: Participant) -> bool:
     """Whether the guard of an edge holds. Raises EvaluationFault."""
-    return _holds_at(model, state, _asked_by_guard(model, state.discrete, participant))
+    return _holds_at(model, state, _guard_requirement(model, state.discrete, participant))
 
 
 @by_state
@@ -150,7 +150,7 @@ def _channel(model: PreparedNetwork, discrete: DiscreteState, participant: Parti
     return channel_named(model, participant, scratch)
 
 
-def _hears(model: PreparedNetwork, state: TimedState, participant: Participant, channel: int) -> bool:
+def _receives(model: PreparedNetwork, state: TimedState, participant: Participant, channel: int) -> bool:
     return is_open(model, state, participant) and _channel(model, state.discrete, participant) == channel
 
 
@@ -168,8 +168,8 @@ def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> I
         yield Transition((first,))
         return
     hearing = [
-        [p for p in of_process if _hears(model, state, p, channel)]
-        for of_process in listeners(model, state.discrete, first, channel)
+        [p for p in of_process if _receives(model, state, p, channel)]
+        for of_process in enabled_receivers(model, state.discrete, first, channel)
     ]
     yield from transitions_with(
         model, state.discrete, first, channel, hearing, may_abstain=lambda receivers: not receivers
@@ -186,8 +186,8 @@ def _is_guarded(model: PreparedNetwork, state: TimedState, transition: Transitio
         return transition in begun_by(model, state, first)
     if len(others) != 1:
         return False
-    audience = (p for of_process in listeners(model, state.discrete, first, channel) for p in of_process)
-    return others[0] in audience and _hears(model, state, others[0], channel)
+    audience = (p for of_process in enabled_receivers(model, state.discrete, first, channel) for p in of_process)
+    return others[0] in audience and _receives(model, state, others[0], channel)
 
 
 def possible(model: PreparedNetwork, state: TimedState) -> list[tuple[Transition, TimedState]]:
@@ -260,7 +260,7 @@ def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Time
     if not satisfies_invariants(model, after):
         raise StepError("the delay violates an invariant")
     if _perhaps_urgent(model, state.discrete):
-        for moment in telling_moments(model, state, before=duration):
+        for moment in relevant_moments(model, state, before=duration):
             if urgent(model, _later(model, state, moment)):
                 raise StepError(f"a synchronisation over an urgent channel is enabled {moment} units into the delay")
     return after
@@ -288,7 +288,7 @@ def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:
         return False
     if not may_delay(model, state.discrete):
         return True
-    for moment in telling_moments(model, state, before=None):
+    for moment in relevant_moments(model, state, before=None):
         try:
             after = delay(model, state, moment)
         except StepError:
@@ -340,7 +340,7 @@ def _later(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Tim
     return replace(state, clocks=clocks, time=state.time + duration)
 
 
-def telling_moments(
+def relevant_moments(
     model: PreparedNetwork, state: TimedState, before: Fraction | None, predicates: Sequence[Expression] = ()
 ) -> list[Fraction]:
     """Moments in ``[0, before)`` such that whatever is possible in that time is possible at one of them, and predicates
@@ -351,7 +351,7 @@ def telling_moments(
     stopped = stopped_clocks(model, state.discrete) | {0}
     changes = {Fraction(0)}
     point = (Fraction(0), *state.clocks)
-    for i, j, raw in constraints_in_sight(model, state.discrete, tuple(predicates)):
+    for i, j, raw in observable_constraints(model, state.discrete, tuple(predicates)):
         speed = (i not in stopped) - (j not in stopped)
         if speed and raw < INFINITY:
             moment = (bound_value(raw) - (point[i] - point[j])) / speed
@@ -364,7 +364,7 @@ def telling_moments(
 
 
 @by_state
-def constraints_in_sight(
+def observable_constraints(
     model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
 ) -> frozenset[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
@@ -396,9 +396,9 @@ def constraints_in_sight(
             if channel is None:
                 candidates.append(Transition((first,)))
                 continue
-            hearing = [list(filter(guard, p)) for p in listeners(model, discrete, first, channel)]
+            hearing = [list(filter(guard, p)) for p in enabled_receivers(model, discrete, first, channel)]
             candidates.extend(transitions_with(model, discrete, first, channel, hearing, lambda receivers: True))
-    found.update(c for asked in guards.values() for conjunction in asked for c in conjunction)
+    found.update(c for requirement in guards.values() for conjunction in requirement for c in conjunction)
     for transition in candidates:
         with suppress(EvaluationFault):
             target, _ = execute_updates(model, discrete, transition)

@@ -32,12 +32,12 @@ from tachk.meaning.discrete import (
     bind_selects,
     channel_named,
     channel_of,
+    enabled_receivers,
     environment,
     execute_updates,
     initial_discrete,
     initiators,
     is_urgent,
-    listeners,
     may_delay,
     priority,
     stopped_clocks,
@@ -170,7 +170,7 @@ def guarded_transitions(
     found: list[tuple[Transition, Disjunction]] = []
     faults: list[tuple[Disjunction, EvaluationFault]] = []
 
-    def channel_heard(participant: Participant, asked: Disjunction) -> int | None:
+    def received_channel(participant: Participant, required: Disjunction) -> int | None:
         """The channel that an edge names if its guard can hold; None if not or where something goes wrong."""
         scratch = environment(model, discrete)
         bind_selects(model, participant, scratch)
@@ -178,24 +178,24 @@ def guarded_transitions(
             guards[participant] = conditional_constraints(model.edge(participant).guard, scratch)
             if not guards[participant]:
                 return None
-            asked = conjunction(asked, guards[participant])
+            required = conjunction(required, guards[participant])
             return channel_named(model, participant, scratch)
         except EvaluationFault as fault:
             guards.setdefault(participant, FALSE)
-            faults.append((asked, fault))
+            faults.append((required, fault))
             return None
 
     for first in initiators(model, discrete):
         before = len(faults)
-        channel = channel_heard(first, TRUE)
+        channel = received_channel(first, TRUE)
         if not guards[first] or len(faults) > before:
             continue
         if channel is None:
             found.append((Transition((first,)), guards[first]))
             continue
         hearing = [
-            [p for p in of_process if channel_heard(p, guards[first]) == channel]
-            for of_process in listeners(model, discrete, first, channel)
+            [p for p in of_process if received_channel(p, guards[first]) == channel]
+            for of_process in enabled_receivers(model, discrete, first, channel)
         ]
         for transition in transitions_with(
             model, discrete, first, channel, hearing, lambda receivers: all(() not in guards[r] for r in receivers)
@@ -224,7 +224,7 @@ def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
     if channel is None or not model.channels[channel][0].broadcast:
         return whole
     joined = {p.process for p in transition.participants}
-    for of_process in listeners(model, discrete, transition.participants[0], channel):
+    for of_process in enabled_receivers(model, discrete, transition.participants[0], channel):
         for participant in of_process:
             if participant.process not in joined:
                 whole = _few(model, conjunction(whole, _stays_out(model, participant, channel, scratch)))
@@ -278,7 +278,7 @@ def invariant_zone(model: PreparedNetwork, discrete: DiscreteState) -> Zone | No
 
 @by_state
 def invariant_constraints(model: PreparedNetwork, discrete: DiscreteState) -> Conjunction | None:
-    """What all invariants together ask of the clocks; None if they cannot be met whatever the clocks.
+    """The conjunction of all invariants as constraints; None if it is false whatever the clocks.
 
     Once one is false, those of later processes are not evaluated. Raises EvaluationFault, and ValueError if they are
     not convex.
@@ -314,7 +314,7 @@ def fire(here: Situation, zones: Iterable[Zone], move: Move) -> Federation:
 
 
 def elapse(here: Situation, zones: Iterable[Zone]) -> Federation:
-    """What is reached from valuations that satisfy the invariants by letting time pass, before urgency forbids it."""
+    """The valuations reached from those that satisfy the invariants by delays that urgency allows."""
     if not here.delays or here.invariant is None:
         return list(zones)
     if here.stopped:

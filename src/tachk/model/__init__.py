@@ -1,4 +1,4 @@
-"""What everything below the syntax speaks of: `types`, typed `expressions`, the `network` and queries about it.
+"""The model that everything else uses: `types`, typed `expressions`, the `network` and queries about it.
 
 `evaluate` says what expressions mean, `traversal` walks over them, `cell_layout` numbers what a state consists of.
 """

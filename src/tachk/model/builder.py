@@ -151,7 +151,7 @@ class Term:
 
 
 Operand = Term | int
-"""What can stand beside an operator; ``True`` and ``False`` are the boolean constants."""
+"""The operands of an operator; ``True`` and ``False`` are the boolean constants."""
 
 
 def expression_of(operand: Operand) -> Expression:
@@ -211,7 +211,7 @@ class LocationHandle:
 
 @dataclass(slots=True)
 class _Declarations:
-    """What global and local declarations have in common."""
+    """The common part of global and local declarations."""
 
     prefix: str
     kind: VariableKind

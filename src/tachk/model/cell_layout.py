@@ -104,7 +104,7 @@ def cell_bounds(leaf: Type) -> tuple[int, int]:
 
 
 def default_value(leaf: Type) -> int:
-    """What an uninitialised cell holds: 0, or the lower bound where 0 is outside the range."""
+    """The value of an uninitialised cell: 0, or the lower bound where 0 is outside the range."""
     if isinstance(leaf, IntType) and not leaf.low <= 0 <= leaf.high:
         return leaf.low
     return 0

@@ -1,4 +1,4 @@
-"""What an assignment sets a clock to: an integer, a clock, or a clock and so much more."""
+"""Sums that are assigned to clocks: an integer, a clock, or a clock and an offset."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ClockSum:
 
 
 def clock_sum(value: Expression) -> ClockSum | None:
-    """What the value of an assignment to a clock means; None if it is no such sum."""
+    """The value of an assignment to a clock as such a sum; None if it is none."""
     match value:
         case Reference() | Index() | Field() if isinstance(value.type, ClockType):
             return ClockSum(value)
@@ -49,7 +49,7 @@ def clock_sum(value: Expression) -> ClockSum | None:
 
 
 def clock_assignments(expressions: Iterable[Expression]) -> Iterator[Assign]:
-    """What sets a clock in the expressions and the functions that they call."""
+    """The assignments to clocks in the expressions and the functions that they call."""
     for expression in with_bodies(expressions):
         for node in walk(expression):
             if isinstance(node, Assign) and isinstance(node.target.type, ClockType):

@@ -42,7 +42,7 @@ def is_conjunction(condition: Expression, positive: bool = True) -> bool | None:
 
 
 def sides(condition: Binary, positive: bool = True) -> tuple[tuple[Expression, bool], tuple[Expression, bool]]:
-    """What `is_conjunction` is about: the two conditions, each as it stands or (False) its negation."""
+    """The two operands of `is_conjunction`: each as it stands or (False) its negation."""
     left_positive = positive is not (condition.operator is BinaryOperator.IMPLY)
     return (condition.left, left_positive), (condition.right, positive)
 

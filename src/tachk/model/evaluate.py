@@ -97,11 +97,11 @@ class Place:
 
 
 ClockChanges = dict[int, tuple[int, int]]
-"""What clocks are set to: the number of a clock (0: none), whose value before it is, and how much more."""
+"""New values of clocks: the number of a clock (0: none) whose old value is taken, and an offset."""
 
 
 def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
-    """What clocks are set to by one after the other, as far as the second one sets them."""
+    """The new values of clocks after two such assignments."""
     after = {}
     for clock, (source, more) in second.items():
         before, advance = first.get(source, (source, 0))

@@ -1,4 +1,4 @@
-"""What can happen on a run, at a moment."""
+"""An event of a run."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class QuantifierKind(StrEnum):
 
     @property
     def joins(self) -> BinaryOperator:
-        """What joins the values of the body."""
+        """The operator that joins the values of the body."""
         match self:
             case QuantifierKind.FORALL:
                 return BinaryOperator.AND

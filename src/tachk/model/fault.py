@@ -1,4 +1,4 @@
-"""What can go wrong while a model runs."""
+"""Run-time errors of a model."""
 
 from __future__ import annotations
 

@@ -20,11 +20,11 @@ DOUBLE = RecordType("double", (("high", _HALF), ("low", _HALF)))
 """The type `double`."""
 
 HYBRID_DOUBLE = RecordType("hybrid clock", DOUBLE.fields)
-"""What a field of a record is that is a hybrid clock. An expression of it is a `double`."""
+"""The place of a hybrid clock in a record. An expression of it is a `double`."""
 
 
 class FloatingOperation(IntEnum):
-    """What functions compute whose `Function.operation` it is. A result that is not finite is a run-time error."""
+    """The computation of functions with this `Function.operation`. A result that is not finite is a run-time error."""
 
     ADD = 0
     SUBTRACT = 1

@@ -140,7 +140,7 @@ class _LastingMetas:
         return written
 
     def value(self, expression: Expression, written: frozenset[Part]) -> frozenset[Part]:
-        """What is written after the expression; reads of anything else are noted."""
+        """The metas written after the expression; reads of others are noted."""
         match expression:
             case Reference() | Index() | Field() if (place := self.place_of(expression)) is not None:
                 if not self.is_written(place, expression.type, written):
@@ -189,7 +189,7 @@ class _LastingMetas:
         return self.known[function, written]
 
     def statement(self, statement: Statement, written: frozenset[Part]) -> frozenset[Part]:
-        """What is written behind the statement where control goes on there."""
+        """The metas written after the statement where control goes on there."""
         match statement:
             case Block(statements):
                 for inner in statements:

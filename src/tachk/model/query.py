@@ -108,7 +108,7 @@ class Query:
 
     @property
     def avoided(self) -> Expression | None:
-        """What a run must avoid for ever to decide the query; None where no single run does."""
+        """The condition that a run must avoid for ever to decide the query; None where no single run decides it."""
         match self.kind:
             case QueryKind.EVENTUALLY:
                 return self.predicate

@@ -29,7 +29,7 @@ INTEGER_TOP = TOP
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What random networks look like.
+    """Parameters of random networks.
 
     Attributes:
         processes, locations, clocks: the largest number of each (locations for each process).
@@ -46,7 +46,7 @@ class Shape:
         clocks_on_broadcast: clock guards on edges that receive a broadcast.
         lower_invariants: invariants with lower bounds.
         deadlocks: predicates that ask for deadlock.
-        listeners: the largest number of further processes that listen and, as a rule, change nothing of the others.
+        receivers: the largest number of further processes that only receive and change little of the others.
         blockers: how many further processes do the same but may also hinder the others, and talk to each other.
         companions: the largest number of further processes with a clock of their own that mostly move before their
             invariants end, and at once where time stands still.
@@ -81,7 +81,7 @@ class Shape:
     clocks_on_broadcast: bool = True
     lower_invariants: bool = True
     deadlocks: bool = True
-    listeners: int = 0
+    receivers: int = 0
     blockers: int = 0
     companions: int = 0
     apart: float = 0.0
@@ -140,8 +140,8 @@ def random_case(random: Random, shape: Shape = Shape()) -> RandomCase:
         for source in handles[-1]:
             for _ in range(random.choice((1, 2, 2, 3, 3))):
                 _edge(random, shape, used, process, source, random.choice(handles[-1]))
-    for number in range(random.randint(1, shape.listeners) if shape.listeners else 0):
-        _listener(random, shape, parts, network.process(f"S{number}"))
+    for number in range(random.randint(1, shape.receivers) if shape.receivers else 0):
+        _receiver(random, shape, parts, network.process(f"S{number}"))
     if shape.blockers:
         _blockers(random, shape, parts, network)
     for number in range(random.randint(1, shape.companions) if shape.companions else 0):
@@ -222,7 +222,7 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str 
 
 
 def _start(random: Random, shape: Shape) -> int:
-    """What a clock begins with."""
+    """The initial value of a clock."""
     if not shape.starts or random.random() >= shape.starts:
         return 0
     return _time(random, shape, random.randint(1, shape.constant))
@@ -249,16 +249,16 @@ def _computed(shape: Shape, units: Term) -> Term:
     return units if shape.unit == 1 else units * shape.unit
 
 
-def _listener(random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder) -> None:
+def _receiver(random: Random, shape: Shape, parts: _NetworkParts, process: ProcessBuilder) -> None:
     clock, number = process.clock("age"), process.integer("seen", 0, INTEGER_TOP)
     own = replace(parts, clocks=[*parts.clocks, clock], integers=[*parts.integers, number])
-    heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
+    received = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
     locations = [process.location(f"L{i}") for i in range(random.randint(2, 3))]
     for source in locations:
         for _ in range(random.randint(1, 2)):
             receive = None
-            if heard and random.random() < 0.6:
-                channel, array = random.choice(heard)
+            if received and random.random() < 0.6:
+                channel, array = random.choice(received)
                 receive = channel[random.randint(0, 1)] if array else channel
             guard = _guard(random, shape, own, [], with_clocks=receive is None)
             updates = [random.choice([clock.assign(0), number.assign((number + 1) % (INTEGER_TOP + 1))])]
@@ -270,15 +270,15 @@ def _listener(random: Random, shape: Shape, parts: _NetworkParts, process: Proce
 def _blockers(random: Random, shape: Shape, parts: _NetworkParts, network: NetworkBuilder) -> None:
     """Processes with clocks, variables and channels of their own that also listen to the others."""
     apart = _declare(random, shape, network, prefix="own_")
-    heard = [channel for channel in parts.channels if channel[2] or random.random() < 0.2]
+    received = [channel for channel in parts.channels if channel[2] or random.random() < 0.2]
     reads = replace(apart, integers=[*apart.integers, *parts.integers])
     for number in range(shape.blockers):
         process = network.process(f"B{number}")
         locations = _locations(random, shape, apart, process)
         for source in locations:
             for _ in range(random.randint(1, 2)):
-                if heard and random.random() < 0.4:
-                    channel, array, _, urgent = random.choice(heard)
+                if received and random.random() < 0.4:
+                    channel, array, _, urgent = random.choice(received)
                     receive = channel[random.randint(0, 1)] if array else channel
                     updates = [_update(random, shape, apart, [])] if random.random() < 0.5 else []
                     guard = _guard(random, shape, reads, [], with_clocks=not urgent)
@@ -289,7 +289,7 @@ def _blockers(random: Random, shape: Shape, parts: _NetworkParts, network: Netwo
 
 def _companion(random: Random, parts: _NetworkParts, process: ProcessBuilder) -> None:
     clock = process.clock("age")
-    heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
+    received = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
     ends = [random.randint(0, 3) for _ in range(random.randint(2, 3))]
     waiting = [random.random() < 0.6 for _ in ends]
     locations = [
@@ -305,8 +305,8 @@ def _companion(random: Random, parts: _NetworkParts, process: ProcessBuilder) ->
         for guard in guards:
             resets = [clock.assign(0)] if random.random() < 0.8 else []
             process.edge(source, random.choice(locations), guard=guard, updates=resets)
-        if heard and random.random() < 0.4:
-            channel, array = random.choice(heard)
+        if received and random.random() < 0.4:
+            channel, array = random.choice(received)
             resets = [clock.assign(0)] if random.random() < 0.8 else []
             receive = channel[random.randint(0, 1)] if array else channel
             process.edge(source, random.choice(locations), receive=receive, updates=resets)

@@ -1,4 +1,4 @@
-"""What depends on a network, or on a part of one, is worked out once for each of those that came last.
+"""Caches of results that depend on a network or a part of one, for those used last.
 
 They are told apart by their identity: to compare two of them would cost as much as most of what is asked.
 """
@@ -18,11 +18,11 @@ MOST_PARTS = 20_000
 """Parts of networks for which a result of one function is remembered."""
 
 Part = TypeVar("Part")
-Asked = TypeVarTuple("Asked")
+Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 
 
-def by_network(function: Callable[[Network, *Asked], Result]) -> Callable[[Network, *Asked], Result]:
+def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[Network, *Arguments], Result]:
     """A function of a network and of what is asked about it, with its last results.
 
     The results are shared: nobody may change them. Nothing that went wrong is remembered.
@@ -30,11 +30,11 @@ def by_network(function: Callable[[Network, *Asked], Result]) -> Callable[[Netwo
     known: dict[Hashable, tuple[Network, Any]] = {}
 
     @wraps(function)
-    def remembered(network: Network, /, *asked: *Asked) -> Result:
-        key = (id(network), *asked)
+    def remembered(network: Network, /, *arguments: *Arguments) -> Result:
+        key = (id(network), *arguments)
         entry = known.get(key)
         if entry is None:
-            entry = network, function(network, *asked)  # the network is kept, so that no other gets its identity
+            entry = network, function(network, *arguments)  # the network is kept, so that no other gets its identity
             while len(known) >= MOST_RESULTS:
                 known.pop(next(iter(known)), None)
             known[key] = entry
@@ -44,7 +44,7 @@ def by_network(function: Callable[[Network, *Asked], Result]) -> Callable[[Netwo
     return remembered
 
 
-def by_part(function: Callable[[Part, *Asked], Result]) -> Callable[[Part, *Asked], Result]:
+def by_part(function: Callable[[Part, *Arguments], Result]) -> Callable[[Part, *Arguments], Result]:
     """A function of a part of a network, such as an expression, and of what is known about the network, with the last
     result for each part. Networks that have most of their parts in common share what is worked out for them.
 
@@ -53,10 +53,10 @@ def by_part(function: Callable[[Part, *Asked], Result]) -> Callable[[Part, *Aske
     known: dict[int, tuple[Part, tuple[Any, ...], Any]] = {}
 
     @wraps(function)
-    def remembered(part: Part, /, *asked: *Asked) -> Result:
+    def remembered(part: Part, /, *arguments: *Arguments) -> Result:
         entry = known.get(id(part))
-        if entry is None or entry[1] != asked:
-            entry = part, asked, function(part, *asked)  # the part is kept, so that no other gets its identity
+        if entry is None or entry[1] != arguments:
+            entry = part, arguments, function(part, *arguments)  # the part is kept, so that no other gets its identity
             if len(known) >= MOST_PARTS:
                 known.clear()
             known[id(part)] = entry

@@ -64,7 +64,7 @@ class TimedStep:
 
 
 class Ending(StrEnum):
-    """What comes after the last step of a run."""
+    """The end of a run after its last step."""
 
     OPEN = "open"
     """Anything: the run has shown what it has to show."""

@@ -13,7 +13,7 @@ from tachk.model.run_formulas import RunFormula
 
 
 class Scale(StrEnum):
-    """What says how far a run is looked at."""
+    """The unit of the bound of a run."""
 
     TIME = "time"
     STEPS = "steps"
@@ -36,7 +36,7 @@ class RunBound:
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """What is asked of each run.
+    """The property that is evaluated on each run.
 
     Attributes:
         runs: how many are to be drawn, if the query says it.
@@ -72,21 +72,21 @@ class FormulaPath:
         return False
 
 
-AskedPath = Path | FormulaPath
+PathProperty = Path | FormulaPath
 
 
 @dataclass(frozen=True, slots=True)
 class Probability:
     """``Pr[<=T](<> p)``: how probable is it?"""
 
-    path: AskedPath
+    path: PathProperty
 
 
 @dataclass(frozen=True, slots=True)
 class Threshold:
     """``Pr[<=T](<> p) >= 0.9``: is it at least (or at most) so probable?"""
 
-    path: AskedPath
+    path: PathProperty
     at_least: bool
     probability: float
 
@@ -95,8 +95,8 @@ class Threshold:
 class ProbabilityComparison:
     """``Pr[<=T](<> p) >= Pr[<=S](<> q)``: is the first at least as probable?"""
 
-    first: AskedPath
-    second: AskedPath
+    first: PathProperty
+    second: PathProperty
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Protocol
 from tachk.base.plugins import plugins
 
 if TYPE_CHECKING:
+    from tachk.recordings.conformance.event_streams import Constants
     from tachk.recordings.conformance.events import Cell, EventLog
-    from tachk.recordings.conformance.queues import Constants
     from tachk.recordings.traces.trace import TraceSource
 
 
 class CaptureReader(Protocol):
-    """What reads captures of one protocol.
+    """A reader of the captures of one protocol.
 
     Attributes:
         suffixes: how the names of such files end.
@@ -41,5 +41,5 @@ def capture_readers() -> tuple[CaptureReader, ...]:
 
 
 def capture_reader(path: Path) -> CaptureReader | None:
-    """What reads the file, by the ending of its name; None: it is no capture."""
+    """The reader of a file, by the ending of its name; None if it is no capture."""
     return next((each for each in capture_readers() if path.suffix.lower() in each.suffixes), None)

@@ -111,7 +111,7 @@ class Report(Sequence[Verdict]):
         return rows
 
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
-        """What `tachk verify` prints."""
+        """The output of `tachk verify`."""
         from tachk.report.plain_console import plain_console
         from tachk.report.run.telling import Telling
         from tachk.report.text_report import print_run

@@ -1,4 +1,4 @@
-"""What came of checking certificates, as text and as JSON."""
+"""The results of checking certificates, as text and as JSON."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from tachk.base.plain_data import Fields, PlainData
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
-from tachk.engine.exchanged import members_in_words
+from tachk.engine.reduced_statistics import members_in_words
 from tachk.meaning.dbm import Zone
 from tachk.meaning.judge.certificate import CertificateReader, Objection, zone_at
 from tachk.meaning.run_view import RunNames
@@ -22,7 +22,7 @@ from tachk.verify.certificates import Checker
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What one certificate is worth.
+    """The result for one certificate.
 
     Attributes:
         network: without observer.
@@ -63,7 +63,7 @@ class Judgement:
         return ZoneState(number, snapshot.locations, snapshot.variables, constraint_texts(zone, clocks), zone)
 
     def transition(self) -> str:
-        """What leads out of the set, or cannot be evaluated; else empty."""
+        """The transition that leaves the set, or cannot be evaluated; else empty."""
         found = self.objection
         if found is None or found.discrete is None or found.transition is None:
             return ""
@@ -83,7 +83,7 @@ class Judgement:
 
 
 def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
-    """What people read."""
+    """The report for people."""
     for judged in judgements:
         header, found = judged.certificate.header, judged.certificate
         yield f"{'✓' if judged.accepted else '✗'} {header.name}: {judged.query.text}"

@@ -1,4 +1,4 @@
-"""What `tachk check` found, in the forms that editors, code hosts and build servers read."""
+"""The findings of `tachk check`, in the forms that editors, code hosts and build servers read."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Size:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What is known about one model.
+    """The findings about one model.
 
     Attributes:
         model: the path as the user gave it.

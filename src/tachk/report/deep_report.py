@@ -1,4 +1,4 @@
-"""What `tachk check --deep` found, as text and as JSON."""
+"""The findings of `tachk check --deep`, as text and as JSON."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
         steps = len(evidence.run.steps)
         run = f"this run of {steps} {'step' if steps == 1 else 'steps'}"
         loops = evidence.run.loop_start is not None
-        told = f"shown by {run}, which goes on for ever" if loops else f"reached by {run}, at time {end}"
-        print(f"\n{evidence.finding.code} at {evidence.finding.span} is {told}:", file=out)
+        how = f"shown by {run}, which goes on for ever" if loops else f"reached by {run}, at time {end}"
+        print(f"\n{evidence.finding.code} at {evidence.finding.span} is {how}:", file=out)
         console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
         print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
 

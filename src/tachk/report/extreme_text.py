@@ -14,7 +14,7 @@ def value_lines(verdict: Verdict, time_unit: str) -> Iterator[str]:
     """For each expression what was found: ``P.x ≥ 2 ms, P.x < 9 ms``, ``P.x has no largest value``."""
     for operand, found in zip(verdict.query.operands, verdict.extremes, strict=False):
         unit = time_unit if isinstance(operand.type, ClockType) else ""
-        yield ", ".join(_said(found.expression, extreme, largest, unit) for extreme, largest in asked(found))
+        yield ", ".join(_said(found.expression, extreme, largest, unit) for extreme, largest in requested(found))
 
 
 def answer_text(verdict: Verdict, time_unit: str) -> str:
@@ -23,9 +23,9 @@ def answer_text(verdict: Verdict, time_unit: str) -> str:
 
 
 def value_shown(verdict: Verdict, time_unit: str) -> str:
-    """What the trace of a verdict shows: ``P.x is 15 ms``."""
+    """The text of the extreme in the trace of a verdict: ``P.x is 15 ms``."""
     for operand, found in zip(verdict.query.operands, verdict.extremes, strict=True):
-        for extreme, _ in asked(found):
+        for extreme, _ in requested(found):
             if extreme.run is verdict.trace and extreme.value is not None:
                 unit = time_unit if isinstance(operand.type, ClockType) else ""
                 return f"{found.expression} is {duration(Fraction(extreme.value), unit)}"
@@ -35,13 +35,13 @@ def value_shown(verdict: Verdict, time_unit: str) -> str:
 def verifyta_values(verdict: Verdict) -> Iterator[str]:
     """``P.x <= 15``; what has no limit is below infinity."""
     for found in verdict.extremes:
-        for extreme, largest in asked(found):
+        for extreme, largest in requested(found):
             sign = ("<" if largest else ">") + ("" if extreme.strict or extreme.value is None else "=")
             value = str(extreme.value) if extreme.value is not None else "infinity" if largest else "-infinity"
             yield f"{found.expression} {sign} {value}"
 
 
-def asked(found: Extremes) -> list[tuple[Extreme, bool]]:
+def requested(found: Extremes) -> list[tuple[Extreme, bool]]:
     """The extremes that were asked for, each with whether it is the largest."""
     both = ((found.least, False), (found.largest, True))
     return [(extreme, largest) for extreme, largest in both if extreme is not None]

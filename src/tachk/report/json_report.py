@@ -29,12 +29,12 @@ from tachk.verify.verdict import Extreme, Extremes, Verdict
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 
-_Told = dict[tuple[str, str, str], tuple[Span, ...]]
+_WrittenSpans = dict[tuple[str, str, str], tuple[Span, ...]]
 """By process, source and target: the places of the edge that was taken last."""
 
 
 def runs_to_json(records: Iterable[RunRecord | NotRead], every_step: bool = False) -> dict[str, Json]:
-    """What a command did, one run for each model, in the one shape of docs/schema/verify.schema.json.
+    """The results of a command, one run for each model, in the one shape of docs/schema/verify.schema.json.
 
     Args:
         every_step: tell also what the model hides.
@@ -47,7 +47,7 @@ def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
     network = record.network
     forms = {
         **FORMS,
-        TimedTrace: lambda run: trace_to_json(_told(view_trace(network, run), every_step)),
+        TimedTrace: lambda run: trace_to_json(_visible(view_trace(network, run), every_step)),
         RunTimeFault: lambda fault: _fault(network, fault),
     }
     if record.estimates:
@@ -100,7 +100,7 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
 """The JSON of the parts of a `RunRecord`, but for runs and run-time errors: their names need the network."""
 
 
-def _told(view: TraceView, every_step: bool) -> TraceView:
+def _visible(view: TraceView, every_step: bool) -> TraceView:
     return view if every_step else view.without_hidden()
 
 
@@ -112,8 +112,8 @@ def trace_to_json(trace: TraceView) -> list[dict[str, Json]]:
     where another edge between its locations was the last to be taken.
     """
     states = [trace.initial, *(step.state for step in trace.steps)]
-    told: _Told = {}
-    changes = (_change(*pair, step, told) for pair, step in zip(pairwise(states), trace.steps, strict=True))
+    written_spans: _WrittenSpans = {}
+    changes = (_change(*pair, step, written_spans) for pair, step in zip(pairwise(states), trace.steps, strict=True))
     return [_whole(trace.initial), *changes]
 
 
@@ -126,7 +126,7 @@ def _whole(state: Snapshot) -> dict[str, Json]:
     }
 
 
-def _change(before: Snapshot, after: Snapshot, step: ViewStep, told: _Told) -> dict[str, Json]:
+def _change(before: Snapshot, after: Snapshot, step: ViewStep, written_spans: _WrittenSpans) -> dict[str, Json]:
     changes: dict[str, dict[str, Json]] = {
         "locations": dict(new for old, new in zip(before.locations, after.locations, strict=True) if old != new),
         "variables": dict(new for old, new in zip(before.variables, after.variables, strict=True) if old != new),
@@ -135,7 +135,7 @@ def _change(before: Snapshot, after: Snapshot, step: ViewStep, told: _Told) -> d
     return {
         "delay": _time(step.delay),
         "time": _time(after.time),
-        "transition": None if step.event is None else _transition(step.event, told),
+        "transition": None if step.event is None else _transition(step.event, written_spans),
         **{name: changed for name, changed in changes.items() if changed},
     }
 
@@ -149,17 +149,17 @@ def _time(time: Fraction | None) -> str | None:
     return None if time is None else str(time)
 
 
-def _transition(event: TransitionView, told: _Told) -> dict[str, Json]:
+def _transition(event: TransitionView, written_spans: _WrittenSpans) -> dict[str, Json]:
     transition: dict[str, Json] = {
         "channel": event.channel or None,
-        "participants": [_participant(move, told) for move in event.moves],
+        "participants": [_participant(move, written_spans) for move in event.moves],
     }
     if event.carried:
         transition["carries"] = dict(event.carried)
     return transition
 
 
-def _participant(move: ProcessMove, told: _Told) -> dict[str, Json]:
+def _participant(move: ProcessMove, written_spans: _WrittenSpans) -> dict[str, Json]:
     participant: dict[str, Json] = {
         "process": move.process,
         "role": _ROLES[move.direction],
@@ -171,8 +171,8 @@ def _participant(move: ProcessMove, told: _Told) -> dict[str, Json]:
     if move.selects:
         participant["select"] = dict(move.selects)
     edge = move.process, move.source, move.target
-    if told.get(edge) != move.spans:
-        told[edge] = move.spans
+    if written_spans.get(edge) != move.spans:
+        written_spans[edge] = move.spans
         participant |= {"doc": move.doc, "positions": _positions(move.spans)}
     return participant
 

@@ -15,7 +15,7 @@ class ReportConsole(Console):
 
 
 def plain_console(out: TextIO, width: int = 1000) -> Console:
-    """What prints on `out` and nowhere else.
+    """A console that prints on `out` and nowhere else.
 
     Inside a kernel of Jupyter rich displays what it is given instead of writing it, and with ``FORCE_COLOR`` it takes
     any stream for a terminal.

@@ -1,4 +1,4 @@
-"""What one verification run was and what came of it: the input of every report."""
+"""The record of one verification run: the input of every report."""
 
 from __future__ import annotations
 

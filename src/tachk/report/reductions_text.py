@@ -1,4 +1,4 @@
-"""What searches have done to have fewer states, in words, below the table of answers."""
+"""The reductions of searches in words, below the table of answers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """One line for each group of processes and for local times, with the queries that were searched for so."""
     queries: dict[str, list[str]] = {}
     for verdict in verdicts:
-        for line in (*_strategy(verdict), *_told(verdict.statistics)):
+        for line in (*_strategy(verdict), *_reductions(verdict.statistics)):
             queries.setdefault(line, []).append(verdict.query.name)
     for line, names in queries.items():
         yield line if len(names) == len(verdicts) else f"{', '.join(names)}: {line}"
@@ -31,7 +31,7 @@ def for_all(members: str) -> str:
     return f"one state stands for all {'exchanges of' if ring == members else 'rotations of'} {ring}"
 
 
-def _told(statistics: Statistics) -> Iterator[str]:
+def _reductions(statistics: Statistics) -> Iterator[str]:
     for members in statistics.exchanged:
         yield for_all(members)
     if statistics.asked_of_all:

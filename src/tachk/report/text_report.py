@@ -1,4 +1,4 @@
-"""What a person reads: the table of answers, then the runs that explain them, step by step."""
+"""The report for people: the table of answers, then the runs that explain them, step by step."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from tachk.simulation.statistics.answers import StatisticalAnswer
 from tachk.meaning.run_view import ProcessMove, TraceView, TransitionView
 
-_TIMES_TOLD = 3
+_TIMES_LISTED = 3
 
 
 def news_line(trace: TraceView, time_unit: str) -> str:
@@ -48,7 +48,7 @@ def news_line(trace: TraceView, time_unit: str) -> str:
                 time = step.state.time
                 when = f"in step {number}" if time is None else f"at {duration(time, time_unit)}"
                 found.setdefault(_words(step.event, move), []).append(when)
-    return "; ".join(f"{words} {_told(times)}" for words, times in found.items())
+    return "; ".join(f"{words} {_listed(times)}" for words, times in found.items())
 
 
 def _words(event: TransitionView, move: ProcessMove) -> str:
@@ -57,8 +57,8 @@ def _words(event: TransitionView, move: ProcessMove) -> str:
     return f"{actor} {' '.join(move.doc.split())}"
 
 
-def _told(times: list[str]) -> str:
-    if len(times) <= _TIMES_TOLD:
+def _listed(times: list[str]) -> str:
+    if len(times) <= _TIMES_LISTED:
         return ", ".join(times)
     return f"{len(times)} times from {times[0].split(' ', 1)[1]} to {times[-1].split(' ', 1)[1]}"
 
@@ -201,7 +201,7 @@ def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> Non
 
 
 def _print_unexamined(verdicts: Iterable[Verdict], console: Console) -> None:
-    """What was left out and might meet run-time errors, once for all queries for which it is the same."""
+    """The parts left out that might have run-time errors, once for all queries for which they are the same."""
     by_names: dict[tuple[str, ...], list[str]] = {}
     for verdict in verdicts:
         if verdict.unexamined:
@@ -300,7 +300,7 @@ def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:
 
 
 def _answer(record: RunRecord, verdict: Verdict) -> str:
-    """What the table says; values that need more room are below it."""
+    """The answer in the table; values that need more room are below it."""
     text = answer_text(verdict, record.network.time_unit)
     return text if len(text) <= _ROOM_FOR_VALUES else _SEE_BELOW
 
@@ -376,7 +376,7 @@ def _due_line(query: Query, due: Due, time_unit: str) -> Text:
 
 
 def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text:
-    """What the observer followed at last: when it began, and when the violation was certain."""
+    """The last obligation of the observer: when it began, and when the violation was certain."""
     idle = [number for number, move in enumerate(verdict.moves) if move.location == "Idle"]
     followed = verdict.moves[idle[-1] + 1 :] if idle else verdict.moves
     bad = observer.process.locations[observer.bad].name

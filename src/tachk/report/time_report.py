@@ -1,4 +1,4 @@
-"""What `tachk time` has measured, as text, CSV and JSON."""
+"""The results of `tachk time`, as text, CSV and JSON."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _COLUMNS = ("best", "worst", "waits")
 
 @dataclass(frozen=True, slots=True)
 class TimedInterval:
-    """What was asked, as it was typed; ``start`` is None for the start of a run."""
+    """The expressions as they were typed; ``start`` is None for the start of a run."""
 
     model: str
     start: str | None

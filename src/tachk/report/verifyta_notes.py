@@ -1,4 +1,4 @@
-"""What reports in verifyta's form share: lines that verifyta does not have, and the memory of the process."""
+"""The common part of reports in verifyta's form: lines that verifyta does not have, and the memory of the process."""
 
 from __future__ import annotations
 

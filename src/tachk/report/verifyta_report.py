@@ -31,7 +31,7 @@ OUT_OF_MEMORY = "memory limit"
 
 
 def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:
-    """What verifyta would print with ``-u`` about a whole run.
+    """The output of verifyta with ``-u`` about a whole run.
 
     Args:
         trace: as of `option_lines`; the traces themselves are printed elsewhere.
@@ -80,7 +80,7 @@ def option_lines(trace: str, order: SearchOrder, seed: int, notes: Sequence[str]
 
 
 def heading_lines(number: int, span: Span) -> Iterator[str]:
-    """What precedes the verdict about a formula."""
+    """The lines before the verdict about a formula."""
     yield ""
     yield f"Verifying formula {number} at {place_of(span)}"
 
@@ -109,12 +109,12 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
 
 
 def evidence(verdict: Verdict) -> str:
-    """What the trace of a verdict is called."""
+    """The name of the trace of a verdict."""
     return "example trace" if verdict.answer is Answer.HOLDS else "counter example"
 
 
 def ending_lines(run: TimedTrace) -> Iterator[str]:
-    """What comes after the last state of a trace, which the trace itself does not say."""
+    """The lines after the last state of a trace, which the trace itself does not contain."""
     match run.ending:
         case Ending.OPEN:
             return

@@ -1,4 +1,4 @@
-"""What is recorded of each state of a run: columns of a trace."""
+"""Columns of a trace that are recorded for each state of a run."""
 
 from __future__ import annotations
 

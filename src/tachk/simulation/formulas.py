@@ -56,7 +56,7 @@ def _formulas_with(source: Source, values: tuple[tuple[str, str], ...]) -> tuple
 
 
 def columns_with(network: Network, record: Sequence[str], formulas: Collection[NamedFormula]) -> tuple[Column, ...]:
-    """What is recorded: the chosen columns, and those that the formulas read. Raises InputError for arrivals."""
+    """The recorded columns: the chosen ones, and those that the formulas read. Raises InputError for arrivals."""
     names = {name for each in formulas for name in each.siblings or {}}
     read = [each.within(()) for each in beside_columns(formulas, _of_model(network, names))]
     _check_arrivals(network, read)

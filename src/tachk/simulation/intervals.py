@@ -30,7 +30,7 @@ def clopper_pearson(hits: int, runs: int, confidence: float = 0.95, maybe: int =
 
 
 def student_quantile(confidence: float, freedom: int) -> float:
-    """What the absolute value of a variable with Student's distribution does not exceed with this probability.
+    """The quantile of the absolute value of a variable with Student's distribution.
 
     Its square, divided by itself and the degrees of freedom, has the distribution Beta(1/2, freedom / 2).
     """

@@ -46,7 +46,7 @@ _CHANNEL = re.compile(r"(\w+(?:\.\w+)?)((?:\[\w+\])*)")
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What somebody wants of a fault.
+    """A requested fault.
 
     Attributes:
         fault: the words that name it.
@@ -148,8 +148,10 @@ class _Ordering:
 
     def why_not(self, order: Order) -> str:
         known = sorted({_words(e) for p in self.network.processes for e in p.edges if e.doc.startswith("!")})
-        told = "; ".join(known[:12])
-        return f"no edge with such a documentation has an alternative; the model marks as news: {told or 'nothing'}"
+        described = "; ".join(known[:12])
+        return (
+            f"no edge with such a documentation has an alternative; the model marks as news: {described or 'nothing'}"
+        )
 
     def process(self, process: Process) -> Process:
         edges = list(process.edges)

@@ -49,7 +49,7 @@ class Runs:
             yield from self._simulator.runs(drawing, range(first, min(first + batch, numbers.stop)), recorded)
 
     def trace(self, run: Simulated) -> Trace:
-        """What was observed in a run."""
+        """The observed columns of a run."""
         name = f"run {run.number}"
         rows = run.observed[:, : len(self.columns)]
         return recording(self.network, self.columns, name, run.times, rows, int(run.end), run.ticks_per_unit, run.lasts)

@@ -43,7 +43,7 @@ Row = tuple[str, list[Any]]
 
 @contextmanager
 def run_writer(path: Path) -> Iterator[Writer]:
-    """What writes runs, given with their numbers. Raises UsageError for an unknown ending of the file."""
+    """The writer of runs, given with their numbers. Raises UsageError for an unknown ending of the file."""
     kinds = {".csv": _csv, ".jsonl": _json_lines, ".parquet": _parquet, ".pq": _parquet, ".vcd": _vcd}
     opened = kinds.get(path.suffix.lower())
     if opened is None:
@@ -207,7 +207,7 @@ def _vcd_scale(trace: Trace) -> tuple[str, Fraction]:
 
 
 def _vcd_kind(trace: Trace, name: str) -> tuple[str, int]:
-    """What a dump calls the values of a column, and how many bits they have."""
+    """The type of the values of a column in a dump, and their number of bits."""
     values = trace.columns[name]
     if name in trace.texts:
         return "string", 32

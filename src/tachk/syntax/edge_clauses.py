@@ -1,4 +1,4 @@
-"""What an edge says: its clauses in the one order in which every format writes them."""
+"""The clauses of an edge in the one order in which every format writes them."""
 
 from __future__ import annotations
 

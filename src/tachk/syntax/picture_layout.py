@@ -31,7 +31,7 @@ class EdgeKey(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What pictures call the edge."""
+        """The name of the edge in pictures."""
         return f"{self.source} {self.target} {self.occurrence}"
 
 
@@ -108,7 +108,7 @@ class TemplateLayout:
 
 @dataclass(frozen=True, slots=True)
 class QueryLayout:
-    """What a file says about a query besides formula, comment and expectation.
+    """The information in a file about a query besides formula, comment and expectation.
 
     Attributes:
         name: of the property in the document; empty for an entry without a formula, which serves as a heading.

@@ -72,7 +72,7 @@ def _idle(process: Process) -> Process:
 
 @dataclass(frozen=True, slots=True)
 class _Deeds:
-    """What a process can do to others.
+    """The influence of a process on others.
 
     Attributes:
         stops_clocks: in some location.
@@ -121,7 +121,7 @@ def _deeds(network: Network, process: Process, known: Known, ignored: Collection
 
 @dataclass(slots=True)
 class _Cone:
-    """What the targets depend on.
+    """The processes and variables on which the targets depend.
 
     Attributes:
         known: the constants of the network.
@@ -138,7 +138,7 @@ class _Cone:
     processes: set[int] = field(default_factory=set)
     cells: ComponentSet = field(default_factory=ComponentSet)
     members: set[int] = field(default_factory=set)
-    heard: ComponentSet = field(default_factory=ComponentSet)
+    received: ComponentSet = field(default_factory=ComponentSet)
     offered: ComponentSet = field(default_factory=ComponentSet)
     announced: ComponentSet = field(default_factory=ComponentSet)
     admitted: ComponentSet = field(default_factory=ComponentSet)
@@ -164,7 +164,7 @@ class _Cone:
             number in self.processes
             or deeds.stops_clocks
             or self.cells.meets(deeds.writes)
-            or self.heard.meets(deeds.sends)
+            or self.received.meets(deeds.sends)
             or self.offered.meets(deeds.receives)
             # With a receiver in a committed location a broadcast is possible that another committed location forbids.
             or self.admitted.meets(deeds.commits)
@@ -179,7 +179,7 @@ class _Cone:
                 continue
             channels = _channels(edge, self.known)
             if edge.synchronisation.direction is Direction.RECEIVE:
-                self.heard.add(channels)
+                self.received.add(channels)
             elif not is_broadcast(edge.synchronisation.channel):
                 self.offered.add(channels)
             else:
@@ -195,7 +195,7 @@ class _Cone:
 def _cone(
     network: Network, targets: Sequence[Expression], kept: Collection[int], ignored: Collection[Variable] = ()
 ) -> _Cone:
-    """What the targets depend on, where writing what is ignored makes nothing possible."""
+    """The dependencies of the targets, where ignored writes make nothing possible."""
     known = known_values(network, targets)
     deeds = [_deeds(network, process, known, ignored) for process in network.processes]
     cone = _Cone(known)

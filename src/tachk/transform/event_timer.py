@@ -117,7 +117,7 @@ class _Noticed:
                 self.noticed = Assign(place, Constant(0), INT)
 
     def updates(self, edge: Edge) -> tuple[Expression, ...]:
-        """What an edge of the network has to do before its own updates."""
+        """The updates of the timer before those of an edge of the network."""
         if not isinstance(self.event, Fires) or edge.synchronisation is None:
             return ()
         if edge.synchronisation.direction is not self.event.direction:

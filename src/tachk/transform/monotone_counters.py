@@ -156,7 +156,7 @@ def _forces_nothing(process: Process, edge: Edge, candidates: set[Variable], kno
 
 
 def _selections(edge: Edge, known: Known) -> list[Known] | None:
-    """What is known for each combination of values of the select variables; None for too many."""
+    """The facts for each combination of values of the select variables; None for too many."""
     ranges = [range(low, high + 1) for low, high in (bounds(v.type) for v in edge.selects)]  # type: ignore[arg-type]
     if prod(map(len, ranges)) > MOST_SELECTIONS:
         return None
@@ -179,12 +179,12 @@ def _covered(edge: Edge, there: Known, others: Sequence[Edge], candidates: set[V
     assert edge.guard is not None
     guard = opened(edge.guard, there)
     conditions = list(dict.fromkeys(c for g in (guard, *guards) for c in _conditions(g)))
-    asking = [c for c in conditions if not mentioned([c])[1].isdisjoint(candidates)]
-    unknown = [c for c in conditions if c not in asking]
+    relevant = [c for c in conditions if not mentioned([c])[1].isdisjoint(candidates)]
+    unknown = [c for c in conditions if c not in relevant]
     if len(unknown) > MOST_CONDITIONS:
         return False
     for values in product((False, True), repeat=len(unknown)):
-        truth = dict(zip(unknown, values, strict=True)) | dict.fromkeys(asking, True)
+        truth = dict(zip(unknown, values, strict=True)) | dict.fromkeys(relevant, True)
         if _is_true(guard, truth) and not any(_is_true(other, truth) for other in guards):
             return False
     return True

@@ -26,7 +26,7 @@ class ObservedNetwork(Extension):
     """A network with an observer as its last process, or as it is."""
 
     def moves(self, run: TimedTrace) -> tuple[ObserverMove, ...]:
-        """What the observer does on a run of the network, but for what it leaves at once."""
+        """The steps of the observer on a run of the network, without locations that it leaves at once."""
         if self.network is self.original:
             return ()
         observer = len(self.original.processes)

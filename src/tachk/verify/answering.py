@@ -37,7 +37,7 @@ def answers(
         return verdicts
     with unhurried():
         readings = [(at, each.network, checked(questions.about(each))) for at, each in other_readings_of(model)]
-    others = [(at, verify(network, asked, options, limits, trace=False)) for at, network, asked in readings]
+    others = [(at, verify(network, formulas, options, limits, trace=False)) for at, network, formulas in readings]
     return tuple(
         agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
         for number, verdict in enumerate(verdicts)

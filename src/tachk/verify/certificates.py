@@ -15,8 +15,8 @@ from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
 from tachk.engine.cover import Cover, find_cover, find_descent
 from tachk.engine.options import Limits, Options
+from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.detection import find_symmetry
-from tachk.engine.symmetry.sketch import sketch_of
 from tachk.engine.symmetry.tables import tables_of
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.automorphism import Automorphisms
@@ -31,7 +31,7 @@ from tachk.meaning.judge.certificate import (
     StateBlock,
 )
 from tachk.meaning.judge.closed_set import ClosedSet
-from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError
+from tachk.meaning.judge.transpositions import MalformedGroupError, SymmetryGroup
 from tachk.meaning.judge.widening import widened
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
@@ -135,38 +135,38 @@ def _objection(network: Network, query: Query, header: CertificateHeader, cover:
 def _cover(
     network: Network,
     query: Query,
-    groups: Sequence[ExchangeGroup],
+    groups: Sequence[SymmetryGroup],
     options: Options,
     limits: Limits,
 ) -> Cover | str:
-    """What the search finds, which goes through one state for all that exchanges make of it."""
+    """The result of the search, which explores one state of each orbit."""
     if query.target is None:
         return _descent(network, query, groups, options, limits)
     program, (goal,) = lower(network, [query.target])
     return find_cover(_with_groups(program, groups), goal, options, limits)
 
 
-def _exchanges(network: Network, query: Query) -> tuple[ExchangeGroup, ...]:
+def _exchanges(network: Network, query: Query) -> tuple[SymmetryGroup, ...]:
     """What is interchangeable, as far as it can be proved without what the search believes, and the search can do with
     it."""
     predicates = _predicates(query)
     by_clocks = query.target is None and any(asks_deadlock(one) or clock_in(one) is not None for one in predicates)
-    if by_clocks or not sketch_of(network).repeats:
+    if by_clocks or not coarse_partition(network).repeats:
         return ()
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates)) if isinstance(table, Table)]
     groups = (
-        ExchangeGroup(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables
+        SymmetryGroup(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables
     )
     proving = Automorphisms(prepare(network), predicates)
     return tuple(group for group in groups if proving.objection(group) is None)
 
 
-def _with_groups(program: Program, groups: Iterable[ExchangeGroup]) -> Program:
+def _with_groups(program: Program, groups: Iterable[SymmetryGroup]) -> Program:
     tables = (Table(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in groups)
     return replace(program, interchangeable=tuple(tables))
 
 
-def _header(network: Network, model: str, query: Query, groups: tuple[ExchangeGroup, ...]) -> CertificateHeader:
+def _header(network: Network, model: str, query: Query, groups: tuple[SymmetryGroup, ...]) -> CertificateHeader:
     whole = observed(network, query.observer).network
     layout = prepare(whole).layout
     clocks = tuple(layout.names[cell] for cell in layout.clock_cells)
@@ -218,7 +218,7 @@ def _predicates(query: Query) -> list[Expression]:
 def _descent(
     network: Network,
     query: Query,
-    groups: Sequence[ExchangeGroup],
+    groups: Sequence[SymmetryGroup],
     options: Options,
     limits: Limits,
 ) -> Cover | str:
@@ -238,7 +238,7 @@ def _descent(
 
 
 def check_proof(network: Network, query: Query, certificate: CertificateReader, checker: Checker) -> Objection | None:
-    """What is wrong with a certificate about a query; None if it is a proof.
+    """The objection to a certificate about a query; None if it is a proof.
 
     Raises MalformedCertificateError for a file that is damaged or that is about other processes, variables or clocks.
     """
@@ -262,7 +262,7 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
 def check_natively(
     network: Network, query: Query, header: CertificateHeader, columns: Callable[[], Iterable[Columns]]
 ) -> Objection | None:
-    """What the native checker says of the blocks of a certificate about a network with observer.
+    """The answer of the native checker about the blocks of a certificate of a network with observer.
 
     Raises MalformedCertificateError.
     """

@@ -1,4 +1,4 @@
-"""What a run-time error of the model was about: the values involved, and the timed run that leads there."""
+"""Explanations of run-time errors: the values involved, and the timed run that leads there."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _IN_OTHER_QUERIES = "say in the query when it counts: `condition && ...`, after 
 
 
 def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
-    """What is said about a run-time error, in the form of every other finding."""
+    """The diagnostic of a run-time error, in the form of every other finding."""
     code, message, help = _WHAT[fault.kind]
     if fault.of_query:
         help = _IN_QUERIES.get(fault.kind, _IN_OTHER_QUERIES)
@@ -83,10 +83,13 @@ def explain(model: PreparedNetwork, fault: RunTimeFault) -> RunTimeFault:
 
 def with_blame(verdict: Verdict) -> Verdict:
     """The verdict, whose run-time error is one of the query if its place is in the text of the query."""
-    fault, asked = verdict.fault, verdict.query.span
-    if fault is None or fault.transition is not None or asked.source is NOWHERE.source:
+    fault, query_span = verdict.fault, verdict.query.span
+    if fault is None or fault.transition is not None or query_span.source is NOWHERE.source:
         return verdict
-    inside = fault.span.source is asked.source and asked.start <= fault.span.start <= fault.span.end <= asked.end
+    inside = (
+        fault.span.source is query_span.source
+        and query_span.start <= fault.span.start <= fault.span.end <= query_span.end
+    )
     return replace(verdict, fault=replace(fault, of_query=fault.of_query or inside))
 
 

@@ -160,9 +160,9 @@ def _goal(query: Query) -> Expression:
 def _any_run(model: PreparedNetwork, query: Query, problem: Problem) -> SearchedRun:
     avoided, begins, options = _goal(query), query.begins, problem.options
     program, goal, trigger = lower_obligation(model.network, avoided, begins)
-    asked = [one for one in (avoided, begins) if one is not None]
-    if options.symmetry and not any(asks_deadlock(one) or clock_in(one) is not None for one in asked):
-        program = with_symmetry(program, model.network, asked)
+    conditions = [one for one in (avoided, begins) if one is not None]
+    if options.symmetry and not any(asks_deadlock(one) or clock_in(one) is not None for one in conditions):
+        program = with_symmetry(program, model.network, conditions)
     outcome = find_avoiding_run(program, goal, trigger, options, problem.limits)
     return SearchedRun(outcome, Obligation(avoided, begins, query.again, query.ends))
 
@@ -281,6 +281,6 @@ def _judged(model: PreparedNetwork, query: Query, searched: SearchedRun) -> Time
     due = replay_lasso(whole, run, obligation.goal, obligation.trigger, obligation.again, obligation.ends)
     if instrumented is not None:
         run = instrumented.lift(run)
-        asked = obligation.goal, obligation.trigger, query.again, obligation.ends
-        due = replay_lasso(model, run, *asked, diverges=not _has_shown(query, run))
+        conditions = obligation.goal, obligation.trigger, query.again, obligation.ends
+        due = replay_lasso(model, run, *conditions, diverges=not _has_shown(query, run))
     return replace(run, due=due)

@@ -1,4 +1,4 @@
-"""What is so for no time only: in a chain of committed or urgent locations, and no longer at its end.
+"""Conditions that hold for no time only: in a chain of committed or urgent locations, and no longer at its end.
 
 Temporal properties speak of what lasts. A trigger that is true for no time asks for nothing, a condition that must
 always be true may lapse for no time, and a property may hold because of that. The verdict then says so. Whether it
@@ -78,7 +78,7 @@ _OPEN, _LASTING, _RISEN = Constant(0), Constant(1), Constant(2)
 since. Where no chain is open, nothing is noted, which is as if it were false."""
 
 Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
-"""What answers queries about a network."""
+"""The function that answers queries about a network."""
 
 
 def with_momentary_triggers(
@@ -135,7 +135,7 @@ def _may_be_noted(verdict: Verdict) -> bool:
 
 
 def _moments(observer: Observer | None) -> dict[_MomentaryCondition, Expression]:
-    """What may be so for no time, each as a condition."""
+    """The conditions that may hold for no time."""
     if observer is None:
         return {}
     found = {_MomentaryCondition(text, True): condition for text, condition in observer.triggers}
@@ -262,7 +262,7 @@ def _watched(
 def _noting(
     network: Network, process: int, edge: Edge, ends: _Ends, noted: Sequence[tuple[Variable, Expression]]
 ) -> Iterator[Expression]:
-    """What the edge notes of each condition before it begins a transition.
+    """The notes that the edge takes of each condition before it begins a transition.
 
     While somebody is in a committed location, somebody who takes part is, so most edges know whether a chain begins
     with them, goes on, or neither. An urgent location may be that of a process that does not take part.

@@ -70,14 +70,14 @@ def _with_notes(
         triggers = triggers_of([task], network)
     except StoppedError:
         return verdict
-    asked = [
+    conditions = [
         Task(number, Query(trigger.text, QueryKind.POSSIBLY, trigger.condition))
         for number, trigger in enumerate(triggers)
     ]
-    if not asked:
+    if not conditions:
         return verdict
     by_zones = replace(options, engine=Engine.ZONE)
-    found = reachable(model, Search(Analysis.REACHABILITY, tuple(asked)), by_zones, limits, False).values()
+    found = reachable(model, Search(Analysis.REACHABILITY, tuple(conditions)), by_zones, limits, False).values()
     if any(one.reason == INTERRUPTED for one in found):
         raise KeyboardInterrupt
     never = [one.query.name for one in found if one.answer is Answer.FAILS]

@@ -15,8 +15,8 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.options import Options
 from tachk.engine.outcome import INTERRUPTED, Status
-from tachk.engine.symmetry.forgotten import with_less_known
-from tachk.engine.symmetry.sketch import sketch_of
+from tachk.engine.symmetry.coarse_partition import coarse_partition
+from tachk.engine.symmetry.variable_abstraction import with_abstracted_variables
 from tachk.engine.zone import explore
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
@@ -42,7 +42,7 @@ def unblocked(problem: Problem) -> Findings:
     """Searches the network without the processes that can only block those on which the targets depend."""
     network = problem.network
 
-    def relaxed(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
+    def approximation(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
         possible = without_impossible(network)
         mentioned = [*targets, *conditions]
         rest = without_blocking(possible, mentioned)
@@ -52,7 +52,7 @@ def unblocked(problem: Problem) -> Findings:
         left_out = unexamined(possible, rest.network)
         return OverApproximation(rest.network, targets, conditions, unexamined=left_out, spared=spared)
 
-    found = _searched(problem, relaxed)
+    found = _searched(problem, approximation)
     worth = {n: each for n, each in found.reached.items() if each.statistics.states_stored >= WORTH_CARRYING_OVER}
     return replace(found, reached={} if problem.options.shortest else worth)
 
@@ -64,21 +64,21 @@ def symmetrised(problem: Problem) -> Findings:
     def of_all(targets: Sequence[Expression], conditions: Sequence[Expression]) -> OverApproximation | None:
         return _of_all(problem.network, tuple(targets), tuple(conditions), problem.options.cone)
 
-    asked = problem.about([task.number for task in problem.tasks if can_be_symmetrised(problem, task)])
-    return _searched(asked, of_all) if asked.tasks else Findings({})
+    symmetric = problem.about([task.number for task in problem.tasks if can_be_symmetrised(problem, task)])
+    return _searched(symmetric, of_all) if symmetric.tasks else Findings({})
 
 
 def can_be_symmetrised(problem: Problem, task: Task) -> bool:
     """Whether a target names some, but not all, of several interchangeable processes and its orbit is small enough."""
     original = problem.observed.original
-    if not sketch_of(original).repeats:
+    if not coarse_partition(original).repeats:
         return False
-    from tachk.engine.symmetry.asked_of_all import names_some  # of no use where all processes differ
+    from tachk.engine.symmetry.symmetrised_query import is_asymmetric  # of no use where all processes differ
 
     conditions = tuple(trigger.condition for trigger in triggers_of([task], problem.network))
     # What is moved in the network without the observer is found out once for many problems.
     return (
-        any(names_some(original, question) for question in (task.target, *conditions))
+        any(is_asymmetric(original, question) for question in (task.target, *conditions))
         and _of_all(problem.network, (task.target,), conditions, problem.options.cone) is not None
     )
 
@@ -87,13 +87,13 @@ def can_be_symmetrised(problem: Problem, task: Task) -> bool:
 def _of_all(
     network: Network, targets: tuple[Expression, ...], conditions: tuple[Expression, ...], hold: bool
 ) -> OverApproximation | None:
-    from tachk.engine.symmetry.asked_of_all import asked_of_all
+    from tachk.engine.symmetry.symmetrised_query import symmetrised_query
 
     reduced = cone_of_influence(network, [*targets, *conditions]).network if hold else network
-    asked = asked_of_all(reduced, targets, conditions)
-    if asked is None:
+    symmetric = symmetrised_query(reduced, targets, conditions)
+    if symmetric is None:
         return None
-    return OverApproximation(reduced, *asked, unexamined=unexamined(network, reduced), symmetrised=True)
+    return OverApproximation(reduced, *symmetric, unexamined=unexamined(network, reduced), symmetrised=True)
 
 
 def abstracted(problem: Problem) -> Findings:
@@ -119,7 +119,7 @@ def _less_known(
 ) -> OverApproximation | None:
     mentioned = [*targets, *conditions]
     reduced = cone_of_influence(network, mentioned).network if hold else network
-    less = with_less_known(reduced, mentioned)
+    less = with_abstracted_variables(reduced, mentioned)
     if less is None:
         return None
     names = tuple(variable.name for variable in less.variables)
@@ -132,22 +132,26 @@ def _searched(problem: Problem, relaxing: Relaxing) -> Findings:
     reached there."""
     targets = problem.targets
     triggers = triggers_of(problem.tasks, problem.network)
-    relaxed = relaxing(targets, [trigger.condition for trigger in triggers])
-    if relaxed is None:
+    approximation = relaxing(targets, [trigger.condition for trigger in triggers])
+    if approximation is None:
         return Findings({})
-    program, goals = lowered(relaxed.network, relaxed.targets, relaxed.conditions, problem.options)
+    program, goals = lowered(approximation.network, approximation.targets, approximation.conditions, problem.options)
     outcome = explore(program, goals, problem.options, problem.limits)
     if outcome.reason == INTERRUPTED:
         return Findings(none_begun(problem.tasks, INTERRUPTED))
-    statistics = replace(outcome.statistics, less_known=relaxed.less_known, asked_of_all=relaxed.symmetrised)
+    statistics = replace(
+        outcome.statistics, less_known=approximation.less_known, asked_of_all=approximation.symmetrised
+    )
     of_targets = list(zip(problem.tasks, outcome.goals[: len(targets)], strict=True))
     settled = {
-        task.number: Verdict(task.query, answers_of(task.query)[1], True, "", statistics, unexamined=relaxed.unexamined)
+        task.number: Verdict(
+            task.query, answers_of(task.query)[1], True, "", statistics, unexamined=approximation.unexamined
+        )
         for task, goal in of_targets
         if goal.status is Status.UNREACHABLE
     }
     found = {
-        task.number: ReachedInAbstraction(relaxed, goal.path, statistics)
+        task.number: ReachedInAbstraction(approximation, goal.path, statistics)
         for task, goal in of_targets
         if goal.status is Status.REACHED and goal.path is not None and outcome.exact
     }
@@ -165,7 +169,7 @@ def lowered(
     """The program, the goals of the targets, and behind them those of conditions, for which no search goes on."""
     predicates = [*targets, *conditions]
     program, goals = lower(network, predicates)
-    if options.symmetry and sketch_of(network).repeats:
+    if options.symmetry and coarse_partition(network).repeats:
         from tachk.engine.symmetry.tables import with_symmetry  # of no use where all processes differ
 
         program = with_symmetry(program, network, predicates)

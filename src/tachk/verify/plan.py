@@ -17,7 +17,7 @@ from tachk.transform.cone_of_influence import speaks_of_nothing
 
 
 class Analysis(StrEnum):
-    """What has to be found out to answer a query."""
+    """A task: the question that decides a query."""
 
     REACHABILITY = "reachability"
     """Whether some state of a set is reached."""
@@ -92,7 +92,7 @@ def plan(tasks: Iterable[Task]) -> tuple[Search, ...]:
 
 
 def _demands(task: Task) -> tuple[Analysis, frozenset[Variable], bool, bool, int | None]:
-    """What tasks that share a search have in common; the number of the task where it shares with none."""
+    """The key of tasks that share a search; the number of the task where it shares with none."""
     analysis = analysis_of(task.query)
     if analysis is not Analysis.REACHABILITY:
         return analysis, frozenset(), False, False, task.number

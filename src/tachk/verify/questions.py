@@ -1,4 +1,4 @@
-"""What is asked about a model: properties by their names and the queries of texts, or everything that it states."""
+"""Questions about a model: properties by their names and the queries of texts, or everything that it states."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ class Questions:
     statistical: bool = False
 
     def about(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
-        """What is asked for, in order: the named properties and the queries of the texts, else all of the model.
+        """The questions in order: the named properties and the queries of the texts, else all of the model.
 
         Raises:
             InputError: one that was typed or named is wrong.
             UsageError: there is no property of that name.
         """
-        asked = self._asked(model)
+        chosen = self._chosen(model)
         if not self.non_zeno:
-            return asked
-        return tuple(replace(query, non_zeno=True) if isinstance(query, Query) else query for query in asked)
+            return chosen
+        return tuple(replace(query, non_zeno=True) if isinstance(query, Query) else query for query in chosen)
 
-    def _asked(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
+    def _chosen(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
         if not self.names and not self.typed and not self.files:
             return model.formulas
         given = self._given(model)

@@ -34,9 +34,9 @@ def equal_parts(problem: Problem) -> Iterator[Problem]:
     if not problem.options.symmetry or len(problem.tasks) < 2:
         yield problem
         return
-    from tachk.engine.symmetry.tables import in_equal_parts  # of no use to a single target
+    from tachk.engine.symmetry.tables import by_interchangeable_processes  # of no use to a single target
 
-    for part in in_equal_parts(problem.network, problem.targets):
+    for part in by_interchangeable_processes(problem.network, problem.targets):
         yield replace(problem, tasks=tuple(problem.tasks[number] for number in part))
 
 

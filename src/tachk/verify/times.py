@@ -67,10 +67,10 @@ def times_between(
     last: bool = False,
     options: Options = Options(),
     limits: Limits = Limits(),
-    asked: Sequence[str] = (BEST, WORST),
+    requested: Sequence[str] = (BEST, WORST),
     trace: bool = True,
 ) -> Times:
-    """What every run says about the time from one event to another.
+    """The time from one event to another on every run.
 
     Args:
         start: None for the start of the run.
@@ -84,7 +84,7 @@ def times_between(
         UsageError: an event is about a channel that an edge computes.
     """
     timed = with_event_timer(network, start, end, last)
-    wanted = {BEST: BEST in asked, WORST: WORST in asked, WAITING: WORST in asked}
+    wanted = {BEST: BEST in requested, WORST: WORST in requested, WAITING: WORST in requested}
     questions = [(name, query) for name, query in _questions(timed) if wanted[name]]
     began = monotonic()
     found: dict[str, Extreme | None] = {}

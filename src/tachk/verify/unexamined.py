@@ -1,4 +1,4 @@
-"""What was left out of a search and could have met a run-time error there."""
+"""Parts that were left out of a search and could have had a run-time error."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ from tachk.verify.verdict import Answer, Verdict
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """What a property is about: ``condition`` must be true somewhere, else the property says nothing.
+    """The trigger of a property: ``condition`` must be true somewhere, else the property says nothing.
 
     Attributes:
         task: the number of the task whose property it is.

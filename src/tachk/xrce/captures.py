@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from tachk.base.diagnostics.diagnostic import UsageError
 
 if TYPE_CHECKING:
+    from tachk.recordings.conformance.event_streams import Constants
     from tachk.recordings.conformance.events import Cell, EventLog
-    from tachk.recordings.conformance.queues import Constants
     from tachk.recordings.traces.trace import TraceSource
 
 CLIENT = "client"
-"""What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
+"""The column of clients in events in the words of `models/micro_xrce_dds/protocol.ta`."""
 
 
 class DdsXrce:
@@ -33,12 +33,12 @@ class DdsXrce:
         return read_capture(path, ports)
 
     def samples_in(self, detail: Cell | None) -> int:
-        from tachk.xrce.conformance.carried import samples_in
+        from tachk.xrce.conformance.payloads import samples_in
 
         return samples_in(detail)
 
     def check_room(self, recording: EventLog, constants: Constants) -> None:
-        from tachk.xrce.conformance.carried import BEST_EFFORT, most_pieces
+        from tachk.xrce.conformance.payloads import BEST_EFFORT, most_pieces
 
         own = [event.cells for event in recording.events if CLIENT in event.cells]
         largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)

@@ -23,7 +23,7 @@ _IPV4, _IPV6 = 0x0800, 0x86DD
 
 @dataclass(frozen=True, slots=True)
 class Datagrams:
-    """What UDP and TCP carried; one entry for each datagram or segment in every column but ``octets``.
+    """The payloads of UDP and TCP; one entry for each datagram or segment in every column but ``octets``.
 
     Attributes:
         octets: as in `Packets`.

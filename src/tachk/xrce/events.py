@@ -1,4 +1,4 @@
-"""What happened on the wire, one event for a submessage."""
+"""Events on the wire, one for each submessage."""
 
 from __future__ import annotations
 
@@ -126,11 +126,11 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Submessage
 
 
 def _fields(found: Submessages, entry: int, kind: SubmessageKind) -> dict[str, Value]:
-    """What a submessage says; those that come in masses are in columns already."""
+    """The fields of a submessage; those that come in masses are in columns already."""
     flags = int(found.flags[entry])
-    told: dict[str, Value] = {}
+    described: dict[str, Value] = {}
     if found.request[entry] >= 0:
-        told = {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
+        described = {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
     match kind:
         case SubmessageKind.ACKNACK:
             first, bitmap = int(found.first[entry]), int(found.bitmap[entry])
@@ -141,17 +141,17 @@ def _fields(found: Submessages, entry: int, kind: SubmessageKind) -> dict[str, V
             return {"subject": int(found.subject[entry]), "first": first, "last": last}
         case SubmessageKind.WRITE_DATA | SubmessageKind.DATA:
             form = flags & wire.FORMAT
-            told["format"] = wire.SAMPLE_FORMATS.get(form, f"{form:#x}")
-            told["sample"] = payload(found, entry)[_BEFORE_SAMPLE:].hex()
-            return told
+            described["format"] = wire.SAMPLE_FORMATS.get(form, f"{form:#x}")
+            described["sample"] = payload(found, entry)[_BEFORE_SAMPLE:].hex()
+            return described
         case SubmessageKind.FRAGMENT:
             return {"last": bool(flags & wire.LAST_FRAGMENT), "piece": payload(found, entry).hex()}
         case _:
-            return told | _declared(kind, flags, found.contents.get(entry) or parsed(found, entry))
+            return described | _declared(kind, flags, found.contents.get(entry) or parsed(found, entry))
 
 
 def _declared(kind: SubmessageKind, flags: int, content: Container) -> dict[str, Value]:
-    """What a submessage says beside its request, as its declaration has it."""
+    """The fields of a submessage beside its request, as its declaration has them."""
     match kind:
         case SubmessageKind.CREATE_CLIENT:
             return _peer(content.peer) | {
@@ -205,17 +205,17 @@ def _status(result: Container) -> dict[str, Value]:
 
 
 def _variant(new: Container) -> dict[str, Value]:
-    told: dict[str, Value] = {"object_kind": wire.OBJECT_KINDS[new.kind]}
+    described: dict[str, Value] = {"object_kind": wire.OBJECT_KINDS[new.kind]}
     if "description" not in new.what:
-        return told
+        return described
     form, description = new.what.description.format, new.what.description.description
-    told["representation"] = wire.REPRESENTATIONS[form]
-    told["description"] = description if isinstance(description, str) else description.hex()
+    described["representation"] = wire.REPRESENTATIONS[form]
+    described["description"] = description if isinstance(description, str) else description.hex()
     if new.what.domain is not None:
-        told["domain"] = new.what.domain
+        described["domain"] = new.what.domain
     if new.what.owner is not None:
-        told["owner"] = new.what.owner.hex().upper()
-    return told
+        described["owner"] = new.what.owner.hex().upper()
+    return described
 
 
 def _nanoseconds(moment: Container) -> int:

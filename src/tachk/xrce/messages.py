@@ -58,7 +58,7 @@ class TcpStream:
         return found
 
     def close(self) -> Found:
-        """What has begun and can no longer be completed; reading may go on behind it."""
+        """The messages that have begun and can no longer be completed; reading may go on behind them."""
         found: Found = []
         while self._waiting or self._octets:
             if self._octets:
@@ -297,7 +297,7 @@ class MessageReader:
         return rows.messages()
 
     def close(self) -> Messages:
-        """What TCP has begun and not completed when the capture ends."""
+        """The messages that TCP has begun and not completed when the capture ends."""
         rows = _MessageRows(b"")
         for way, stream in self._streams.items():
             rows.append(self._last[way], stream.close())

@@ -99,7 +99,7 @@ def read_packets(stream: BinaryIO) -> Iterator[Packets]:
 
 
 class _Pending:
-    """What has been read of a stream and is not yet used."""
+    """The bytes read of a stream and not yet used."""
 
     def __init__(self, stream: BinaryIO) -> None:
         # A pipe gives what is there, where a file gives as much as is asked for.

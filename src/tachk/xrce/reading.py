@@ -31,7 +31,7 @@ class CaptureReading:
         return self._messages.endpoints
 
     def pieces(self) -> Iterator[Submessages]:
-        """What goes to or from the ports of Agents, at last what TCP has not completed.
+        """The datagrams to or from the ports of Agents, at last those that TCP has not completed.
 
         Raises CaptureError for what is no capture.
         """

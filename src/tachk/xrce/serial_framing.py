@@ -38,7 +38,7 @@ class FrameReader:
 
     def __init__(self) -> None:
         self._plain: bytearray | None = None
-        """What has come of the frame, without escapes; None between frames."""
+        """The bytes of the frame so far, without escapes; None between frames."""
         self._escaped = False
         self._between = 0
 
@@ -62,7 +62,7 @@ class FrameReader:
         return found
 
     def close(self) -> list[SerialFrame]:
-        """What has begun and not ended: a frame, or bytes that belong to none."""
+        """The unfinished part: a frame, or bytes that belong to none."""
         found = [_cut(self._plain)] if self._plain else []
         if self._between:
             found.append(SerialFrame(None, None, b"", f"{self._between} bytes belong to no frame"))

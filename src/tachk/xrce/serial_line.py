@@ -19,7 +19,7 @@ NOBODY: Final = -1
 
 
 class SerialReading:
-    """What went over a serial line: its bytes alone, or a capture whose packets hold them.
+    """The traffic of a serial line: its bytes alone, or a capture whose packets hold them.
 
     One direction, or both if frames do not lie inside each other. Bytes alone have the times of a clock, 0 without one,
     and frames are counted instead of packets. Where reading gives None, as a pipe does that need not be waited for, a
@@ -138,7 +138,7 @@ class Peeked:
         self._first = self.begin
 
     def read1(self, size: int = -1) -> bytes | None:
-        """What has come; empty at the end, None if nothing has come for a while."""
+        """The bytes that have come; empty at the end, None if nothing has come for a while."""
         if self._first:
             first, self._first = self._first, b""
             return first

@@ -1,4 +1,4 @@
-"""What the sender of a damaged frame has sent, where one byte of it was damaged and nothing else would fit.
+"""Repair of damaged frames in which a single byte was damaged and only one repair fits.
 
 A receiver drops the frame; only who asks what was sent needs this. The CRC is linear: the difference between the CRC
 that a frame states and that of its message is the CRC of the damage alone. CRC-16/ARC tells all bursts of up to 16

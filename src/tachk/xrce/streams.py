@@ -28,7 +28,7 @@ _MOST_KEPT: Final = 1 << 12
 """Messages of which the content is kept until they are acknowledged; no window is nearly as large."""
 
 Item = tuple[object, ...]
-"""What a submessage carries, to be compared."""
+"""The content of a submessage for comparisons."""
 
 
 def near(number: int, reference: int) -> int:
@@ -37,7 +37,7 @@ def near(number: int, reference: int) -> int:
 
 
 class StreamState:
-    """What is known of one direction of a stream.
+    """The state of one direction of a stream.
 
     Attributes:
         sent: messages that have been sent, as far as is known.

@@ -217,7 +217,7 @@ def _messages(reading: CaptureReading | SerialReading) -> Iterator[_PacketMessag
 
 
 class _Leg:
-    """What one capture point saw between two endpoints."""
+    """The packets that one capture point saw between two endpoints."""
 
     def __init__(self, client: Endpoint, agent: Endpoint) -> None:
         self.client = client

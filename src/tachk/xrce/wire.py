@@ -16,7 +16,7 @@ import construct as c
 
 
 class SubmessageKind(IntEnum):
-    """What a submessage is; section 8.3.5. PERFORMANCE is eProsima's own."""
+    """The kind of a submessage; section 8.3.5. PERFORMANCE is eProsima's own."""
 
     CREATE_CLIENT = 0
     CREATE = 1
@@ -133,7 +133,7 @@ class _Aligned(c.Construct):  # type: ignore[misc]
 
 
 class _ByteOrder:
-    """What has more than one byte, in one of the two orders."""
+    """The fields of more than one byte, in one of the two orders."""
 
     def __init__(self, little: bool) -> None:
         self.u16, self.u32 = (c.Int16ul, c.Int32ul) if little else (c.Int16ub, c.Int32ub)
@@ -171,7 +171,7 @@ def _agent(order: _ByteOrder) -> Any:
 
 
 def _object(order: _ByteOrder) -> Any:
-    """What an object is to be, or is: ObjectVariant."""
+    """The description of an object: ObjectVariant."""
     forms = {_REFERENCE: order.text, _XML: order.text, _BINARY: order.octets}
     described = c.Struct(
         "format" / c.Int8ub,
@@ -221,10 +221,10 @@ def _read(order: _ByteOrder) -> Any:
 
 @cache
 def payloads(little: bool) -> Mapping[SubmessageKind, Any]:
-    """What a submessage of each kind carries, in one of the two byte orders."""
+    """The payload of a submessage of each kind, in one of the two byte orders."""
     order = _ByteOrder(little)
     u16, moment = order.u16, order.moment
-    carried = c.Struct("base" / _REQUEST, "sample" / c.GreedyBytes)
+    payload = c.Struct("base" / _REQUEST, "sample" / c.GreedyBytes)
     return {
         SubmessageKind.CREATE_CLIENT: _client(order),
         SubmessageKind.CREATE: c.Struct("base" / _REQUEST, "new" / _object(order)),
@@ -233,9 +233,9 @@ def payloads(little: bool) -> Mapping[SubmessageKind, Any]:
         SubmessageKind.STATUS_AGENT: c.Struct("result" / _RESULT, "agent" / _agent(order)),
         SubmessageKind.STATUS: c.Struct("base" / _REQUEST, "result" / _RESULT),
         SubmessageKind.INFO: _information(order),
-        SubmessageKind.WRITE_DATA: carried,
+        SubmessageKind.WRITE_DATA: payload,
         SubmessageKind.READ_DATA: _read(order),
-        SubmessageKind.DATA: carried,
+        SubmessageKind.DATA: payload,
         SubmessageKind.ACKNACK: c.Struct("first" / u16, "bitmap" / c.Int16ub, "subject" / c.Int8ub),
         SubmessageKind.HEARTBEAT: c.Struct("first" / u16, "last" / u16, "subject" / c.Int8ub),
         SubmessageKind.RESET: c.Struct(),

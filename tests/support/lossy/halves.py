@@ -158,13 +158,13 @@ def _link(random: Random, half: int, rarely: Callable[..., str]) -> str:
 
 
 def _receiver(random: Random, half: int, rarely: Callable[..., str]) -> str:
-    heard = rarely(str(1 - half), str(half))
+    received = rarely(str(1 - half), str(half))
     more = rarely(" + 0 * losses") + rarely(" + 1")
     return f"""
     process Receiver{half}() {{
         clock y;
         init location Ready {{
-            to Busy {{ sync deliver[{heard}]?; assign got[{half}] = number{more}, y = 0; }}
+            to Busy {{ sync deliver[{received}]?; assign got[{half}] = number{more}, y = 0; }}
             to Ready {{ guard y > 2; assign deaf[{rarely("place", str(half))}] = !deaf[{half}], y = 0; }}
             to Done {{ guard got[{half}] == {random.randint(1, 2)}{rarely(" && losses == LOSSES")}; }}
             {rarely(f"to Done {{ sync hand[{half}]?; }}", share=0.2)}

@@ -27,8 +27,8 @@ from tests.support.strategies import each_switched_off
 from tests.support.symmetric.cases import SymmetricCase, random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.counted import random_counted_case
+from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
-from tests.support.symmetric.rings import random_ring_case
 
 NO_REDUCTION = Options(order=SearchOrder.BFS, subsumption=False, local_times=LocalTimes.NEVER).off(
     "unblocked", "sliced", "alu", "merging", "cone", "symmetry", "attempts"
@@ -58,7 +58,7 @@ SHAPES = (
     Shape(priorities=True, processes=3, locations=3, clocks=2),
     Shape(hurried=0.6, groups=2, clocks=1, processes=2, locations=3),
     Shape(language=True, faults=0.2, processes=3, locations=3, clocks=2),
-    Shape(listeners=1, blockers=1, processes=2, clocks=1, locations=3),
+    Shape(receivers=1, blockers=1, processes=2, clocks=1, locations=3),
     Shape(apart=0.7, companions=2, processes=2, clocks=1, locations=3),
 )
 

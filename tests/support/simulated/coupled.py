@@ -21,9 +21,9 @@ from tachk.meaning.step import StepError, delay, initial_state, possible
 from tachk.model.network import Network
 from tachk.model.run import TimedState
 from tachk.simulation.columns import all_columns
-from tachk.simulation.fmi.blueprint import blueprint
 from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.environment import OUTSIDE, SENT
+from tachk.simulation.fmi.resource_file import resource_file
 from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role
 from tests.support.simulated.cosimulated import extract
 
@@ -38,7 +38,7 @@ class Member:
         self.places = {variable.name: place for place, variable in enumerate(unit.variables)}
         self.next, self.transitions = 0.0, 0
         self._slave = FMU3Slave(
-            guid=blueprint(unit).token,
+            guid=resource_file(unit).token,
             unzipDirectory=extract(unit, FmiVersion.THREE, folder),
             modelIdentifier=unit.name,
             instanceName=unit.name,

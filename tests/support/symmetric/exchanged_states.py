@@ -12,7 +12,7 @@ from random import Random
 
 from tachk.meaning.dbm import Federation, Zone, subtract_all
 from tachk.meaning.discrete import PreparedNetwork
-from tachk.meaning.judge.exchanges import ExchangeGroup, StatePermutation
+from tachk.meaning.judge.transpositions import StatePermutation, SymmetryGroup
 from tachk.meaning.symbolic import situation, where
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
@@ -50,7 +50,7 @@ def is_kept(
     )
 
 
-def mutated(group: ExchangeGroup, random: Random, slots: Sequence[int], clocks: int, channels: int) -> ExchangeGroup:
+def mutated(group: SymmetryGroup, random: Random, slots: Sequence[int], clocks: int, channels: int) -> SymmetryGroup:
     """A group with less, more or other parts: as a rule nothing of the model."""
     match random.randrange(8):
         case 0 if len(group.slots[0]) > 1:
@@ -81,8 +81,8 @@ def mutated(group: ExchangeGroup, random: Random, slots: Sequence[int], clocks: 
     return _with(group, cyclic=not group.cyclic)
 
 
-def _with(group: ExchangeGroup, **changes: object) -> ExchangeGroup:
-    return ExchangeGroup(**{**group.to_json(), **changes})
+def _with(group: SymmetryGroup, **changes: object) -> SymmetryGroup:
+    return SymmetryGroup(**{**group.to_json(), **changes})
 
 
 def _possible(model: PreparedNetwork, predicates: Sequence[Expression], state: DiscreteState) -> Possible:

@@ -121,11 +121,11 @@ def test_what_is_made_is_accepted(language: bool) -> None:
 def test_whoever_can_receive_a_broadcast_does() -> None:
     network = NetworkBuilder()
     call = network.channel("call", broadcast=True)
-    speaker, listener = network.process("Speaker"), network.process("Listener")
+    speaker, receiver = network.process("Speaker"), network.process("Listener")
     a, b = speaker.location("A"), speaker.location("B")
-    c, d = listener.location("C"), listener.location("D")
+    c, d = receiver.location("C"), receiver.location("D")
     speaker.edge(a, b, send=call)
-    listener.edge(c, d, receive=call)
+    receiver.edge(c, d, receive=call)
     program, (goal,) = lower(network.build(), [b.reached.expression])
     (found,) = zone.explore(program, [goal]).goals
     assert found.actions is not None

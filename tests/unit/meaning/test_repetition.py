@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from tachk.meaning.discrete import initial_discrete, prepare
-from tachk.meaning.repetition import sight
+from tachk.meaning.repetition import observable_clocks
 from tachk.model.builder import NetworkBuilder
 
 
@@ -16,7 +16,7 @@ def test_a_clock_beyond_all_it_is_compared_with_need_not_return() -> None:
     a = process.location("A")
     process.edge(a, a, guard=x >= 3)
     model = prepare(network.build())
-    seen = sight(model, [initial_discrete(model)], [])
+    seen = observable_clocks(model, [initial_discrete(model)], [])
     three, four = Fraction(3), Fraction(4)
     assert seen.same(1, three, three)
     assert not seen.same(1, three, four)
@@ -30,8 +30,8 @@ def test_what_the_predicate_compares_counts() -> None:
     network.process("P").location("A")
     model = prepare(network.build())
     start = [initial_discrete(model)]
-    assert sight(model, start, []).same(1, Fraction(1), Fraction(9))
-    assert not sight(model, start, [(x >= 5).expression]).same(1, Fraction(1), Fraction(9))
+    assert observable_clocks(model, start, []).same(1, Fraction(1), Fraction(9))
+    assert not observable_clocks(model, start, [(x >= 5).expression]).same(1, Fraction(1), Fraction(9))
 
 
 def test_clocks_that_are_compared_with_each_other_must_return() -> None:
@@ -41,5 +41,5 @@ def test_clocks_that_are_compared_with_each_other_must_return() -> None:
     a = process.location("A")
     process.edge(a, a, guard=x - y <= 2)
     model = prepare(network.build())
-    seen = sight(model, [initial_discrete(model)], [])
+    seen = observable_clocks(model, [initial_discrete(model)], [])
     assert not seen.same(1, Fraction(8), Fraction(9))

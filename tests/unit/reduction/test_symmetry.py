@@ -9,8 +9,8 @@ import tachk
 from tachk import Limits
 from tachk.base.resources import data_root
 from tachk.engine.symmetry import detection
-from tachk.engine.symmetry.detection import find_symmetry, look_for_symmetry
-from tachk.engine.symmetry.kinds import AsymmetryReason
+from tachk.engine.symmetry.detection import find_symmetry, search_symmetry
+from tachk.engine.symmetry.index_types import AsymmetryReason
 from tests.support.seeds import enough, seeds
 from tests.support.symmetric.cases import random_symmetric_case
 
@@ -48,7 +48,7 @@ def found(edge: str = "", other: str = "", *queries: str, text: str = TEXT) -> t
     model = tachk.loads(text % (edge, other) if "%s" in text else text)
     targets = [verdict.query.target for verdict in model.verify(*queries, trace=False)] if queries else []
     symmetry = find_symmetry(model.network, [target for target in targets if target is not None])
-    return [len(group.members) for group in symmetry.groups], [each.refusal.reason for each in symmetry.differences]
+    return [len(group.members) for group in symmetry.groups], [each.reason.reason for each in symmetry.differences]
 
 
 @pytest.mark.parametrize(
@@ -233,28 +233,28 @@ def test_a_query_that_names_processes_leaves_the_others(query: str, group: list[
 def test_processes_that_all_differ_take_no_longer_than_they_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = 0
 
-    def exchange_of(*given: object) -> AsymmetryReason:
+    def transposition_of(*given: object) -> AsymmetryReason:
         nonlocal tried
         tried += 1
         return AsymmetryReason("they differ")
 
-    monkeypatch.setattr(detection, "exchange_of", exchange_of)
+    monkeypatch.setattr(detection, "transposition_of", transposition_of)
     text = "process P(const int me) { init location L { to M { guard me > 0; } } location M; }\n"
     text += "".join(f"P{n} = P({n + 1});\n" for n in range(40)) + f"system {', '.join(f'P{n}' for n in range(40))};"
     assert found(text=text)[0] == []
-    assert detection.MOST_IN_VAIN <= tried < detection.MOST_IN_VAIN + 40
+    assert detection.MOST_FAILED_TRANSPOSITIONS <= tried < detection.MOST_FAILED_TRANSPOSITIONS + 40
 
 
 def test_processes_in_which_different_constants_stand_are_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = 0
-    exchange_of = detection.exchange_of
+    transposition_of = detection.transposition_of
 
     def counted(*given: object) -> object:
         nonlocal tried
         tried += 1
-        return exchange_of(*given)
+        return transposition_of(*given)
 
-    monkeypatch.setattr(detection, "exchange_of", counted)
+    monkeypatch.setattr(detection, "transposition_of", counted)
     processes = "".join(
         f"process P{n}() {{ init location L {{ to L {{ sync to{n}!; }} }} }}\n"
         f"process Q{n}() {{ init location L {{ to L {{ guard x > {n}; sync to{n}?; }} }} }}\n"
@@ -429,7 +429,7 @@ def test_what_is_known_of_a_network_is_what_would_be_found_for_each_query() -> N
         model = tachk.loads(case.text)
         for verdict in model.verify(*case.queries, limits=Limits(states=1), trace=False):
             assert verdict.query.target is not None
-            known, anew = (look(model.network, [verdict.query.target]) for look in (find_symmetry, look_for_symmetry))
+            known, anew = (look(model.network, [verdict.query.target]) for look in (find_symmetry, search_symmetry))
             assert known.groups == anew.groups, f"seed {seed}: {verdict.query.text}"
             several += bool(anew.groups)
     assert enough(several > 30)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from tachk.report.drawing.sequence.chart import Chart, Message, Moment, Note
-from tachk.report.sequence.repetitions import told_once
+from tachk.report.sequence.repetitions import shown_once
 
 
 def message(time: int, label: str) -> Message:
@@ -13,7 +13,7 @@ def message(time: int, label: str) -> Message:
 
 
 def told(*messages: Message) -> list[str]:
-    chart = told_once(Chart("t", "d", "ms", ("a", "b"), messages))
+    chart = shown_once(Chart("t", "d", "ms", ("a", "b"), messages))
     return [event.text if isinstance(event, Note) else event.label for event in chart.events]
 
 

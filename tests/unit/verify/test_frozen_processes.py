@@ -42,7 +42,7 @@ def test_the_run_shows_what_a_frozen_process_receives() -> None:
 def test_answers_and_runs_are_those_of_the_whole_network() -> None:
     limits = Limits(states=20_000)
     for seed in seeds(range(30)):
-        case = random_case(Random(seed), Shape(processes=2, listeners=2, clocks=2, stopwatches=seed % 3 == 0))
+        case = random_case(Random(seed), Shape(processes=2, receivers=2, clocks=2, stopwatches=seed % 3 == 0))
         queries = [Query(f"q{i}", QueryKind.POSSIBLY, predicate) for i, predicate in enumerate(case.predicates)]
         with_all = verify(case.network, queries, Options().off("cone"), limits)
         without = verify(case.network, queries, Options(), limits)

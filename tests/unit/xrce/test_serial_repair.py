@@ -12,8 +12,8 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.packets import read_packets
 from tachk.xrce.serial_framing import FrameReader, SerialFrame, crc16

@@ -1,1 +1,1 @@
-"""What is said about a text, and where: a `diagnostic` has a `span` and a code; `explanation` reads what codes mean."""
+"""Messages about texts: a `diagnostic` has a `span` and a code; `explanation` reads the explanations of codes."""

@@ -106,7 +106,7 @@ class UsageError(TachkError):
 
 
 def _advice(help: str | None) -> str:
-    """What a script or notebook shows behind a message."""
+    """The lines after a message in a script or notebook."""
     return f" ({help})" if help else ""
 
 

@@ -1,4 +1,4 @@
-"""What each diagnostic code stands for, for ``tachk explain CODE``, SARIF reports and tests.
+"""Explanations of diagnostic codes, for ``tachk explain CODE``, SARIF reports and tests.
 
 The explanations are data: ``explanations/GROUP.toml``, a table for each code, read when one is asked for.
 The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx

@@ -22,7 +22,7 @@ from tachk.report.drawing.sequence.chart import Chart
 from tachk.report.drawing.sequence.layout import TimeAxis, lay_out
 from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tachk.report.sequence.of_run import chart_of_run
-from tachk.report.sequence.repetitions import told_once
+from tachk.report.sequence.repetitions import shown_once
 from tachk.report.sequence.run_steps import RunSteps, steps_of_report
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.report.sequence_chart import chart_of_capture
@@ -103,7 +103,7 @@ def run_chart(charting: Charting) -> ExitStatus:
     chart = _read(charting)
     part = chart.part(_time(charting.begin, chart.unit), _time(charting.end, chart.unit))
     axis = TimeAxis(charting.axis)
-    write_chart(part.used() if axis is TimeAxis.SCALE else told_once(part.used()), charting.output, axis)
+    write_chart(part.used() if axis is TimeAxis.SCALE else shown_once(part.used()), charting.output, axis)
     return ExitStatus.AS_EXPECTED
 
 

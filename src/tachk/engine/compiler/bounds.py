@@ -79,7 +79,7 @@ class ClockCopy:
 
 @dataclass(frozen=True, slots=True)
 class BoundEdge:
-    """What the analysis needs of an edge.
+    """The parts of an edge that the analysis needs.
 
     Attributes:
         resets: the clocks it sets in every case.

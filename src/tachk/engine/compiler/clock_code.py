@@ -14,7 +14,7 @@ from tachk.model.types import ChannelType, ClockType, Type, leaves
 
 
 class Generator(Protocol):
-    """What code is made with: `tachk.engine.compiler.codegen.CodeGenerator`."""
+    """The maker of code: `tachk.engine.compiler.codegen.CodeGenerator`."""
 
     assembler: Assembler
 

@@ -1,4 +1,4 @@
-"""What updates do to clocks, for all that has to know it before a search: bounds, units of time, the size of zones."""
+"""Effects of updates on clocks: for bounds, units of time and the size of zones, before a search."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ class LinearTerm:
 
 @dataclass(frozen=True, slots=True)
 class EdgePattern:
-    """What the edges for some values of the last select variable have in common.
+    """The common part of the edges for some values of the last select variable.
 
     Attributes:
         sample: the edge for one value.

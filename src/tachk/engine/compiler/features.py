@@ -1,4 +1,4 @@
-"""What a network and a query use that not every analysis can handle, asked before any work is done."""
+"""Features of a network and a query that not every analysis can handle, checked before any work is done."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def _is_urgent(edge: Edge) -> bool:
         return False
     channel = edge.synchronisation.channel.type
     assert isinstance(channel, ChannelType)
-    hears = channel.broadcast and edge.synchronisation.direction is Direction.RECEIVE
-    return channel.urgent and not hears
+    receives = channel.broadcast and edge.synchronisation.direction is Direction.RECEIVE
+    return channel.urgent and not receives
 
 
 def check_supported(network: Network, query: Query) -> None:

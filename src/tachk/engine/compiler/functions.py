@@ -34,7 +34,7 @@ from tachk.model.types import VoidType, cell_count, is_aggregate, leaves
 
 
 class ExpressionGenerator(Protocol):
-    """What functions need of the generator of expressions, which needs them."""
+    """The interface of the generator of expressions that functions need."""
 
     layout: SlotLayout
     known: Known

@@ -48,7 +48,7 @@ class _Literals:
 
 @dataclass(frozen=True, slots=True)
 class ObservedByGoal:
-    """What a disjunct compares clocks with, and the pairs (process, location) that it asks for beside that."""
+    """The clock constraints of a disjunct, and the pairs (process, location) that it requires beside them."""
 
     constraint: ConstraintRange
     places: tuple[tuple[int, int], ...]

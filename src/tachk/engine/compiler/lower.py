@@ -88,8 +88,8 @@ def lower_obligation(
 
     The clock bounds count the constants of both as lower and as upper ones. Raises as `lower` does.
     """
-    asked = [avoided] if begins is None else [avoided, begins]
-    program, goals = lower(network, [*asked, *map(negation, asked)])
+    avoidance = [avoided] if begins is None else [avoided, begins]
+    program, goals = lower(network, [*avoidance, *map(negation, avoidance)])
     return program, goals[0], None if begins is None else goals[1]
 
 
@@ -98,27 +98,27 @@ def lower_recurrence(
 ) -> tuple[Program, tuple[Goal, ...]]:
     """The program of a network, and the goals of what runs avoid, where they may end, where they may begin to avoid it
     (None: initially, and no goal) and what they meet again and again, in this order. As `lower_obligation`."""
-    asked = [avoided, ends, *([] if begins is None else [begins]), *again]
-    program, goals = lower(network, [*asked, *map(negation, asked)])
-    return program, tuple(goals[: len(asked)])
+    avoidance = [avoided, ends, *([] if begins is None else [begins]), *again]
+    program, goals = lower(network, [*avoidance, *map(negation, avoidance)])
+    return program, tuple(goals[: len(avoidance)])
 
 
 def lower_measures(
     network: Network,
     measured: Sequence[MeasuredExpression],
     tables: Collection[Variable] = (),
-    asked: Sequence[Expression] = (),
+    avoidance: Sequence[Expression] = (),
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
     """The program of a network, goals (what is asked, each clock whose largest value is), and how to measure in states.
 
     The goal is that the clock is beyond its horizon. Up to there the clock bounds of the program keep its values apart.
     Raises as `lower` does, and ValueError for a clock that depends on the state.
     """
-    known = known_values(network, [*asked, *(part for m in measured for part in (m.where, m.beyond))])
+    known = known_values(network, [*avoidance, *(part for m in measured for part in (m.where, m.beyond))])
     lowering = _lowered(network, known, tables)
     lowering.clocks.check_copies(network)
     measures = []
-    compiled = [compile_goal(each, known, lowering.compiler) for each in asked]
+    compiled = [compile_goal(each, known, lowering.compiler) for each in avoidance]
     goals = [goal for goal, _ in compiled]
     observed = [each for _, compared in compiled for each in compared]
     for each in measured:

@@ -331,7 +331,7 @@ class HybridClocks:
 
 @dataclass(frozen=True, slots=True)
 class Chances:
-    """What a simulation needs beside a program.
+    """The additions to a program for simulation.
 
     Attributes:
         rates: of the exponential distribution of each location of each process.

@@ -131,7 +131,7 @@ def discrete_run(
 def of_phase(
     model: PreparedNetwork, discrete: DiscreteState, phase: int, leaves_by: Transition | None
 ) -> Iterator[Requirement]:
-    """What must hold so that control can stay in a state for the phase and leave it by a transition."""
+    """The constraints under which control can stay in a state for the phase and leave it by a transition."""
     waiting = model.dimension
     yield at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
     if not may_delay(model, discrete):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 SCRIPT = "script"
-"""What somebody says in place of a policy who has a file with all decisions: nothing is drawn."""
+"""The name in place of a policy for a file with all decisions: nothing is drawn."""
 
 
 class Policy(StrEnum):

@@ -107,7 +107,7 @@ class Simulated:
 
 @dataclass(frozen=True, slots=True)
 class RecordedChanges:
-    """What is recorded of runs beside how they end."""
+    """The changes that are recorded of runs beside how they end."""
 
     actions: bool = False
     observed: bool = False

@@ -10,12 +10,12 @@ from tachk.base.records import dataclass
 from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.simulator import chances_image
-from tachk.engine.simulation.trials import TrialQuestion, core_asked
+from tachk.engine.simulation.trials import TrialQuestion, core_question
 
 
 @dataclass(frozen=True, slots=True)
-class Levels:
-    """What is known of distances from the goal.
+class ImportanceLevels:
+    """Distances from the goal.
 
     Attributes:
         top: how many transitions the initial state is away from it, at least.
@@ -37,10 +37,10 @@ class Splitter:
         image = encode(program, chances.goals)
         self._core = _core.Simulation(image, list(chances_image(chances)))
         self._levels = _core.Levels(image, zones)
-        self.levels = Levels(self._levels.top, self._levels.states, self._levels.whole, self._levels.reached)
+        self.levels = ImportanceLevels(self._levels.top, self._levels.states, self._levels.whole, self._levels.reached)
 
     def replications(
-        self, asked: TrialQuestion, seed: int, numbers: range, effort: int, threads: int, most_steps: int | None
+        self, question: TrialQuestion, seed: int, numbers: range, effort: int, threads: int, most_steps: int | None
     ) -> Sequence[tuple[float, int, int]]:
         """Of these numbers, in order: the estimate, the transitions, and the runs that are unknown. Raises
         StoppedError."""
@@ -48,7 +48,7 @@ class Splitter:
         found = _core.split(
             self._core,
             self._levels,
-            core_asked(asked),
+            core_question(question),
             seed=seed,
             first=numbers.start,
             replications=len(numbers),

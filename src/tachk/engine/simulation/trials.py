@@ -23,7 +23,7 @@ _FAULT = _ENDINGS.index(SimulationEnding.FAULT)
 
 
 class TrialAnswer(IntEnum):
-    """What a run says about its goal."""
+    """The answer of a run about its goal."""
 
     NO = 0
     YES = 1
@@ -49,7 +49,7 @@ class Reach:
 
 @dataclass(frozen=True, slots=True)
 class TrialQuestion:
-    """What runs are asked, in numbers of the program.
+    """The property evaluated on runs, in numbers of the program.
 
     Attributes:
         goal: of `Chances.goals`: whether it is reached.
@@ -68,7 +68,7 @@ class TrialQuestion:
 
 @dataclass(frozen=True, slots=True)
 class Trials:
-    """What came of some runs, in their order.
+    """The answers of some runs, in their order.
 
     Attributes:
         answers: an `TrialAnswer` each.
@@ -93,12 +93,14 @@ class Trier:
         self.program = program
         self._core = _core.Simulation(encode(program, chances.goals), list(chances_image(chances)))
 
-    def trials(self, asked: TrialQuestion, seed: int, numbers: range, threads: int, most_steps: int | None) -> Trials:
+    def trials(
+        self, question: TrialQuestion, seed: int, numbers: range, threads: int, most_steps: int | None
+    ) -> Trials:
         """The runs of these numbers. Raises StoppedError."""
         left = current_job().seconds_left
         found = _core.trials(
             self._core,
-            core_asked(asked),
+            core_question(question),
             policy=_core.Policy[Policy.STOCHASTIC.name],
             seed=seed,
             first=numbers.start,
@@ -125,15 +127,15 @@ class Trier:
         )
 
 
-def core_asked(asked: TrialQuestion) -> _core.Asked:
+def core_question(question: TrialQuestion) -> _core.Asked:
     result = _core.Asked()
-    reach = asked.reach
+    reach = question.reach
     if reach.until is not None:
         result.until = reach.until
     if reach.steps is not None:
         result.steps = reach.steps
     result.ticks_per_unit = reach.ticks_per_unit
     result.bound_clock, result.bound_value = reach.clock, reach.value
-    result.goal, result.lost = asked.goal, asked.lost
-    result.observed, result.clock, result.largest = asked.observed, asked.clock, asked.largest
+    result.goal, result.lost = question.goal, question.lost
+    result.observed, result.clock, result.largest = question.observed, question.clock, question.largest
     return result

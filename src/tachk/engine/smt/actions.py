@@ -48,7 +48,7 @@ class Instance:
 
 
 class EdgesOfMoment(Protocol):
-    """What the edges say at one moment."""
+    """The conditions of the edges at one moment."""
 
     @property
     def instances(self) -> Sequence[Instance]: ...
@@ -136,20 +136,22 @@ def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int])
         for condition, channel in first.channels:
             sent = conj(first.open, condition)
             others = [own for process, own in enumerate(receivers) if process != first.process]
-            hearing = [[(i, _hears(i, channel)) for i in own if _hears(i, channel) is not False] for own in others]
+            hearing = [
+                [(i, _receives(i, channel)) for i in own if _receives(i, channel) is not False] for own in others
+            ]
             if not moment.channels[channel].broadcast:
-                for receiver, hears in (pair for own in hearing for pair in own):
-                    whole = all_of([sent, hears, admitted(first, receiver)])
+                for receiver, receiving in (pair for own in hearing for pair in own):
+                    whole = all_of([sent, receiving, admitted(first, receiver)])
                     yield _JointEdges((first, receiver), whole, priorities[channel])
                 continue
             options = [[(None, neg(any_of(h for _, h in own))), *own] for own in hearing if own]
             for chosen in product(*options):
                 heard = tuple(instance for instance, _ in chosen if instance is not None)
-                whole = all_of([sent, *(hears for _, hears in chosen), admitted(first, *heard)])
+                whole = all_of([sent, *(receiving for _, receiving in chosen), admitted(first, *heard)])
                 yield _JointEdges((first, *heard), whole, priorities[channel])
 
 
-def _hears(receiver: Instance, channel: int) -> Formula:
+def _receives(receiver: Instance, channel: int) -> Formula:
     return conj(receiver.open, any_of(condition for condition, named in receiver.channels if named == channel))
 
 

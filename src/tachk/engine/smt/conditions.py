@@ -13,7 +13,7 @@ from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ScalarLike, bounds
 
 _Excuses = tuple[tuple[Expression, bool], ...]
-"""What makes a part of a condition superfluous: an expression with the truth it must have for that."""
+"""The excuse of a part of a condition: an expression with the truth value that makes the part superfluous."""
 
 
 def guard(machine: Machine, condition: Expression | None) -> tuple[Formula, Formula]:
@@ -31,16 +31,18 @@ def guard(machine: Machine, condition: Expression | None) -> tuple[Formula, Form
     return integer, whole
 
 
-def _unless_excused(machine: Machine, asked: Formula, excuses: _Excuses, part: Expression, positive: bool) -> Formula:
+def _unless_excused(
+    machine: Machine, demanded: Formula, excuses: _Excuses, part: Expression, positive: bool
+) -> Formula:
     excused: Formula = False
     for expression, wanted in excuses:
 
         def value(expression: Expression = expression) -> Formula:
             return machine.truth(expression)
 
-        truth = or_false(machine.under(conj(asked, neg(excused)), value))
+        truth = or_false(machine.under(conj(demanded, neg(excused)), value))
         excused = disj(excused, truth if wanted else neg(truth))
-    truth = or_false(machine.under(conj(asked, neg(excused)), lambda: machine.truth(part)))
+    truth = or_false(machine.under(conj(demanded, neg(excused)), lambda: machine.truth(part)))
     return disj(excused, truth if positive else neg(truth))
 
 

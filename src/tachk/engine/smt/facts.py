@@ -88,7 +88,7 @@ class ZonesAt:
         return all_of(number.is_value(value) for number, value in zip(numbers, values, strict=True))
 
     def in_some(self, zones: Iterable[Zone]) -> Formula:
-        return any_of(all_of(map(self._met, _telling(zone))) for zone in zones)
+        return any_of(all_of(map(self._met, _relevant(zone))) for zone in zones)
 
     def _met(self, constraint: Constraint) -> Formula:
         if constraint not in self._known:
@@ -100,7 +100,7 @@ class ZonesAt:
         return self._known[constraint]
 
 
-def _telling(zone: Zone) -> list[Constraint]:
+def _relevant(zone: Zone) -> list[Constraint]:
     """Constraints of a zone from which the others follow, as far as a look at every third clock shows it."""
     size = range(zone.dimension)
     kept = {(i, j): raw for i, j, raw in zone.constraints() if i != j and raw < INFINITY}

@@ -50,7 +50,7 @@ class StateFrame:
     fires: tuple[z3.BoolRef, ...]
 
     def state(self) -> list[z3.ExprRef]:
-        """What the step before decides; in the same order for every frame."""
+        """The decisions of the step before, in the same order for every frame."""
         numbers = [number.term for number in (*self.locations, *self.cells) if number.term is not None]
         return [*numbers, *self.resets, self.entered]
 

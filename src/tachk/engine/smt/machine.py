@@ -50,7 +50,7 @@ _WRONG = {
     BinaryOperator.SHIFT_LEFT: RuntimeErrorKind.SHIFT,
     BinaryOperator.SHIFT_RIGHT: RuntimeErrorKind.SHIFT,
 }
-"""What happens where an operator has no value; with the others it is division by zero."""
+"""The faults of operators without a value; with the others it is division by zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -385,7 +385,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
 
 
 def or_false(found: Formula | None) -> Formula:
-    """What was evaluated; False where it never is."""
+    """The evaluated condition; False where it never is."""
     return False if found is None else found
 
 

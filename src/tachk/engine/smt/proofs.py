@@ -34,15 +34,15 @@ class Proofs:
     """
 
     def __init__(
-        self, targets: Targets, asking: SolverOptions, network: Network, predicates: Sequence[Expression]
+        self, targets: Targets, settings: SolverOptions, network: Network, predicates: Sequence[Expression]
     ) -> None:
         self.targets = targets
         self.relation = targets.relation
-        self.asking = asking
+        self.settings = settings
         self.network = network
         self.predicates = predicates
         self._frames: list[StateFrame] = []
-        self._solver = asking.solver()
+        self._solver = settings.solver()
         self._tried_zones = False
 
     def attempt(self, depth: int, goals: Sequence[int]) -> list[int]:
@@ -55,7 +55,7 @@ class Proofs:
                 self._tried_zones = True
                 return self._with_zones(goals)
         except GaveUpError:
-            if self.asking.deadline is not None and time.monotonic() >= self.asking.deadline:
+            if self.settings.deadline is not None and time.monotonic() >= self.settings.deadline:
                 raise
         return []
 
@@ -98,9 +98,9 @@ class Proofs:
         if not zones:
             return []
         now = time.monotonic()
-        half = _ZONES_SECONDS if self.asking.deadline is None else (self.asking.deadline - now) / 2
+        half = _ZONES_SECONDS if self.settings.deadline is None else (self.settings.deadline - now) / 2
         deadline = now + max(half, _TRY_SECONDS)
-        self._solver = self.asking.solver()
+        self._solver = self.settings.solver()
         one, other = self._add_frame("z0"), self._add_frame("z1")
         before = ZonesAt(self.relation, one)
         # Said once: all questions but those about the goals are about leaving the zones.
@@ -120,4 +120,4 @@ class Proofs:
         return list(bad)
 
     def _is_possible(self, deadline: float, *formulas: Formula) -> bool:
-        return self.asking.is_satisfiable(self._solver, *formulas, deadline=deadline)
+        return self.settings.is_satisfiable(self._solver, *formulas, deadline=deadline)

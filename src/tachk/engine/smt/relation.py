@@ -1,4 +1,4 @@
-"""What a network does in one step, as formulas over the variables of a frame and of the next one.
+"""The transition relation of a network, as formulas over the variables of a frame and of the next one.
 
 A frame is a discrete state with two moments: when it was entered and, after a delay, when it is left. A clock is the
 present moment minus the moment of its last reset, so that all clock constraints are about differences of moments.
@@ -94,7 +94,7 @@ class TransitionRelation:
         return all_of([*parts, frame.entered == 0])
 
     def any_frame(self, frame: StateFrame) -> Formula:
-        """What holds of the variables of every frame: their ranges, and that clocks are not negative."""
+        """The constraints of every frame: ranges of variables, and that clocks are not negative."""
         parts = [in_range(number) for number in (*frame.locations, *frame.cells)]
         return all_of([*parts, *(reset <= frame.entered for reset in frame.resets), frame.entered <= frame.left])
 
@@ -240,35 +240,35 @@ class _Encoder:
         for variable, value in zip(instance.edge.selects, instance.participant.selects, strict=True):
             machine.bind(variable, value)
 
-    def _ask_edge(self, machine: Machine, instance: Instance, asked: Formula) -> None:
+    def _ask_edge(self, machine: Machine, instance: Instance, enabled: Formula) -> None:
         check_job()
         self._bind(machine, instance)
         machine.faults = []
-        machine.path = asked
+        machine.path = enabled
         _, whole = guard(machine, instance.edge.guard)
-        instance.open = conj(asked, whole)
+        instance.open = conj(enabled, whole)
         synchronisation = instance.edge.synchronisation
         if synchronisation is not None:
             machine.path = instance.open
             instance.channels = machine.clocks_named(synchronisation.channel)
-            machine.path = asked
+            machine.path = enabled
         self.faults += machine.faults
 
     def _invariant(self, clocks: ClocksOf) -> tuple[Formula, list[PossibleFault]]:
         machine = machine_of(self.layout, self.frame, clocks)
         whole: list[Formula] = []
-        asked: Formula = True
+        enabled: Formula = True
         for number, process in enumerate(self.network.processes):
             integers: list[Formula] = []
             for place, location in enumerate(process.locations):
                 if location.invariant is None:
                     continue
                 here = self._at(number, [place])
-                machine.path = conj(asked, here)
+                machine.path = conj(enabled, here)
                 integer, all_of_it = guard(machine, location.invariant)
                 whole.append(disj(neg(here), all_of_it))
                 integers.append(disj(neg(here), integer))
-            asked = conj(asked, all_of(integers))
+            enabled = conj(enabled, all_of(integers))
         return all_of(whole), machine.faults
 
     def _time_may_pass(self) -> Formula:
@@ -395,24 +395,24 @@ class _Encoder:
             )
             for channel in range(len(self.channels))
         ]
-        hears: list[list[Formula]] = [[] for _ in self.channels]
+        receiving: list[list[Formula]] = [[] for _ in self.channels]
         receivers = [instance for instance in self.instances if instance.receives]
         for receiver in receivers:
             called = [conj(condition, sends[named]) for condition, named in receiver.channels]
             parts.append(disj(neg(receiver.fires), any_of(called)))
             for condition, named in receiver.channels:
-                hears[named].append(conj(receiver.fires, condition))
+                receiving[named].append(conj(receiver.fires, condition))
         announced = any_of(sends[number] for number, type_ in enumerate(self.channels) if type_.broadcast)
         parts.append(disj(announced, _at_most_one([receiver.fires for receiver in receivers])))
         for number, type_ in enumerate(self.channels):
             if not type_.broadcast:
-                parts.append(disj(neg(sends[number]), any_of(hears[number])))
-        parts += self._forced_to_hear(by_process, sends)
+                parts.append(disj(neg(sends[number]), any_of(receiving[number])))
+        parts += self._forced_to_receive(by_process, sends)
         moves = [conj(may, any_of(i.fires for i in own)) for may, own in zip(self.may_go, by_process, strict=True)]
         parts.append(disj(neg(self.committed), any_of(moves)))
         return all_of(parts)
 
-    def _forced_to_hear(self, by_process: Sequence[Sequence[Instance]], sends: Sequence[Formula]) -> list[Formula]:
+    def _forced_to_receive(self, by_process: Sequence[Sequence[Instance]], sends: Sequence[Formula]) -> list[Formula]:
         """Whoever can hear a broadcast of another process takes part in it."""
         parts: list[Formula] = []
         for of_process in by_process:

@@ -44,7 +44,7 @@ def explore(
 
     def statistics() -> Statistics:
         depth = 0 if unrolled is None else unrolled.depth
-        return Statistics(depth, depth, asking.asked, time.monotonic() - started)
+        return Statistics(depth, depth, settings.queries, time.monotonic() - started)
 
     job = current_job()
 
@@ -52,7 +52,7 @@ def explore(
         if job.progress is not None:
             job.progress(statistics(), job.about)
 
-    asking = SolverOptions(
+    settings = SolverOptions(
         job.ends,
         None if limits.memory_bytes is None else max(limits.memory_bytes >> 20, 1),
         tell,
@@ -60,9 +60,9 @@ def explore(
     reason, status, fault = "", {}, None
     try:
         targets = Targets.of(relation(network), goals)
-        unrolled = Unrolled(targets, asking)
+        unrolled = Unrolled(targets, settings)
         status = unrolled.status
-        proofs = Proofs(targets, asking, network, goals) if induction else None
+        proofs = Proofs(targets, settings, network, goals) if induction else None
         fault, reason = _decide(unrolled, proofs, limits.depth)
     except GaveUpError as given_up:
         reason = given_up.reason

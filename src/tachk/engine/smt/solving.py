@@ -26,22 +26,22 @@ class GaveUpError(Exception):
 
 @dataclass(slots=True)
 class SolverOptions:
-    """How z3 is asked.
+    """Settings of z3, and statistics of its use.
 
     Attributes:
         deadline: on the clock of `time.monotonic`; None: no limit.
         megabytes: the memory that z3 may take.
         report: called now and then while z3 works.
-        asked: how many questions there were.
+        queries: the number of queries so far.
     """
 
     deadline: float | None = None
     megabytes: int | None = None
     report: Callable[[], None] | None = None
-    asked: int = 0
+    queries: int = 0
 
     def solver(self) -> z3.Solver:
-        """A new solver. In a context that all share: whoever asks, asks one after the other."""
+        """A new solver. All share one context, so that queries come one after the other."""
         made = z3.Solver()
         made.set("ctrl_c", False)  # Python hears Ctrl-C, not z3
         return made
@@ -60,7 +60,7 @@ class SolverOptions:
         solver.set("timeout", 2**32 - 1 if left is None else max(int(left * 1000), 1))
         if self.megabytes is not None:
             solver.set("max_memory", self.megabytes)
-        self.asked += 1
+        self.queries += 1
         found: list[z3.CheckSatResult | BaseException] = []
         terms = [formula for formula in assumptions if not isinstance(formula, bool)]
 

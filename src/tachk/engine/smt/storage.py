@@ -1,4 +1,4 @@
-"""What symbolic execution writes to: numbered cells; the changes of one branch are kept apart from those of another."""
+"""Storage of symbolic execution: numbered cells; the changes of one branch are kept apart from those of another."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Storage:
     ranges: dict[int, Sequence[tuple[int, int]]]
     segments: int = CLOCK_VALUE + 1
     journal: dict[Cell, SymbolicNumber | None] = field(default_factory=dict)
-    """What cells held before the current branch."""
+    """The values of cells before the current branch."""
 
     def new_segment(self, values: Sequence[SymbolicNumber], ranges: Sequence[tuple[int, int]]) -> int:
         segment = self.segments

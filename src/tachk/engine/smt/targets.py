@@ -1,4 +1,4 @@
-"""What is searched for, in the terms of an encoding."""
+"""Targets in the terms of an encoding."""
 
 from __future__ import annotations
 

@@ -23,13 +23,13 @@ class Unrolled:
         status: the goals that are decided, or go wrong.
     """
 
-    def __init__(self, targets: Targets, asking: SolverOptions) -> None:
+    def __init__(self, targets: Targets, settings: SolverOptions) -> None:
         self.targets = targets
         self.relation = targets.relation
-        self.asking = asking
+        self.settings = settings
         self.depth = 0
         self.status: dict[int, GoalOutcome] = {}
-        self._solver = asking.solver()
+        self._solver = settings.solver()
         first = self.relation.frame("f0")
         self._frames = [first]
         self._solver.add(self.relation.initial(first), self.relation.any_frame(first))
@@ -66,17 +66,17 @@ class Unrolled:
                 self.status[number] = GoalOutcome(Status.UNDECIDED, fault=fault)
 
     def fault(self) -> RunTimeFault | None:
-        """What goes wrong in the model where the runs have come to, or in the updates of the next step."""
-        asked = self._possible_of(self.relation.state_faults)
-        if asked is not None:
-            return RunTimeFault(asked.kind, asked.span, self._path(), None)
+        """The run-time errors where the runs have come to, or in the updates of the next step."""
+        first_fault = self._possible_of(self.relation.state_faults)
+        if first_fault is not None:
+            return RunTimeFault(first_fault.kind, first_fault.span, self._path(), None)
         updated = self._possible_of(self.relation.step_faults, self.relation.step_possible)
         if updated is not None:
             return RunTimeFault(updated.kind, updated.span, self._path(), self._transition(self._frames[-1]))
         return None
 
     def entry_fault(self) -> RunTimeFault | None:
-        """What goes wrong in the invariants behind the last step, which have not been asked before."""
+        """The run-time errors in the invariants after the last step, which were not evaluated before."""
         found = self._possible_of(self.relation.entry_faults)
         if found is None:
             return None
@@ -84,7 +84,7 @@ class Unrolled:
         return RunTimeFault(found.kind, found.span, path[:-1], path[-1] if path else None)
 
     def _is_possible(self, formula: Formula) -> bool:
-        return self.asking.is_satisfiable(self._solver, formula)
+        return self.settings.is_satisfiable(self._solver, formula)
 
     def _possible_of(self, faults: Sequence[PossibleFault], also: Formula = True) -> PossibleFault | None:
         happens = conj(any_of(fault.condition for fault in faults), also)

@@ -1,4 +1,4 @@
-"""What the text of a process says in each network that has this process, whatever stands beside it."""
+"""The text of a process on its own: the same in each network that has this process."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from functools import partial
 
 from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.kinds import Kinds
-from tachk.engine.symmetry.terms import KindedNumber, TermReader
+from tachk.engine.symmetry.index_types import IndexTypes
+from tachk.engine.symmetry.terms import IndexValue, TermReader
 from tachk.engine.symmetry.units import TermUnit, read_edge, read_location, without_names
 from tachk.model.network import Edge, Process
 from tachk.model.remembered import by_part
@@ -17,7 +17,7 @@ from tachk.model.remembered import by_part
 
 @dataclass(frozen=True, slots=True)
 class _Alone:
-    kinds: Kinds
+    index_types: IndexTypes
     locations: Sequence[TermUnit]
     edges: Sequence[TermUnit]
 
@@ -26,12 +26,12 @@ class _Alone:
 def _read(process: Process, edges: tuple[Edge, ...], known: Known) -> _Alone:
     reader = TermReader(known)
     locations = [read_location(reader, 0, location) for location in process.locations]
-    return _Alone(reader.kinds, locations, [read_edge(reader, 0, edge, rank=lambda _: 0) for edge in edges])
+    return _Alone(reader.index_types, locations, [read_edge(reader, 0, edge, rank=lambda _: 0) for edge in edges])
 
 
 @by_part
 def text_alone(process: Process, edges: tuple[Edge, ...], known: Known) -> Hashable:
-    """What the text of a process has in common with that of all processes that it may become.
+    """The common part of the texts of a process and of all processes that it may be mapped to.
 
     A number that the text compares by its order, or computes with, is more than a name in each network: what two
     processes do differently with such numbers tells them apart.
@@ -40,9 +40,9 @@ def text_alone(process: Process, edges: tuple[Edge, ...], known: Known) -> Hasha
         edges: those of the process that are taken.
     """
     alone = _read(process, edges, known)
-    told = partial(without_names, alone.kinds)
-    counted = Counter(unit.text(told) for unit in alone.edges)
-    return tuple(location.text(told) for location in alone.locations), frozenset(counted.items())
+    outline = partial(without_names, alone.index_types)
+    counted = Counter(unit.text(outline) for unit in alone.edges)
+    return tuple(location.text(outline) for location in alone.locations), frozenset(counted.items())
 
 
 @by_part
@@ -55,4 +55,4 @@ def numbers_alone(
 
 
 def _numbers(unit: TermUnit) -> tuple[Hashable, tuple[int, ...]]:
-    return unit.outline, tuple(token.value for token in unit.every_token if isinstance(token, KindedNumber))
+    return unit.outline, tuple(token.value for token in unit.every_token if isinstance(token, IndexValue))

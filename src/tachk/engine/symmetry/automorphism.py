@@ -1,12 +1,12 @@
-"""Renamings of a network, and whether one maps the network onto itself.
+"""Renamings of a network, and the proof that one is an automorphism.
 
-A renaming is a permutation of processes, variables and numbers of some kinds. It maps a network onto itself if the text
-of each process, renamed, is that of the process it is mapped to, up to the order of edges, and if constants, ranges,
-priorities and what is asked for are mapped onto themselves. Then it maps transitions to transitions: an automorphism.
+A renaming is a permutation of processes, variables and numbers of some index types. It is an automorphism if the
+renamed text of each process is the text of its image, up to the order of edges, and if it keeps constants, ranges,
+priorities and predicates. Then it maps transitions to transitions.
 
-Initial values need not be mapped onto themselves. A state that is explored for others stands for those that exchanges
-make of it. Whatever is reached from it can be exchanged, step by step, into something that is reached from the initial
-state; and what is asked for is met by all that exchanges make of a state or by none.
+An automorphism need not keep the initial values. An explored state represents its orbit: a state that is reachable from
+it is, up to an automorphism, reachable from the initial state, and a predicate holds for all states of an orbit or for
+none.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from dataclasses import field, replace
 
 from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.kinds import ArrayTree, AsymmetryReason, Kinds, RecordTree, Tree
+from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, RecordTree, Tree
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
-from tachk.engine.symmetry.terms import KindedNumber, ProcessNumber, TermReader, Token, cell_nodes
+from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, cell_nodes
 from tachk.engine.symmetry.units import TermUnit, read_edge, read_location, without_names
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Expression, Variable, VariableKind
@@ -28,34 +28,34 @@ from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, cell_count
 
 Atom = Variable | ProcessNumber | tuple[int, int]
-"""What a renaming may move: a variable, a process, a number of a kind."""
+"""An atom that a renaming may move: a variable, a process, or a number of an index type."""
 
 
 @dataclass(frozen=True, slots=True)
 class Renaming:
     """Attributes:
     processes, variables: those that are moved.
-    values: for each kind, by the node that stands for it, the numbers that are moved.
+    values: for each index type, by its representative node, the numbers that are moved.
     """
 
     processes: Mapping[int, int] = field(default_factory=dict)
     variables: Mapping[Variable, Variable] = field(default_factory=dict)
     values: Mapping[int, Mapping[int, int]] = field(default_factory=dict)
 
-    def value(self, kinds: Kinds, node: int, value: int) -> int:
+    def value(self, index_types: IndexTypes, node: int, value: int) -> int:
         """The image of a number at a node."""
-        root, shift = kinds.find(node)
+        root, shift = index_types.find(node)
         moved = self.values.get(root)
         return value if moved is None else moved.get(value - shift, value - shift) + shift
 
 
 @dataclass(slots=True)
 class NetworkTerms:
-    """A network and what is asked of it, as terms.
+    """A network and its predicates as terms.
 
     Attributes:
-        locations, edges: of each process. Edges with the same outline stand side by side.
-        colours: of processes (`tachk.engine.symmetry.colours`), once they are asked for.
+        locations, edges: those of each process. Edges with the same outline stand side by side.
+        colours: the equitable partition (`tachk.engine.symmetry.equitable_partition`) once it is computed.
     """
 
     network: Network
@@ -65,15 +65,15 @@ class NetworkTerms:
     predicates: list[Term]
     colours: Sequence[int] | None = None
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
-    _of_kind: dict[int, list[Variable]] = field(default_factory=dict)
-    _asked: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
+    _of_index_type: dict[int, list[Variable]] = field(default_factory=dict)
+    _predicate_sets: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
 
     @property
-    def kinds(self) -> Kinds:
-        return self.reader.kinds
+    def index_types(self) -> IndexTypes:
+        return self.reader.index_types
 
     def settle(self) -> None:
-        """Nothing more will be found to be of one kind."""
+        """Ends the unification of index types, and indexes the units by the atoms that they mention."""
         for process, (locations, edges) in enumerate(zip(self.locations, self.edges, strict=True)):
             for is_edge, units in ((False, locations), (True, edges)):
                 for number, unit in enumerate(units):
@@ -81,8 +81,8 @@ class NetworkTerms:
                         self._touched.setdefault(atom, []).append((process, is_edge, number))
         self._note_predicates()
         for variable, tree in self.reader.trees.items():
-            for root in {self.kinds.find(node)[0] for node in _all_nodes(tree)}:
-                self._of_kind.setdefault(root, []).append(variable)
+            for root in {self.index_types.find(node)[0] for node in _all_nodes(tree)}:
+                self._of_index_type.setdefault(root, []).append(variable)
 
     def _note_predicates(self) -> None:
         for term in self.predicates:
@@ -91,26 +91,26 @@ class NetworkTerms:
             for number, part in enumerate(parts):
                 for atom in set(self.atoms(flat([part]))):
                     mentioning.setdefault(atom, []).append(number)
-            self._asked.append((parts, mentioning))
+            self._predicate_sets.append((parts, mentioning))
 
-    def asking(self, predicates: Sequence[Expression]) -> NetworkTerms | None:
+    def with_predicates(self, predicates: Sequence[Expression]) -> NetworkTerms | None:
         """The same network where this is asked of it; None if these predicates say more of the numbers in the network
         than it says itself, or change a variable."""
         if written_variables(predicates):
             return None
         reader = self.reader.copy()
-        roots = reader.kinds.roots()
+        roots = reader.index_types.roots()
         terms = [predicate_term(reader, each) for each in predicates]
-        if any(reader.kinds.find(root)[0] != root for root in roots):
+        if any(reader.index_types.find(root)[0] != root for root in roots):
             return None
-        asking = replace(self, reader=reader, predicates=terms, _asked=[])
-        asking._note_predicates()
-        return asking
+        with_predicates = replace(self, reader=reader, predicates=terms, _predicate_sets=[])
+        with_predicates._note_predicates()
+        return with_predicates
 
     def atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
         for token in tokens:
-            if isinstance(token, KindedNumber):
-                root, shift = self.kinds.find(token.node)
+            if isinstance(token, IndexValue):
+                root, shift = self.index_types.find(token.node)
                 yield root, token.value - shift
             elif isinstance(token, Variable | ProcessNumber):
                 yield token
@@ -118,11 +118,11 @@ class NetworkTerms:
     # ---- images -----------------------------------------------------------------------------------------------------
 
     def image(self, tokens: Iterable[Token], renaming: Renaming) -> tuple[Hashable, ...]:
-        """Renamed tokens, without the kinds of numbers."""
+        """Renamed tokens, without the index types of numbers."""
         image: list[Hashable] = []
         for token in tokens:
-            if isinstance(token, KindedNumber):
-                image.append(renaming.value(self.kinds, token.node, token.value))
+            if isinstance(token, IndexValue):
+                image.append(renaming.value(self.index_types, token.node, token.value))
             elif isinstance(token, Variable):
                 image.append(renaming.variables.get(token, token))
             elif isinstance(token, ProcessNumber):
@@ -137,8 +137,8 @@ class NetworkTerms:
         return (self.image(unit.tokens, renaming), *(frozenset(counted.items()) for counted in loose))
 
     def outline(self, token: Token) -> Hashable:
-        """What a token has in common with all that it may become."""
-        return without_names(self.kinds, token)
+        """The common part of a token and of all that it may be mapped to."""
+        return without_names(self.index_types, token)
 
     def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
         if isinstance(term, UnorderedJunction):
@@ -159,7 +159,7 @@ class NetworkTerms:
         """Why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
         moved = self._moved_atoms(renaming)
         return (
-            self._kinds_objection(renaming)
+            self._index_types_objection(renaming)
             or self._process_objection(renaming)
             or self._variable_objection(renaming)
             or self._text_objection(renaming, moved)
@@ -168,32 +168,32 @@ class NetworkTerms:
 
     def objection_of_predicates(self, renaming: Renaming) -> AsymmetryReason | None:
         """As `objection`, of a renaming that maps the network onto itself where nothing is asked of it."""
-        return self._kinds_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
+        return self._index_types_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
 
-    def _kinds_objection(self, renaming: Renaming) -> AsymmetryReason | None:
+    def _index_types_objection(self, renaming: Renaming) -> AsymmetryReason | None:
         for root in renaming.values:
-            refusal = self.no_name(root)
-            if refusal is not None:
-                return refusal
-        for limit in self.kinds.ranges:
-            root, shift = self.kinds.find(limit.node)
+            plain = self.no_name(root)
+            if plain is not None:
+                return plain
+        for limit in self.index_types.ranges:
+            root, shift = self.index_types.find(limit.node)
             for value, image in renaming.values.get(root, {}).items():
                 if (limit.low <= value + shift <= limit.high) != (limit.low <= image + shift <= limit.high):
                     reason = f"the range [{limit.low}, {limit.high}] holds the number of one and not that of another"
                     return AsymmetryReason(reason, limit.span)
-        for cycle in self.kinds.cycles:
+        for cycle in self.index_types.cycles:
             size = cycle.high + 1
-            images = [renaming.value(self.kinds, cycle.node, value) for value in range(size)]
+            images = [renaming.value(self.index_types, cycle.node, value) for value in range(size)]
             if images != [(value + images[0]) % size for value in range(size)]:
                 return AsymmetryReason(f"the model counts round with them, modulo {size}", cycle.span)
-        for default in self.kinds.defaults:
-            if renaming.value(self.kinds, default.node, default.low) != default.low:
+        for default in self.index_types.defaults:
+            if renaming.value(self.index_types, default.node, default.low) != default.low:
                 return AsymmetryReason(f"a variable begins with {default.low}, the number of one of them", default.span)
         return None
 
     def no_name(self, root: int) -> AsymmetryReason | None:
-        """Why numbers of a kind are not exchanged; None if they may be."""
-        plain = self.kinds.plain(root)
+        """Why numbers of a index type are not exchanged; None if they may be."""
+        plain = self.index_types.plain(root)
         if plain is None:
             return None
         return AsymmetryReason(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
@@ -216,17 +216,17 @@ class NetworkTerms:
         """Those that are moved, and those that may hold numbers that are, or are indexed by them."""
         touched = dict.fromkeys(renaming.variables)
         for root in renaming.values:
-            touched.update(dict.fromkeys(self._of_kind.get(root, ())))
+            touched.update(dict.fromkeys(self._of_index_type.get(root, ())))
         return (variable for variable in touched if variable.kind not in (VariableKind.BOUND, VariableKind.FRAME))
 
     def _keeps_values(self, variable: Variable, renaming: Renaming) -> bool:
         """Whether what a variable begins with becomes that of its image."""
         other = renaming.variables.get(variable, variable)
         tree = self.reader.tree_of(variable)
-        nodes, images = cell_nodes(tree, variable.type), cell_images(self.kinds, tree, variable.type, renaming)
+        nodes, images = cell_nodes(tree, variable.type), cell_images(self.index_types, tree, variable.type, renaming)
         before, after = (each.initial or default_cells(each.type) for each in (variable, other))
         return all(
-            after[image] == renaming.value(self.kinds, node, value)
+            after[image] == renaming.value(self.index_types, node, value)
             for image, node, value in zip(images, nodes, before, strict=True)
         )
 
@@ -245,9 +245,9 @@ class NetworkTerms:
             return AsymmetryReason(f"`{variable.name}` and `{other.name}` are declared differently", other.span)
         if variable.carries is not None or other.carries is not None:
             return AsymmetryReason(f"`{variable.name}` passes values through a channel", other.span)
-        if list(map(self.kinds.find, nodes)) != list(map(self.kinds.find, of_other)):
+        if list(map(self.index_types.find, nodes)) != list(map(self.index_types.find, of_other)):
             return AsymmetryReason(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
-        images = cell_images(self.kinds, tree, variable.type, renaming)
+        images = cell_images(self.index_types, tree, variable.type, renaming)
         if (self.is_constant(variable) or self.is_constant(other)) and not self._keeps_values(variable, renaming):
             return AsymmetryReason(f"the values of `{other.name}` tell them apart", other.span)
         if variable.priorities or other.priorities:
@@ -312,7 +312,7 @@ class NetworkTerms:
         return {(process, number) for process, is_edge, number in self._places(atoms) if is_edge}
 
     def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> AsymmetryReason | None:
-        for parts, mentioning in self._asked:
+        for parts, mentioning in self._predicate_sets:
             numbers = sorted({number for atom in moved for number in mentioning.get(atom, ())})
             touched = [parts[number] for number in numbers]
             before = Counter(self._term_image(part, Renaming()) for part in touched)
@@ -337,21 +337,21 @@ def _all_nodes(tree: Tree) -> Iterable[int]:
                 yield from _all_nodes(part)
 
 
-def cell_images(kinds: Kinds, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:
+def cell_images(index_types: IndexTypes, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:
     """For each cell of a variable the cell of its image that a renaming maps it to."""
     match tree, type_:
         case ArrayTree(index, element), ArrayType():
-            inner = cell_images(kinds, element, type_.element, renaming)
+            inner = cell_images(index_types, element, type_.element, renaming)
             size = cell_count(type_.element)
             images = []
             for place in range(type_.size):
-                image = renaming.value(kinds, index, type_.low + place) - type_.low
+                image = renaming.value(index_types, index, type_.low + place) - type_.low
                 images += [image * size + cell for cell in inner]
             return images
         case RecordTree(fields), _:
             images, before = [], 0
             for (_, part), (_, of_part) in zip(fields, type_.fields, strict=True):  # type: ignore[union-attr]
-                images += [before + cell for cell in cell_images(kinds, part, of_part, renaming)]
+                images += [before + cell for cell in cell_images(index_types, part, of_part, renaming)]
                 before += cell_count(of_part)
             return images
         case _:

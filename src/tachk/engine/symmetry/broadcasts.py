@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from tachk.analysis.fold import Known, fold, fold_place
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.engine.symmetry.kinds import AsymmetryReason
+from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.model.expressions import (
     Assign,
     Constant,
@@ -54,11 +54,11 @@ class _BroadcastReceiver:
 def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> AsymmetryReason | None:
     """Why the order of some members of a group among themselves and with others can be noticed; None if it cannot."""
     # Any two members behave to each other, or to somebody else, as the first one and some member do.
-    everybody = {number for team in members for number in team}
+    everybody = {number for block in members for number in block}
     between = [n for n in range(min(everybody), max(everybody)) if n not in everybody]
-    others = [*(number for team in members[1:] for number in team), *between]
-    own = [each for number in members[0] for each in _listeners(network, known, number)]
-    foreign = [each for number in others for each in _listeners(network, known, number)] if own else []
+    others = [*(number for block in members[1:] for number in block), *between]
+    own = [each for number in members[0] for each in _receivers(network, known, number)]
+    foreign = [each for number in others for each in _receivers(network, known, number)] if own else []
     for number, one in enumerate(own):
         for other in (*own[number + 1 :], *foreign):
             if one.process != other.process and _may_be(one.channel, other.channel) and not _commute(one, other):
@@ -67,7 +67,7 @@ def order_matters(network: Network, known: Known, members: Sequence[tuple[int, .
     return None
 
 
-def _listeners(network: Network, known: Known, process: int) -> Iterator[_BroadcastReceiver]:
+def _receivers(network: Network, known: Known, process: int) -> Iterator[_BroadcastReceiver]:
     for edge in network.processes[process].edges:
         if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
             continue
@@ -146,7 +146,7 @@ def _constant_write(update: Expression) -> tuple[Cell, int] | None:
 
 
 def _read_in_place(update: Expression) -> Iterator[Cell]:
-    """What is read to find out where a write goes."""
+    """The variables read to find the place of a write."""
     place = update.target if isinstance(update, Assign | Increment) else update
     while isinstance(place, Index | Field):
         if isinstance(place, Index):

@@ -1,9 +1,9 @@
-"""Which processes of a network are interchangeable.
+"""Detection of the symmetries of a network: orbits of interchangeable processes.
 
-Processes with the same text up to numbers and variables are candidates. What must be exchanged together with two of
-them is read off where their texts differ; then `tachk.engine.symmetry.automorphism` proves that the exchange maps
-the network, and what is asked of it, onto itself. Exchanges of one process with each of the others generate all
-permutations. Processes that cannot be exchanged may still form a ring (`tachk.engine.symmetry.rings`).
+Processes with the same text up to numbers and variables are candidates. A transposition of two of them also swaps the
+numbers and variables in which their texts differ; `tachk.engine.symmetry.automorphism` proves that it maps the network
+and its predicates onto themselves. The transpositions of one process with each of the others generate all permutations.
+Processes without transpositions may still have a rotation (`tachk.engine.symmetry.cyclic_symmetry`).
 """
 
 from __future__ import annotations
@@ -19,46 +19,45 @@ from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, read
 from tachk.engine.symmetry.broadcasts import order_matters
-from tachk.engine.symmetry.colours import colours_of_processes
-from tachk.engine.symmetry.correspondence import corresponding
-from tachk.engine.symmetry.kinds import AsymmetryReason
-from tachk.engine.symmetry.rings import Ring, Team, find_ring, subsets
-from tachk.engine.symmetry.sketch import sketch_of
-from tachk.engine.symmetry.terms import KindedNumber, Shift, Token
+from tachk.engine.symmetry.coarse_partition import coarse_partition
+from tachk.engine.symmetry.cyclic_symmetry import Block, CyclicOrbit, find_cyclic_orbit, subsets
+from tachk.engine.symmetry.equitable_partition import equitable_partition
+from tachk.engine.symmetry.index_types import AsymmetryReason
+from tachk.engine.symmetry.matching import corresponding
+from tachk.engine.symmetry.terms import IndexValue, Shift, Token
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
 
-MOST_IN_VAIN = 30
-"""So many exchanges in a row are tried without success; then none of the other processes of that shape is exchanged.
-There may be as many as there are pairs."""
+MOST_FAILED_TRANSPOSITIONS = 30
+"""After so many failed transpositions in a row the search leaves the other processes of that shape alone, as there may
+be as many transpositions as pairs."""
 
 
 @dataclass(frozen=True, slots=True)
-class InterchangeableTeams:
-    """Teams any two of which can be exchanged. A team is what is only exchanged together, such as a cell and its
-    arbiter: as a rule one process.
+class SymmetricOrbit:
+    """An orbit of blocks on which the full symmetric group acts: any two of them can be exchanged.
 
     Attributes:
-        members: the numbers of their processes.
-        exchanges: of the first one with each of the others, in order.
+        members: the blocks.
+        transpositions: those of the first block with each of the others, in order.
     """
 
-    members: tuple[Team, ...]
-    exchanges: tuple[Renaming, ...]
+    members: tuple[Block, ...]
+    transpositions: tuple[Renaming, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Apart:
-    """Two teams that cannot be exchanged.
+class Asymmetry:
+    """Two blocks that cannot be exchanged.
 
     Attributes:
-        refusal: why not; None if their colours tell, so that a reason is only looked for where somebody asks.
+        reason: why not; None if their colours differ, so that the reason is computed on demand.
     """
 
-    one: Team
-    other: Team
-    refusal: AsymmetryReason | None = None
+    one: Block
+    other: Block
+    reason: AsymmetryReason | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,47 +67,47 @@ class Difference:
     template: str
     one: str
     other: str
-    refusal: AsymmetryReason
+    reason: AsymmetryReason
 
 
 @dataclass(frozen=True, slots=True)
 class Symmetry:
-    """What has been found out about a network.
+    """The symmetries of a network.
 
     Attributes:
-        groups: of two processes at least.
-        rings: of processes that are not in groups.
-        apart: for each template with several instances that are not all interchangeable, nor in a ring, two of them
-            that are not.
-        reading: what the renamings of the groups and rings speak of.
+        groups: orbits of at least two blocks of interchangeable processes.
+        cycles: cyclic orbits of processes that are not in `groups`.
+        asymmetries: a pair of instances that cannot be exchanged, for each template whose instances are neither all
+            interchangeable nor in a cyclic orbit.
+        terms: the network as terms, to which the renamings refer.
     """
 
-    groups: tuple[InterchangeableTeams, ...]
-    rings: tuple[Ring, ...]
-    apart: tuple[Apart, ...]
-    reading: NetworkTerms
+    groups: tuple[SymmetricOrbit, ...]
+    cycles: tuple[CyclicOrbit, ...]
+    asymmetries: tuple[Asymmetry, ...]
+    terms: NetworkTerms
 
     @property
     def renamings(self) -> Iterable[Renaming]:
-        """What maps the network onto itself."""
-        yield from (exchange for group in self.groups for exchange in group.exchanges)
-        yield from (ring.rotation for ring in self.rings)
+        """Generators of the group of automorphisms."""
+        yield from (transposition for group in self.groups for transposition in group.transpositions)
+        yield from (cycle.rotation for cycle in self.cycles)
 
     @property
     def differences(self) -> Iterable[Difference]:
-        """Why the processes that are apart are."""
-        processes = self.reading.network.processes
-        for apart in self.apart:
-            refusal = apart.refusal or _proved(self.reading, apart.one, apart.other)
-            assert isinstance(refusal, AsymmetryReason)
-            first, second = processes[apart.one[0]], processes[apart.other[0]]
-            yield Difference(first.template, first.name, second.name, refusal)
+        """The reasons why instances of one template cannot be exchanged."""
+        processes = self.terms.network.processes
+        for asymmetry in self.asymmetries:
+            reason = asymmetry.reason or _proved(self.terms, asymmetry.one, asymmetry.other)
+            assert isinstance(reason, AsymmetryReason)
+            first, second = processes[asymmetry.one[0]], processes[asymmetry.other[0]]
+            yield Difference(first.template, first.name, second.name, reason)
 
 
 def find_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
-    """The interchangeable processes of a network of which the predicates are asked.
+    """The symmetries of a network that keep the values of predicates.
 
-    Exchanging them maps runs to runs, run-time errors included, and keeps the values of the predicates.
+    They map runs to runs, run-time errors included.
     """
     return _found(network, tuple(predicates))
 
@@ -116,102 +115,102 @@ def find_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetr
 @by_network
 def _found(network: Network, predicates: tuple[Expression, ...]) -> Symmetry:
     if predicates:
-        unasked = _found(network, ())
-        reading = unasked.reading.asking(predicates)
-        if reading is not None and not any(map(reading.objection_of_predicates, unasked.renamings)):
-            return replace(unasked, reading=reading)
-    return look_for_symmetry(network, predicates)
+        without_predicates = _found(network, ())
+        terms = without_predicates.terms.with_predicates(predicates)
+        if terms is not None and not any(map(terms.objection_of_predicates, without_predicates.renamings)):
+            return replace(without_predicates, terms=terms)
+    return search_symmetry(network, predicates)
 
 
-def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
-    """As `find_symmetry`, without anything that is known of the network."""
+def search_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
+    """`find_symmetry` without the cache."""
     known = known_values(network, predicates)
-    reading = read(network, predicates, known, sketch_of(network).never)
-    candidates = list(_candidates(reading))
+    terms = read(network, predicates, known, coarse_partition(network).never)
+    candidates = list(_candidates(terms))
     for members in candidates:
         for other in members[1:]:
-            _align(reading, members[0], other)
-    reading.settle()
-    rings, found = _with_rings(reading, _attempts(reading, candidates))
-    groups = tuple(group for attempt in found for group in attempt.groups)
-    apart = tuple(attempt.apart for attempt in found if attempt.apart is not None)
-    return Symmetry(groups, tuple(rings), apart, reading)
+            _align(terms, members[0], other)
+    terms.settle()
+    cycles, found = _with_cyclic_orbits(terms, _searches(terms, candidates))
+    groups = tuple(group for search in found for group in search.groups)
+    asymmetries = tuple(search.asymmetry for search in found if search.asymmetry is not None)
+    return Symmetry(groups, tuple(cycles), asymmetries, terms)
 
 
-def _attempts(reading: NetworkTerms, candidates: Iterable[Sequence[int]]) -> list[_ExchangeAttempt]:
-    """What has become of the candidates, each by itself or those of several sets together."""
-    singles: list[list[Team]] = [[(member,) for member in members] for members in candidates]
-    found = [_attempt(reading, teams, most_in_vain=1) for teams in singles]
-    hopeless = [attempt for attempt in found if attempt.apart is not None and attempt.reach == 0]
-    for partners in _partnerships(hopeless):
-        joined = _joined(reading, partners, most_in_vain=1)
-        if joined.apart is None:
-            return [joined, *(_in_full(reading, attempt) for attempt in found if attempt not in partners)]
-    found = [_in_full(reading, attempt) for attempt in found]
-    open_ = [attempt for attempt in found if attempt.apart is not None]
+def _searches(terms: NetworkTerms, candidates: Iterable[Sequence[int]]) -> list[_OrbitSearch]:
+    """The orbits of candidates, of each set by itself or of several sets together."""
+    singles: list[list[Block]] = [[(member,) for member in members] for members in candidates]
+    found = [_search(terms, blocks, most_failures=1) for blocks in singles]
+    without_orbit = [search for search in found if search.asymmetry is not None and search.reach == 0]
+    for partners in _partnerships(without_orbit):
+        joined = _joined(terms, partners, most_failures=1)
+        if joined.asymmetry is None:
+            return [joined, *(_completed(terms, search) for search in found if search not in partners)]
+    found = [_completed(terms, search) for search in found]
+    open_ = [search for search in found if search.asymmetry is not None]
     for partners in _partnerships(open_):
-        joined = _joined(reading, partners)
+        joined = _joined(terms, partners)
         if joined.reach > max(each.reach for each in partners):
-            return [joined, *(attempt for attempt in found if attempt not in partners)]
+            return [joined, *(search for search in found if search not in partners)]
     return found
 
 
 @dataclass(frozen=True, slots=True)
-class _ExchangeAttempt:
-    """What has become of teams that might be interchangeable.
+class _OrbitSearch:
+    """The result of a search for orbits among blocks.
 
     Attributes:
-        apart: two that are not; None if all are.
+        asymmetry: two blocks that cannot be exchanged; None if all are interchangeable.
     """
 
-    teams: list[Team]
-    groups: list[InterchangeableTeams]
-    apart: Apart | None
+    blocks: list[Block]
+    groups: list[SymmetricOrbit]
+    asymmetry: Asymmetry | None
 
     @property
     def reach(self) -> int:
-        """How many of them are."""
+        """The number of blocks that are in some orbit."""
         return sum(len(group.members) for group in self.groups)
 
     @property
     def arrangements(self) -> int:
-        """In how many orders they can be put by exchanging them."""
+        """The number of permutations that the transpositions generate."""
         return prod(factorial(len(group.members)) for group in self.groups)
 
 
-def _in_full(reading: NetworkTerms, attempt: _ExchangeAttempt) -> _ExchangeAttempt:
-    """An attempt that was given up early, made again."""
-    return attempt if attempt.apart is None else _attempt(reading, attempt.teams)
+def _completed(terms: NetworkTerms, search: _OrbitSearch) -> _OrbitSearch:
+    """The same search without a limit, if it was given up early."""
+    return search if search.asymmetry is None else _search(terms, search.blocks)
 
 
 def _joined(
-    reading: NetworkTerms, partners: Sequence[_ExchangeAttempt], most_in_vain: int = MOST_IN_VAIN
-) -> _ExchangeAttempt:
-    teams = list(zip(*(sum(each.teams, ()) for each in partners), strict=True))
-    return _attempt(reading, teams, most_in_vain)
+    terms: NetworkTerms, partners: Sequence[_OrbitSearch], most_failures: int = MOST_FAILED_TRANSPOSITIONS
+) -> _OrbitSearch:
+    blocks = list(zip(*(sum(each.blocks, ()) for each in partners), strict=True))
+    return _search(terms, blocks, most_failures)
 
 
-def _attempt(reading: NetworkTerms, teams: list[Team], most_in_vain: int = MOST_IN_VAIN) -> _ExchangeAttempt:
-    refusal = _order_of_errors(reading, teams)
-    if refusal is not None:
-        return _ExchangeAttempt(teams, [], Apart(teams[0], teams[1], refusal))
-    classes, apart = _classes(reading, teams, most_in_vain)
+def _search(terms: NetworkTerms, blocks: list[Block], most_failures: int = MOST_FAILED_TRANSPOSITIONS) -> _OrbitSearch:
+    reason = _order_of_errors(terms, blocks)
+    if reason is not None:
+        return _OrbitSearch(blocks, [], Asymmetry(blocks[0], blocks[1], reason))
+    classes, asymmetry = _classes(terms, blocks, most_failures)
     groups = []
     for each in classes:
         if len(each.members) > 1:
-            refused = order_matters(reading.network, reading.reader.known, each.members)
+            refused = order_matters(terms.network, terms.reader.known, each.members)
             if refused is None:
                 groups.append(each)
             else:
-                apart = apart or Apart(each.members[0], each.members[1], refused)
-    return _ExchangeAttempt(teams, groups, apart)
+                asymmetry = asymmetry or Asymmetry(each.members[0], each.members[1], refused)
+    return _OrbitSearch(blocks, groups, asymmetry)
 
 
-def _partnerships(attempts: Sequence[_ExchangeAttempt]) -> Iterable[tuple[_ExchangeAttempt, ...]]:
-    """Sets of equally many processes, which may be interchangeable together only."""
-    sizes: dict[int, list[_ExchangeAttempt]] = {}
-    for attempt in attempts:
-        sizes.setdefault(len(attempt.teams), []).append(attempt)
+def _partnerships(searches: Sequence[_OrbitSearch]) -> Iterable[tuple[_OrbitSearch, ...]]:
+    """Sets of equally many processes, which may be interchangeable only as blocks of one process of each set."""
+    sizes: dict[int, list[_OrbitSearch]] = {}
+    for search in searches:
+        sizes.setdefault(len(search.blocks), []).append(search)
     for equal in sizes.values():
         if len(equal) > 1:
             yield tuple(equal)
@@ -219,41 +218,44 @@ def _partnerships(attempts: Sequence[_ExchangeAttempt]) -> Iterable[tuple[_Excha
             yield from combinations(equal, 2)
 
 
-def _with_rings(reading: NetworkTerms, attempts: list[_ExchangeAttempt]) -> tuple[list[Ring], list[_ExchangeAttempt]]:
-    """The rings of teams that are not all interchangeable, where those leave fewer states, and the other attempts."""
-    rings: list[Ring] = []
-    gone: list[_ExchangeAttempt] = []
-    sizes = {len(attempt.teams) for attempt in attempts if attempt.apart is not None}
+def _with_cyclic_orbits(
+    terms: NetworkTerms, searches: list[_OrbitSearch]
+) -> tuple[list[CyclicOrbit], list[_OrbitSearch]]:
+    """The cyclic orbits of blocks that are not all interchangeable, where these leave fewer states; and the searches
+    that they do not replace."""
+    cycles: list[CyclicOrbit] = []
+    gone: list[_OrbitSearch] = []
+    sizes = {len(search.blocks) for search in searches if search.asymmetry is not None}
     for size in sorted(sizes):
-        equal = [attempt for attempt in attempts if attempt.apart is not None and len(attempt.teams) == size]
+        equal = [search for search in searches if search.asymmetry is not None and len(search.blocks) == size]
         for some in subsets(equal):
-            if any(attempt in gone for attempt in some):
+            if any(search in gone for search in some):
                 continue
-            ring = ring_of(
-                reading, [sum(teams, ()) for teams in zip(*(attempt.teams for attempt in some), strict=True)]
+            cycle = cyclic_orbit_of(
+                terms, [sum(blocks, ()) for blocks in zip(*(search.blocks for search in some), strict=True)]
             )
-            if ring is not None and len(ring.members) > prod(attempt.arrangements for attempt in some):
-                rings.append(ring)
+            if cycle is not None and len(cycle.members) > prod(search.arrangements for search in some):
+                cycles.append(cycle)
                 gone += some
-    return rings, [attempt for attempt in attempts if attempt not in gone]
+    return cycles, [search for search in searches if search not in gone]
 
 
-def ring_of(reading: NetworkTerms, teams: Sequence[Team]) -> Ring | None:
-    """A ring in which teams stand in their order, if there is one."""
-    families = list(zip(*teams, strict=True))
-    if _order_of_errors(reading, teams):
+def cyclic_orbit_of(terms: NetworkTerms, blocks: Sequence[Block]) -> CyclicOrbit | None:
+    """The cyclic orbit with the blocks in this order; None if there is none."""
+    families = list(zip(*blocks, strict=True))
+    if _order_of_errors(terms, blocks):
         return None
-    if any(len({colours[member] for member in family}) > 1 for colours in _colours(reading) for family in families):
+    if any(len({colours[member] for member in family}) > 1 for colours in _colours(terms) for family in families):
         return None
-    ring = find_ring(reading, families)
-    if isinstance(ring, AsymmetryReason) or order_matters(reading.network, reading.reader.known, ring.members):
+    cycle = find_cyclic_orbit(terms, families)
+    if isinstance(cycle, AsymmetryReason) or order_matters(terms.network, terms.reader.known, cycle.members):
         return None
-    return ring
+    return cycle
 
 
-def _candidates(reading: NetworkTerms) -> Iterable[list[int]]:
+def _candidates(terms: NetworkTerms) -> Iterable[list[int]]:
     """Sets of processes with the same text up to numbers and variables."""
-    network = reading.network
+    network = terms.network
     shapes: dict[Hashable, list[int]] = {}
     for number, process in enumerate(network.processes):
         if not process.edges:
@@ -261,121 +263,126 @@ def _candidates(reading: NetworkTerms) -> Iterable[list[int]]:
         shape = (
             process.initial,
             len(process.variables),
-            tuple(unit.outline for unit in reading.locations[number]),
-            tuple(unit.outline for unit in reading.edges[number]),
+            tuple(unit.outline for unit in terms.locations[number]),
+            tuple(unit.outline for unit in terms.edges[number]),
         )
         shapes.setdefault(shape, []).append(number)
     return (members for members in shapes.values() if len(members) > 1)
 
 
-def _pairs(reading: NetworkTerms, one: int, other: int) -> Iterable[tuple[Token, Token, Span]]:
-    """What stands at the same places of two processes, and what they declare."""
-    first, second = (reading.network.processes[number] for number in (one, other))
+def _pairs(terms: NetworkTerms, one: int, other: int) -> Iterable[tuple[Token, Token, Span]]:
+    """The pairs of tokens at the same places of two processes, and of their declared variables."""
+    first, second = (terms.network.processes[number] for number in (one, other))
     for variable, another in zip(first.variables, second.variables, strict=True):
         yield variable, another, another.span
-    for here, there in ((reading.locations[one], reading.locations[other]), (reading.edges[one], reading.edges[other])):
+    for here, there in ((terms.locations[one], terms.locations[other]), (terms.edges[one], terms.edges[other])):
         for unit, image in zip(here, there, strict=True):
             for token, another_token in zip(unit.every_token, image.every_token, strict=True):
                 yield token, another_token, image.span
 
 
-def _align(reading: NetworkTerms, one: int, other: int) -> None:
-    """Whatever stands at the same place of two processes is of one kind."""
-    reader = reading.reader
-    for token, another, span in _pairs(reading, one, other):
-        if isinstance(token, KindedNumber) and isinstance(another, KindedNumber):
-            reader.kinds.unite(token.node, another.node, 0, span)
+def _align(terms: NetworkTerms, one: int, other: int) -> None:
+    """Unifies the index types of the numbers at the same places of two processes."""
+    reader = terms.reader
+    for token, another, span in _pairs(terms, one, other):
+        if isinstance(token, IndexValue) and isinstance(another, IndexValue):
+            reader.index_types.unify(token.node, another.node, 0, span)
         elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
-            reader.kinds.unite_trees(reader.tree_of(token), reader.tree_of(another), span)
+            reader.index_types.unify_trees(reader.tree_of(token), reader.tree_of(another), span)
 
 
-def _order_of_errors(reading: NetworkTerms, teams: Sequence[Team]) -> AsymmetryReason | None:
-    """Invariants are looked at process by process up to one that is false: where one of these processes, or of those
-    that stand between them, may be a run-time error their order can be noticed."""
-    members = {member for team in teams for member in team}
+def _order_of_errors(terms: NetworkTerms, blocks: Sequence[Block]) -> AsymmetryReason | None:
+    """The reason why the order of processes can be observed by their run-time errors; None if it cannot.
+
+    Invariants are evaluated process by process up to one that is false. So the order matters where an invariant of one
+    of these processes, or of a process between them, may be a run-time error.
+    """
+    members = {member for block in blocks for member in block}
     between = set(range(min(members), max(members))) - members
-    for number in (*teams[0], *sorted(between)):
-        for location in reading.network.processes[number].locations:
-            if location_can_fail(location, reading.reader.known):
+    for number in (*blocks[0], *sorted(between)):
+        for location in terms.network.processes[number].locations:
+            if location_can_fail(location, terms.reader.known):
                 return AsymmetryReason("an invariant or a rate may be a run-time error", location.span)
     return None
 
 
 def _classes(
-    reading: NetworkTerms, teams: Sequence[Team], most_in_vain: int
-) -> tuple[list[InterchangeableTeams], Apart | None]:
-    """The teams in classes of those that can be exchanged, and two that are in different ones if there are several.
+    terms: NetworkTerms, blocks: Sequence[Block], most_failures: int
+) -> tuple[list[SymmetricOrbit], Asymmetry | None]:
+    """The orbits of the blocks, and two blocks of different orbits if there are several.
 
-    Colours that take longer to find are looked for once an exchange has been tried in vain.
+    The finer colours take longer to compute, so that they are used only after a transposition has failed.
     """
-    for colours in _colours(reading):
-        classes, apart = _exchanged(reading, teams, colours, most_in_vain if colours is reading.colours else 1)
-        if apart is None or apart.refusal is None:
+    for colours in _colours(terms):
+        classes, asymmetry = _orbits(terms, blocks, colours, most_failures if colours is terms.colours else 1)
+        if asymmetry is None or asymmetry.reason is None:
             break
-    return classes, apart
+    return classes, asymmetry
 
 
-def _colours(reading: NetworkTerms) -> Iterator[Sequence[int]]:
-    """What tells processes apart, as long as nothing better is known first what is found fast."""
-    sketch = sketch_of(reading.network)
-    if reading.colours is None and reading.reader.known is sketch.known:
-        yield sketch.colours
-    yield colours_of_processes(reading)
+def _colours(terms: NetworkTerms) -> Iterator[Sequence[int]]:
+    """Colours of processes, the coarse and cheap ones first; only the finest ones where these are known already."""
+    partition = coarse_partition(terms.network)
+    if terms.colours is None and terms.reader.known is partition.known:
+        yield partition.colours
+    yield equitable_partition(terms)
 
 
-def _exchanged(
-    reading: NetworkTerms, teams: Sequence[Team], colours: Sequence[int], most_in_vain: int
-) -> tuple[list[InterchangeableTeams], Apart | None]:
-    found: dict[Hashable, list[tuple[list[Team], list[Renaming]]]] = {}
-    apart: Apart | None = None
-    in_vain = 0
-    for team in teams:
-        alike = found.setdefault(tuple(colours[member] for member in team), [])
-        for numbers, exchanges in alike if in_vain < most_in_vain else ():
-            exchange = _proved(reading, numbers[0], team)
-            if isinstance(exchange, Renaming):
-                numbers.append(team)
-                exchanges.append(exchange)
-                in_vain = 0
+def _orbits(
+    terms: NetworkTerms, blocks: Sequence[Block], colours: Sequence[int], most_failures: int
+) -> tuple[list[SymmetricOrbit], Asymmetry | None]:
+    found: dict[Hashable, list[tuple[list[Block], list[Renaming]]]] = {}
+    asymmetry: Asymmetry | None = None
+    failures = 0
+    for block in blocks:
+        similar = found.setdefault(tuple(colours[member] for member in block), [])
+        for numbers, transpositions in similar if failures < most_failures else ():
+            transposition = _proved(terms, numbers[0], block)
+            if isinstance(transposition, Renaming):
+                numbers.append(block)
+                transpositions.append(transposition)
+                failures = 0
                 break
-            apart = apart or Apart(numbers[0], team, exchange)
-            in_vain += 1
+            asymmetry = asymmetry or Asymmetry(numbers[0], block, transposition)
+            failures += 1
         else:
-            alike.append(([team], []))
-    if len(found) > 1 and apart is None:
-        (one, _), (other, _) = (alike[0] for alike in list(found.values())[:2])
-        apart = Apart(one[0], other[0])
+            similar.append(([block], []))
+    if len(found) > 1 and asymmetry is None:
+        (one, _), (other, _) = (similar[0] for similar in list(found.values())[:2])
+        asymmetry = Asymmetry(one[0], other[0])
     classes = chain.from_iterable(found.values())
-    return [InterchangeableTeams(tuple(numbers), tuple(exchanges)) for numbers, exchanges in classes], apart
+    return [SymmetricOrbit(tuple(numbers), tuple(transpositions)) for numbers, transpositions in classes], asymmetry
 
 
-def _proved(reading: NetworkTerms, one: Team, other: Team) -> Renaming | AsymmetryReason:
-    """The exchange of two teams, if it maps the network onto itself."""
-    exchange = exchange_of(reading, one, other)
-    return exchange if isinstance(exchange, AsymmetryReason) else reading.objection(exchange) or exchange
+def _proved(terms: NetworkTerms, one: Block, other: Block) -> Renaming | AsymmetryReason:
+    """The transposition of two blocks if it is an automorphism, or the reason why it is not."""
+    transposition = transposition_of(terms, one, other)
+    return (
+        transposition if isinstance(transposition, AsymmetryReason) else terms.objection(transposition) or transposition
+    )
 
 
-def exchange_of(reading: NetworkTerms, one: Team, other: Team) -> Renaming | AsymmetryReason:
-    """What has to be exchanged together with two teams, where the texts of their processes differ."""
+def transposition_of(terms: NetworkTerms, one: Block, other: Block) -> Renaming | AsymmetryReason:
+    """The transposition of two blocks with the variables and numbers in which the texts of their processes differ."""
     variables: dict[Variable, Variable] = {}
     values: dict[int, dict[int, int]] = {}
     processes = dict(zip((*one, *other), (*other, *one), strict=True))
 
-    def hinders(number: KindedNumber, another: KindedNumber, span: Span) -> AsymmetryReason | None:
+    def mapping_error(number: IndexValue, another: IndexValue, span: Span) -> AsymmetryReason | None:
         if number.value == another.value:
             return None
-        root, shift = reading.kinds.find(number.node)
+        root, shift = terms.index_types.find(number.node)
         moved = values.setdefault(root, {})
         here, there = number.value - shift, another.value - shift
         if moved.setdefault(here, there) != there or moved.setdefault(there, here) != here:
             return AsymmetryReason("their numbers do not correspond one to one", span)
-        return reading.no_name(root)
+        return terms.no_name(root)
 
-    for token, another, span in corresponding(reading, processes):
-        if isinstance(token, KindedNumber) and isinstance(another, KindedNumber):
-            refusal = hinders(token, another, span)
-            if refusal is not None:
-                return refusal
+    for token, another, span in corresponding(terms, processes):
+        if isinstance(token, IndexValue) and isinstance(another, IndexValue):
+            reason = mapping_error(token, another, span)
+            if reason is not None:
+                return reason
         elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
             if variables.setdefault(token, another) is not another or variables.setdefault(another, token) is not token:
                 return AsymmetryReason(f"`{token.name}` and `{another.name}` do not correspond one to one", span)

@@ -1,4 +1,4 @@
-"""What is asked of a network, as terms whose parts have no order where that makes no difference."""
+"""Predicates as terms; the parts of a conjunction or disjunction have no order where it makes no difference."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the engine has to know of interchangeable processes: which slots and clocks belong to which of them."""
+"""Symmetry tables of the engine: the slots and clocks of each interchangeable process."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import replace
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
 from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, cell_images
-from tachk.engine.symmetry.detection import InterchangeableTeams, Symmetry, find_symmetry, ring_of
-from tachk.engine.symmetry.kinds import AsymmetryReason
-from tachk.engine.symmetry.rings import Ring, Team, orbits
-from tachk.engine.symmetry.sketch import sketch_of
+from tachk.engine.symmetry.coarse_partition import coarse_partition
+from tachk.engine.symmetry.cyclic_symmetry import Block, CyclicOrbit, orbits
+from tachk.engine.symmetry.detection import SymmetricOrbit, Symmetry, cyclic_orbit_of, find_symmetry
+from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.engine.symmetry.terms import cell_nodes
 from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.expressions import Expression
@@ -21,8 +21,8 @@ from tachk.model.types import ChannelType, ClockType
 
 
 def with_symmetry(program: Program, network: Network, predicates: Sequence[Expression]) -> Program:
-    """The program of a network with what is interchangeable in it, where its goals are those of the predicates."""
-    if not sketch_of(network).repeats:
+    """The program with the symmetry tables of its network; its goals are the predicates."""
+    if not coarse_partition(network).repeats:
         return program
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates))]
     return replace(program, interchangeable=tuple(table for table in tables if isinstance(table, Table)))
@@ -30,17 +30,17 @@ def with_symmetry(program: Program, network: Network, predicates: Sequence[Expre
 
 def tables_of(
     network: Network, symmetry: Symmetry
-) -> list[tuple[InterchangeableTeams | Ring, Table | AsymmetryReason]]:
-    """For each ring and each group what the engine has to know of it, or why it cannot exchange its members."""
-    layout, reading = cell_layout(network), symmetry.reading
-    found: list[tuple[InterchangeableTeams | Ring, Table | AsymmetryReason]] = []
+) -> list[tuple[SymmetricOrbit | CyclicOrbit, Table | AsymmetryReason]]:
+    """The orbits of a network, each with its table, or with the reason why the engine cannot exchange its members."""
+    layout, terms = cell_layout(network), symmetry.terms
+    found: list[tuple[SymmetricOrbit | CyclicOrbit, Table | AsymmetryReason]] = []
     clocks: set[int] = set()
-    pending: list[InterchangeableTeams | Ring] = [*symmetry.rings, *symmetry.groups]
+    pending: list[SymmetricOrbit | CyclicOrbit] = [*symmetry.cycles, *symmetry.groups]
     for each in pending:
-        table = _ring_table(reading, layout, each) if isinstance(each, Ring) else _table(reading, layout, each)
-        if isinstance(table, AsymmetryReason) and isinstance(each, InterchangeableTeams):
-            ring = ring_of(reading, each.members)
-            pending += [ring] if ring is not None and (ring.rotation.variables or ring.rotation.values) else []
+        table = _cyclic_table(terms, layout, each) if isinstance(each, CyclicOrbit) else _table(terms, layout, each)
+        if isinstance(table, AsymmetryReason) and isinstance(each, SymmetricOrbit):
+            cycle = cyclic_orbit_of(terms, each.members)
+            pending += [cycle] if cycle is not None and (cycle.rotation.variables or cycle.rotation.values) else []
         if isinstance(table, Table):
             moved = {clock for own in table.clocks for clock in own}
             if not clocks.isdisjoint(moved):
@@ -50,31 +50,31 @@ def tables_of(
     return found
 
 
-def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list[int]]:
-    """The numbers of targets in sets that leave the same processes interchangeable: those that name processes would
-    make a search for the others larger. One set where nothing is interchangeable at all."""
+def by_interchangeable_processes(network: Network, targets: Sequence[Expression]) -> list[list[int]]:
+    """The numbers of targets, grouped by the symmetries that they keep: a target that names processes would make the
+    search for the others larger. A single group if the network has no symmetry."""
     numbers = list(range(len(targets)))
-    if len(targets) < 2 or not sketch_of(network).repeats or not interchanged(network, []):
+    if len(targets) < 2 or not coarse_partition(network).repeats or not interchanged(network, []):
         return [numbers]
-    parts: dict[frozenset[tuple[Team, ...]], list[int]] = {}
+    parts: dict[frozenset[tuple[Block, ...]], list[int]] = {}
     for number in numbers:
         parts.setdefault(interchanged(network, [targets[number]]), []).append(number)
     return list(parts.values())
 
 
-def interchanged(network: Network, predicates: Sequence[Expression]) -> frozenset[tuple[Team, ...]]:
-    """The members of each group and ring."""
+def interchanged(network: Network, predicates: Sequence[Expression]) -> frozenset[tuple[Block, ...]]:
+    """The members of each orbit."""
     symmetry = find_symmetry(network, predicates)
-    return frozenset([*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)])
+    return frozenset([*(group.members for group in symmetry.groups), *(cycle.members for cycle in symmetry.cycles)])
 
 
-def _table(reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeams) -> Table | AsymmetryReason:
-    """Refused where something belongs to two members at a time, and where there is nothing to exchange."""
-    if all(len(reading.network.processes[member].locations) == 1 for member in group.members[0]) and not any(
-        exchange.variables or exchange.values for exchange in group.exchanges
+def _table(terms: NetworkTerms, layout: CellLayout, group: SymmetricOrbit) -> Table | AsymmetryReason:
+    """The table of an orbit, or the reason why there is none: a cell belongs to two members, or nothing is moved."""
+    if all(len(terms.network.processes[member].locations) == 1 for member in group.members[0]) and not any(
+        transposition.variables or transposition.values for transposition in group.transpositions
     ):
         return AsymmetryReason("they have nothing of their own to be exchanged")
-    moves = [_cell_moves(reading, layout, exchange) for exchange in group.exchanges]
+    moves = [_cell_moves(terms, layout, transposition) for transposition in group.transpositions]
     own = _own_cells(layout, moves)
     belongs = [own, *([move[cell] for cell in own] for move in moves)]
     flat = Counter(cell for cells in belongs for cell in cells)
@@ -85,8 +85,8 @@ def _table(reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeam
         variable = max((v for v in layout.first if layout.first[v] <= min(shared)), key=layout.first.__getitem__)
         reason = f"`{variable.name}` holds what belongs to two of them at a time: tachk cannot exchange that"
         return AsymmetryReason(reason, variable.span)
-    names, tables = _names(reading, layout, group)
-    before = len(reading.network.processes)
+    names, tables = _names(terms, layout, group)
+    before = len(terms.network.processes)
 
     def is_number(cell: int) -> bool:
         return not isinstance(layout.types[cell], ClockType | ChannelType)
@@ -98,8 +98,8 @@ def _table(reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeam
 
     return Table(
         slots=tuple(
-            (*team, *(before + cell for cell in cells if is_number(cell)))
-            for team, cells in zip(group.members, belongs, strict=True)
+            (*block, *(before + cell for cell in cells if is_number(cell)))
+            for block, cells in zip(group.members, belongs, strict=True)
         ),
         clocks=numbers(ClockType),
         channels=numbers(ChannelType),
@@ -108,38 +108,38 @@ def _table(reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeam
     )
 
 
-def _ring_table(reading: NetworkTerms, layout: CellLayout, ring: Ring) -> Table:
-    """Whatever a rotation moves goes round in a circle of its own, which may begin anywhere."""
-    before = len(reading.network.processes)
-    slots: list[list[int]] = list(orbits(ring.rotation.processes))
+def _cyclic_table(terms: NetworkTerms, layout: CellLayout, cycle: CyclicOrbit) -> Table:
+    """The table of a cyclic orbit: one column for each orbit of the rotation on slots, clocks and channels."""
+    before = len(terms.network.processes)
+    slots: list[list[int]] = list(orbits(cycle.rotation.processes))
     clocks: list[list[int]] = []
     channels: list[list[int]] = []
-    for orbit in orbits(_cell_moves(reading, layout, ring.rotation)):
+    for orbit in orbits(_cell_moves(terms, layout, cycle.rotation)):
         if isinstance(layout.types[orbit[0]], ClockType):
             clocks.append([layout.initial[cell] for cell in orbit])
         elif isinstance(layout.types[orbit[0]], ChannelType):
             channels.append([layout.initial[cell] for cell in orbit])
         else:
             slots.append([before + cell for cell in orbit])
-    numbers = {root: list(orbits(moved)) for root, moved in ring.rotation.values.items()}
-    names, tables = _named_cells(reading, layout, numbers)
+    numbers = {root: list(orbits(moved)) for root, moved in cycle.rotation.values.items()}
+    names, tables = _named_cells(terms, layout, numbers)
     return Table(
         slots=tuple(zip(*slots, strict=True)),
-        clocks=tuple(zip(*clocks, strict=True)) or ((),) * len(ring.members),
-        channels=tuple(zip(*channels, strict=True)) or ((),) * len(ring.members),
+        clocks=tuple(zip(*clocks, strict=True)) or ((),) * len(cycle.members),
+        channels=tuple(zip(*channels, strict=True)) or ((),) * len(cycle.members),
         names=tuple((before + cell, table) for cell, table in names),
         tables=tables,
         cyclic=True,
     )
 
 
-def _cell_moves(reading: NetworkTerms, layout: CellLayout, exchange: Renaming) -> dict[int, int]:
-    """The cells that an exchange moves, with where it moves them to."""
+def _cell_moves(terms: NetworkTerms, layout: CellLayout, transposition: Renaming) -> dict[int, int]:
+    """The cells that a renaming moves, each with its image."""
     moves: dict[int, int] = {}
-    kinds = reading.kinds
+    index_types = terms.index_types
     for variable, first in layout.first.items():
-        target = layout.first[exchange.variables.get(variable, variable)]
-        images = cell_images(kinds, reading.reader.tree_of(variable), variable.type, exchange)
+        target = layout.first[transposition.variables.get(variable, variable)]
+        images = cell_images(index_types, terms.reader.tree_of(variable), variable.type, transposition)
         for cell, image in enumerate(images):
             if first + cell != target + image:
                 moves[first + cell] = target + image
@@ -147,41 +147,41 @@ def _cell_moves(reading: NetworkTerms, layout: CellLayout, exchange: Renaming) -
 
 
 def _own_cells(layout: CellLayout, moves: Sequence[dict[int, int]]) -> list[int]:
-    """The cells of the first member: those that each exchange moves. Of two members only: the lower of each pair."""
+    """The cells of the first member: those that every transposition moves; of two members the lower of each pair."""
     if len(moves) == 1:
         return sorted(cell for cell, image in moves[0].items() if cell < image)
     return sorted(set(moves[0]).intersection(*moves[1:]))
 
 
 def _names(
-    reading: NetworkTerms, layout: CellLayout, group: InterchangeableTeams
+    terms: NetworkTerms, layout: CellLayout, group: SymmetricOrbit
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
     """The cells that may name members, each with the number of its table; and the tables."""
     numbers = {}
-    for root in group.exchanges[0].values:
+    for root in group.transpositions[0].values:
         first = _first_number(group, root)
-        numbers[root] = [[first, *(exchange.values[root][first] for exchange in group.exchanges)]]
-    return _named_cells(reading, layout, numbers)
+        numbers[root] = [[first, *(transposition.values[root][first] for transposition in group.transpositions)]]
+    return _named_cells(terms, layout, numbers)
 
 
 def _named_cells(
-    reading: NetworkTerms, layout: CellLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
+    terms: NetworkTerms, layout: CellLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
-    """As `_names`, where `numbers` holds the names of the members for each kind: of each member as many as lists."""
+    """As `_names`, where `numbers` holds for each index type the lists of the names of the members."""
     tables: dict[tuple[int, int, int], int] = {}
     names = []
     for variable, start in layout.first.items():
-        tree = reading.reader.tree_of(variable)
+        tree = terms.reader.tree_of(variable)
         for cell, node in enumerate(cell_nodes(tree, variable.type)):
-            root, shift = reading.kinds.find(node)
+            root, shift = terms.index_types.find(node)
             if isinstance(layout.types[start + cell], ClockType | ChannelType):
                 continue
-            kinds = [(root, shift, number) for number in range(len(numbers.get(root, ())))]
-            names += [(start + cell, tables.setdefault(kind, len(tables))) for kind in kinds]
+            index_types = [(root, shift, number) for number in range(len(numbers.get(root, ())))]
+            names += [(start + cell, tables.setdefault(kind, len(tables))) for kind in index_types]
     return names, tuple(tuple(each + shift for each in numbers[root][number]) for root, shift, number in tables)
 
 
-def _first_number(group: InterchangeableTeams, root: int) -> int:
-    """The number of a kind that stands for the first member: the one that each exchange moves."""
-    moved = [set(exchange.values[root]) for exchange in group.exchanges]
+def _first_number(group: SymmetricOrbit, root: int) -> int:
+    """The number of an index type that names the first member: the one that every transposition moves."""
+    moved = [set(transposition.values[root]) for transposition in group.transpositions]
     return min(moved[0].intersection(*moved[1:]))

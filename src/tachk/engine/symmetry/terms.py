@@ -1,6 +1,6 @@
 """Expressions as sequences of tokens, so that renaming is a map of tokens and equality is that of sequences.
 
-While an expression is read, it is noted which of its numbers are of one kind (`tachk.engine.symmetry.kinds`).
+While an expression is read, it is noted which of its numbers are of one type (`tachk.engine.symmetry.index_types`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, fold_place
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.kinds import ArrayTree, Kinds, Range, RecordTree, Tree
+from tachk.engine.symmetry.index_types import ArrayTree, IndexTypes, Range, RecordTree, Tree
 from tachk.model.cell_layout import default_value
 from tachk.model.expressions import (
     Aggregate,
@@ -59,8 +59,8 @@ from tachk.model.types import (
 )
 
 
-class KindedNumber(NamedTuple):
-    """A constant, with its kind."""
+class IndexValue(NamedTuple):
+    """A constant, with its index type."""
 
     node: int
     value: int
@@ -78,8 +78,8 @@ class Shift(NamedTuple):
     by: int
 
 
-Token = Variable | KindedNumber | ProcessNumber | Shift | str | tuple[object, ...]
-"""What is renamed, and the rest."""
+Token = Variable | IndexValue | ProcessNumber | Shift | str | tuple[object, ...]
+"""The names that are renamed, and the rest."""
 
 _ORDERED = frozenset(COMPARISONS) - {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL}
 
@@ -93,23 +93,23 @@ class TermReader:
     """
 
     known: Known
-    kinds: Kinds = field(default_factory=Kinds)
+    index_types: IndexTypes = field(default_factory=IndexTypes)
     trees: dict[Variable, Tree] = field(default_factory=dict)
     _functions: dict[Function, tuple[list[Token], Tree]] = field(default_factory=dict)
     _scope: dict[Variable, int] = field(default_factory=dict)
 
     def copy(self) -> TermReader:
         """One that knows the same and may read on."""
-        return TermReader(self.known, self.kinds.copy(), {**self.trees}, {**self._functions})
+        return TermReader(self.known, self.index_types.copy(), {**self.trees}, {**self._functions})
 
     def begin(self) -> None:
-        """What is read from here on has names of its own for bound variables."""
+        """Begins a part with names of its own for bound variables."""
         self._scope = {}
 
     def tree_of(self, variable: Variable) -> Tree:
         tree = self.trees.get(variable)
         if tree is None:
-            tree = self.trees[variable] = self.kinds.tree(variable.type, variable.span)
+            tree = self.trees[variable] = self.index_types.tree(variable.type, variable.span)
         return tree
 
     # ---- expressions ------------------------------------------------------------------------------------------------
@@ -126,30 +126,30 @@ class TermReader:
         low, high = bounds(variable.type) if isinstance(variable.type, IntType | BoolType | ScalarType) else (0, 0)
         self._scope[variable] = len(self._scope)
         tokens.append(("each", low, high))
-        node = self.kinds.fresh()
-        self.kinds.ranges.append(Range(node, low, high, variable.span))
+        node = self.index_types.fresh()
+        self.index_types.ranges.append(Range(node, low, high, variable.span))
         self.trees[variable] = node
         return node
 
     def _plain(self, expression: Expression, tokens: list[Token], reason: str) -> None:
-        self.kinds.make_plain(self._read(expression, tokens), reason, expression.span)
+        self.index_types.make_plain(self._read(expression, tokens), reason, expression.span)
 
     def _truth(self, expression: Expression, tokens: list[Token]) -> None:
         """An expression that counts as true if it is not 0."""
         tree = self._read(expression, tokens)
         if isinstance(tree, int) and isinstance(expression.type, IntType | BoolType | ScalarType):
-            tokens.append(KindedNumber(tree, 0))
+            tokens.append(IndexValue(tree, 0))
 
     def _result(self) -> int:
-        node = self.kinds.fresh()
-        self.kinds.make_plain(node, "uses a truth value as a number")
+        node = self.index_types.fresh()
+        self.index_types.make_plain(node, "uses a truth value as a number")
         return node
 
     def _read(self, expression: Expression, tokens: list[Token]) -> Tree:
         match expression:
             case Constant(value):
-                node = self.kinds.fresh()
-                tokens.append(KindedNumber(node, value))
+                node = self.index_types.fresh()
+                tokens.append(IndexValue(node, value))
                 return node
             case Reference(variable):
                 tree = self.tree_of(variable)
@@ -164,7 +164,7 @@ class TermReader:
                 of_index = self._read(index, tokens)
                 if not isinstance(of_base, ArrayTree) or not isinstance(of_index, int):
                     raise TypeError("an index of something that is no array")
-                self.kinds.unite(of_base.index, of_index, 0, expression.span)
+                self.index_types.unify(of_base.index, of_index, 0, expression.span)
                 return of_base.element
             case Field(base, name):
                 tokens.append(("field", name))
@@ -176,7 +176,7 @@ class TermReader:
                 tokens.append("conditional")
                 self._truth(condition, tokens)
                 one = self._read(then, tokens)
-                self.kinds.unite_trees(one, self._read(otherwise, tokens), expression.span)
+                self.index_types.unify_trees(one, self._read(otherwise, tokens), expression.span)
                 return one
             case Comma(items):
                 tokens.append(("comma", len(items)))
@@ -216,20 +216,20 @@ class TermReader:
 
     def _aggregate(self, expression: Aggregate, tokens: list[Token]) -> Tree:
         tokens.append(("aggregate", len(expression.items)))
-        tree = self.kinds.tree(expression.type, expression.span, limited=False)
+        tree = self.index_types.tree(expression.type, expression.span, limited=False)
         parts = [self._read(item, tokens) for item in expression.items]
         if isinstance(tree, ArrayTree):
-            self.kinds.make_plain(tree.index, "an array is written as a whole, place by place", expression.span)
+            self.index_types.make_plain(tree.index, "an array is written as a whole, place by place", expression.span)
             for part in parts:
-                self.kinds.unite_trees(tree.element, part, expression.span)
+                self.index_types.unify_trees(tree.element, part, expression.span)
         elif isinstance(tree, RecordTree):
             for (_, inner), part in zip(tree.fields, parts, strict=True):
-                self.kinds.unite_trees(inner, part, expression.span)
+                self.index_types.unify_trees(inner, part, expression.span)
         return tree
 
     def _binary(self, expression: Binary, tokens: list[Token]) -> Tree:
         operator, left, right = expression.operator, expression.left, expression.right
-        kinds = self.kinds
+        index_types = self.index_types
         if operator.group is OperandGroup.CONNECTIVE:
             tokens.append(("binary", operator))
             self._truth(left, tokens)
@@ -240,10 +240,10 @@ class TermReader:
             one, other = self._read(left, tokens), self._read(right, tokens)
             if operator in _ORDERED or reads_clock(left) or reads_clock(right):
                 word = f"`{operator.value}` compares it"
-                kinds.make_plain(one, word, expression.span)
-                kinds.make_plain(other, word, expression.span)
+                index_types.make_plain(one, word, expression.span)
+                index_types.make_plain(other, word, expression.span)
             else:
-                kinds.unite_trees(one, other, expression.span)
+                index_types.unify_trees(one, other, expression.span)
             return self._result()
         if operator is BinaryOperator.ADD and isinstance(left, Constant):
             left, right = right, left
@@ -251,12 +251,12 @@ class TermReader:
             shift = right.value if operator is BinaryOperator.ADD else -right.value
             tokens.append(Shift(shift))
             inner = self._read(left, tokens)
-            node = kinds.fresh()
+            node = index_types.fresh()
             if isinstance(inner, int) and not reads_clock(left):
-                kinds.unite(node, inner, shift, expression.span)
+                index_types.unify(node, inner, shift, expression.span)
             else:
-                kinds.make_plain(inner, f"`{operator.value}` computes with it", expression.span)
-                kinds.make_plain(node, f"`{operator.value}` computes it", expression.span)
+                index_types.make_plain(inner, f"`{operator.value}` computes with it", expression.span)
+                index_types.make_plain(node, f"`{operator.value}` computes it", expression.span)
             return node
         if operator is BinaryOperator.MODULO and isinstance(right, Constant):
             round_ = _round(left, right.value)
@@ -265,14 +265,14 @@ class TermReader:
                 tokens.append(("round", step, right.value))
                 tree = self._read(place, tokens)
                 assert isinstance(tree, int)
-                kinds.cycles.append(Range(tree, 0, right.value - 1, expression.span))
+                index_types.cycles.append(Range(tree, 0, right.value - 1, expression.span))
                 return tree
         tokens.append(("binary", operator))
         word = f"`{operator.value}` computes with it"
         self._plain(left, tokens, word)
         self._plain(right, tokens, word)
-        node = kinds.fresh()
-        kinds.make_plain(node, f"`{operator.value}` computes it", expression.span)
+        node = index_types.fresh()
+        index_types.make_plain(node, f"`{operator.value}` computes it", expression.span)
         return node
 
     def _quantifier(self, expression: Quantifier, tokens: list[Token]) -> Tree:
@@ -284,25 +284,25 @@ class TermReader:
         else:
             self._truth(body, tokens)
         if written_variables([body]):
-            self.kinds.make_plain(node, "the body of a quantifier changes something", expression.span)
+            self.index_types.make_plain(node, "the body of a quantifier changes something", expression.span)
         if can_fail(body, self.known):
-            self.kinds.make_plain(node, "the body of a quantifier may meet a run-time error", expression.span)
+            self.index_types.make_plain(node, "the body of a quantifier may meet a run-time error", expression.span)
         return self._result()
 
     def _write(self, expression: Assign | Increment, tokens: list[Token]) -> Tree:
         if isinstance(expression, Increment):
             tokens.append(("increment", expression.delta, expression.prefix))
             tree = self._read(expression.target, tokens)
-            self.kinds.make_plain(tree, "counts with it", expression.span)
+            self.index_types.make_plain(tree, "counts with it", expression.span)
             return tree
         tokens.append(("assign", expression.operator))
         tree = self._read(expression.target, tokens)
         value = self._read(expression.value, tokens)
         if expression.operator is not None or isinstance(expression.target.type, ClockType):
-            self.kinds.make_plain(tree, "counts with it", expression.span)
-            self.kinds.make_plain(value, "counts with it", expression.span)
+            self.index_types.make_plain(tree, "counts with it", expression.span)
+            self.index_types.make_plain(value, "counts with it", expression.span)
         else:
-            self.kinds.unite_trees(tree, value, expression.span)
+            self.index_types.unify_trees(tree, value, expression.span)
         return tree
 
     # ---- functions --------------------------------------------------------------------------------------------------
@@ -313,14 +313,14 @@ class TermReader:
             tokens.append(("library", function.operation))
             for argument in expression.arguments:
                 self._plain(argument, tokens, "a function of the library computes with it")
-            tree = self.kinds.tree(function.result, limited=False)
-            self.kinds.make_plain(tree, "a function of the library computes it", expression.span)
+            tree = self.index_types.tree(function.result, limited=False)
+            self.index_types.make_plain(tree, "a function of the library computes it", expression.span)
             return tree
         body, result = self._function(function)
         tokens.append(("call", len(expression.arguments)))
         for parameter, argument in zip(function.parameters, expression.arguments, strict=True):
             tokens.append(("argument", parameter.reference, parameter.type))
-            self.kinds.unite_trees(self.tree_of(parameter), self._read(argument, tokens), argument.span)
+            self.index_types.unify_trees(self.tree_of(parameter), self._read(argument, tokens), argument.span)
         tokens += body
         return result
 
@@ -329,7 +329,7 @@ class TermReader:
         if found is None:
             outside, self._scope = self._scope, {p: number for number, p in enumerate(function.parameters)}
             tokens: list[Token] = [("function", function.result)]
-            result = self.kinds.tree(function.result, function.span)
+            result = self.index_types.tree(function.result, function.span)
             self._statement(function.body, result, tokens)
             self._scope = outside
             found = self._functions[function] = tokens, result
@@ -364,12 +364,12 @@ class TermReader:
                 tokens.append("iterate")
                 node = self.bind(variable, tokens)
                 if not _each_on_its_own(body, variable):
-                    self.kinds.make_plain(node, "a loop goes through it in order", variable.span)
+                    self.index_types.make_plain(node, "a loop goes through it in order", variable.span)
                 inside(body)
             case Return(value):
                 tokens.append(("return", value is None))
                 if value is not None:
-                    self.kinds.unite_trees(result, self.whole(value, tokens), value.span)
+                    self.index_types.unify_trees(result, self.whole(value, tokens), value.span)
             case Assert(condition):
                 tokens.append("assert")
                 self.condition(condition, tokens)
@@ -381,11 +381,11 @@ class TermReader:
         number = self._scope.setdefault(variable, len(self._scope))
         tokens.append(("declare", number, variable.type, initial is None))
         if initial is not None:
-            self.kinds.unite_trees(tree, self.whole(initial, tokens), variable.span)
+            self.index_types.unify_trees(tree, self.whole(initial, tokens), variable.span)
             return
         for (_, leaf), node in zip(leaves(variable.type), cell_nodes(tree, variable.type), strict=True):
             value = default_value(leaf)
-            self.kinds.defaults.append(Range(node, value, value, variable.span))
+            self.index_types.defaults.append(Range(node, value, value, variable.span))
 
 
 def _round(expression: Expression, size: int) -> tuple[Expression, int] | None:
@@ -416,7 +416,7 @@ def _each_on_its_own(body: Statement, variable: Variable) -> bool:
 
 
 def cell_nodes(tree: Tree, type_: Type) -> list[int]:
-    """The kind of each cell of a value, in the order of `tachk.model.types.leaves`."""
+    """The index type of each cell of a value, in the order of `tachk.model.types.leaves`."""
     match tree, type_:
         case int(), _:
             return [tree]

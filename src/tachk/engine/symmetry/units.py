@@ -9,8 +9,8 @@ from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import fold_place
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.symmetry.kinds import Kinds
-from tachk.engine.symmetry.terms import KindedNumber, ProcessNumber, Shift, TermReader, Token
+from tachk.engine.symmetry.index_types import IndexTypes
+from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, Shift, TermReader, Token
 from tachk.model.expressions import Assign, Constant, Expression, Reference, Variable
 from tachk.model.network import Edge, Location
 
@@ -41,25 +41,25 @@ class TermUnit:
         """The tokens up to numbers and variables."""
         return tuple(map(_outline, self.every_token))
 
-    def text(self, told: Callable[[Token], Hashable]) -> Hashable:
-        """What is told of each token; of updates in any order, of all of them together."""
-        loose = (Counter(tuple(map(told, update.tokens)) for update in updates) for updates in self.loose)
-        return (tuple(map(told, self.tokens)), *(frozenset(counted.items()) for counted in loose))
+    def text(self, outline: Callable[[Token], Hashable]) -> Hashable:
+        """The token texts; those of updates in any order together."""
+        loose = (Counter(tuple(map(outline, update.tokens)) for update in updates) for updates in self.loose)
+        return (tuple(map(outline, self.tokens)), *(frozenset(counted.items()) for counted in loose))
 
 
 def _outline(token: Token) -> Hashable:
     if isinstance(token, Variable):
         return token.type
-    if isinstance(token, KindedNumber | ProcessNumber | Shift):
+    if isinstance(token, IndexValue | ProcessNumber | Shift):
         return type(token).__name__
     return token
 
 
-def without_names(kinds: Kinds, token: Token) -> Hashable:
-    """What a token has in common with all that it may become."""
+def without_names(index_types: IndexTypes, token: Token) -> Hashable:
+    """The common part of a token and of all that it may be mapped to."""
     match token:
-        case KindedNumber(node, value):
-            return value if kinds.plain(kinds.find(node)[0]) is not None else "a name"
+        case IndexValue(node, value):
+            return value if index_types.plain(index_types.find(node)[0]) is not None else "a name"
         case Variable():
             return token.type
         case ProcessNumber():
@@ -77,7 +77,7 @@ def read_location(reader: TermReader, process: int, location: Location) -> TermU
     for clock, rate in location.rates:
         tokens.append("rate")
         reader.whole(clock, tokens)
-        reader.kinds.make_plain(reader.whole(rate, tokens), "a clock runs with it", rate.span)
+        reader.index_types.make_plain(reader.whole(rate, tokens), "a clock runs with it", rate.span)
     return TermUnit(process, tuple(tokens), location.span)
 
 

@@ -111,7 +111,7 @@ def load_model(
         raise InputError(by_place((*unreadable, *beyond_damage(unreadable, further, items))))
     if findings.has_mistakes:
         raise InputError(findings.sorted())
-    refusals, warnings = _told_apart(findings)
+    refusals, warnings = _distinguished(findings)
     return LoadedModel(
         result.network,
         result.queries,
@@ -187,7 +187,7 @@ def _refuse_chart(name: ast.Identifier, findings: DiagnosticCollector) -> None:
     )
 
 
-def _told_apart(findings: DiagnosticCollector) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+def _distinguished(findings: DiagnosticCollector) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
     """The refusals and the warnings among findings that have no other errors."""
     found = findings.sorted()
     return tuple(d for d in found if d.is_unsupported), tuple(d for d in found if not d.is_unsupported)
@@ -213,7 +213,7 @@ def _load_xml(
     result = elaborate_each_property(items, read.document.span, overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())
-    refusals, warnings = _told_apart(findings)
+    refusals, warnings = _distinguished(findings)
     broken = []
     for query in read.broken:
         own = DiagnosticCollector()

@@ -10,7 +10,7 @@ from tachk.frontend.loaded import LoadedModel
 
 
 def recorded_model(loaded: LoadedModel, path: str, definitions: Iterable[str]) -> LoadedModel:
-    """What the `recording` of a model names, or the model itself.
+    """The model that the `recording` of a model names, or the model itself.
 
     Args:
         path: of the model; the other one is named relative to it.

@@ -1,4 +1,4 @@
-"""What identifies a network."""
+"""The digest that identifies a network."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ FORMAT, VERSION = "tachk network", 1
 
 
 def network_to_json(network: Network) -> Json:
-    """What `json.dumps` takes."""
+    """The argument of `json.dumps`."""
     writer = ExpressionWriter(network.lasting)
     variables = [writer.variable(v) for v in network.variables]
     local = [[writer.variable(v) for v in p.variables] for p in network.processes]
@@ -41,7 +41,7 @@ def network_to_json(network: Network) -> Json:
 
 
 def network_to_json_text(network: Network) -> str:
-    """What `json.dumps` gives, in pieces: the JSON of a large network takes long."""
+    """The result of `json.dumps`, in pieces: the JSON of a large network takes long."""
     written, pieces = json.JSONEncoder(indent=1).iterencode(network_to_json(network)), []
     while piece := "".join(islice(written, 10_000)):
         check_job()

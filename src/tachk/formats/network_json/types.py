@@ -21,7 +21,7 @@ from tachk.model.types import (
 )
 
 Json = Any
-"""What `json.dumps` takes. Checked by the schema, not by the type checker."""
+"""The argument of `json.dumps`. Checked by the schema, not by the type checker."""
 
 _RANGE = re.compile(r"int\[(-?\d+),(-?\d+)\]")
 _CHANNELS = {

@@ -311,7 +311,7 @@ def _refuse_unknown_operators(items: Sequence[ast.Item]) -> None:
 
 
 def _without_signals(formula: ast.PropertyFormula, signals: Mapping[str, ast.Expression]) -> ast.PropertyFormula:
-    """What a property asks, signals written out. A sentence, a comment for UPPAAL in any case, stays as it is."""
+    """The formula of a property, signals written out. A sentence, a comment for UPPAAL in any case, stays as it is."""
     if isinstance(formula, ast.UncheckedFormula):
         used = next((name for name in names_in(formula) if name in signals), None)
         if used is not None:

@@ -38,7 +38,7 @@ DECLARED_5 = frozenset(BUILTIN_TYPES) | frozenset(BUILTIN_CONSTANTS) | {
     "FLT_MIN", "FLT_MAX", "DBL_MIN", "DBL_MAX", "M_PI", "M_PI_2", "M_PI_4", "M_E", "M_LOG2E", "M_LOG10E", "M_LN2",
     "M_LN10", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2",
 }
-"""What version 5 declares before the model."""
+"""The names that version 5 declares before the model."""
 # fmt: on
 
 
@@ -46,10 +46,10 @@ def name_repairs(items: Iterable[ast.Item], formulas: Iterable[object] = ()) -> 
     """The names of a model that some version refuses, each with the reason."""
     listed = tuple(items)
     declared = declared_names(listed)
-    asked = names_in(tuple(formulas))
+    queried = names_in(tuple(formulas))
     repairs = {}
     for name in declared:
-        reason = refusal(name, name in asked)
+        reason = refusal(name, name in queried)
         if reason is not None:
             repairs[name] = reason
     return repairs

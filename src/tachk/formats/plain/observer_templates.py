@@ -227,11 +227,11 @@ class _Weaver:
         item = entry.property
         span = item.formula.span
         bad = ast.MemberExpression(span, ast.NameExpression(span, entry.template.name.name), ast.Identifier(span, BAD))
-        asked = print_formula(entry.formula)
+        comment = print_formula(entry.formula)
         if isinstance(item.formula, ast.TemporalFormula) and item.formula.sentence:
-            asked = f"{item.formula.sentence}\n{asked}"
+            comment = f"{item.formula.sentence}\n{comment}"
         return replace(
             item,
             formula=ast.QueryFormula(span, QueryKind.INVARIANTLY, ast.UnaryExpression(span, PrefixOperator.NOT, bad)),
-            doc="\n".join(part for part in (item.doc, asked) if part),
+            doc="\n".join(part for part in (item.doc, comment) if part),
         )

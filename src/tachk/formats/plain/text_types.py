@@ -1,4 +1,4 @@
-"""What the names in a text are declared to be, without elaboration: enough to tell clocks from numbers."""
+"""Declared types of names in a text, without elaboration: enough to tell clocks from numbers."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class TextTypes:
         return replace(self, names={**self.names, name: DeclaredName(type_)})
 
     def place(self, expression: ast.Expression) -> DeclaredName | None:
-        """What a variable, an element of an array or a field of a record is; None for everything else."""
+        """The type of a variable, an element of an array or a field of a record; None for everything else."""
         match expression:
             case ast.NameExpression(name=name):
                 return self._whole(self.names.get(name))

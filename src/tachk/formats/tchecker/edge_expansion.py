@@ -46,7 +46,7 @@ class FlatEdge:
 
 
 def choices(edge: Edge, known: Known) -> Iterator[Known]:
-    """What is known with each value of `select`. Raises UnsupportedError if there are too many."""
+    """The constants with each value of `select`. Raises UnsupportedError if there are too many."""
     ranges = [range(low, high + 1) for low, high in (cell_range(v.type) for v in edge.selects)]
     total = 1
     for values in ranges:
@@ -66,7 +66,7 @@ class EdgeExpansion:
     printer: TermPrinter
 
     def expanded(self, edge: Edge) -> Iterator[FlatEdge]:
-        """What an edge stands for. Raises UnsupportedError."""
+        """The edges that an edge stands for. Raises UnsupportedError."""
         for known in choices(edge, self.known):
             yield from self._instances(edge, known)
 

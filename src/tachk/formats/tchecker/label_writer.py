@@ -43,7 +43,7 @@ class QueryLabels:
                 yield label
 
     def remarks(self) -> Iterator[str]:
-        """What to tell a reader of the file."""
+        """The comment for a reader of the file."""
         yield " ".join(f"{self.query.name}: {self.query.text}".split())
         if self.reason:
             yield f"    labels cannot ask it: {self.reason}"

@@ -1,4 +1,4 @@
-"""What a version of UPPAAL would refuse in a model, or treat otherwise than tachk does.
+"""Constructs that a version of UPPAAL refuses in a model, or treats otherwise than tachk does.
 
 The rules come from UPPAAL's documentation and from its open parser UTAP 2.1.1.
 """
@@ -111,7 +111,7 @@ _INSTEAD = {
     BinaryOperator.XOR: "compare two boolean values with `!=`",
     BinaryOperator.POWER: "multiply, or write a function",
 }
-"""What to write for an operator that a version does not know."""
+"""The replacement of an operator that a version does not know."""
 _ADDED = (
     ast.ImportDeclaration,
     ast.TimeUnitDeclaration,
@@ -121,7 +121,7 @@ _ADDED = (
     ast.HideDeclaration,
     ast.RecordingDeclaration,
 )
-"""What UPPAAL does not know in any place."""
+"""The words that UPPAAL knows in no place."""
 
 
 def portability(model: LoadedModel, version: UppaalVersion) -> tuple[Diagnostic, ...]:
@@ -164,15 +164,15 @@ _WRITTEN = {
     "a location block": "writes the edges below `trans`",
     "a synchronisation with a value": "writes a variable that carries the value",
 }
-"""What the export does with each addition."""
+"""The treatment of each addition by the export."""
 
 
 _BELOW = (ast.SystemLine, ast.ProgressDeclaration, ast.GanttDeclaration)
-"""What ends a text, in this order."""
+"""The ends of a text, in this order."""
 
 
 def _order_of_sections(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
-    """What stands behind something that comes later in UPPAAL's order; additions of tachk aside."""
+    """Constructs after something that comes later in UPPAAL's order; additions of tachk aside."""
     reached = -1
     for item in items:
         if isinstance(item, _BELOW):
@@ -194,14 +194,14 @@ def _names(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
     mend = "`tachk convert --fix` renames it everywhere"
     reserved = WORDS_4_1 if version is UppaalVersion.UPPAAL_4_1 else WORDS_5
     properties = [item.formula for item in model.items if isinstance(item, ast.PropertyDeclaration)]
-    asked = names_in(tuple(properties))
+    queried = names_in(tuple(properties))
     declared = declared_names(tuple(item for item in model.items if not isinstance(item, ast.PropertyDeclaration)))
     for name, identifier in declared.items():
         if name in reserved:
             yield Diagnostic("E0811", f"`{name}` is a word of {version.full_name}", identifier.span, mend)
         elif version is UppaalVersion.UPPAAL_5_0 and name in DECLARED_5:
             yield Diagnostic("E0811", f"`{name}` is declared by {version.full_name} itself", identifier.span, mend)
-        elif name in QUERY_WORDS and name in asked:
+        elif name in QUERY_WORDS and name in queried:
             message = f"`{name}` is a word of {version.full_name} in queries"
             yield Diagnostic("E0811", message, identifier.span, mend)
     if version is UppaalVersion.UPPAAL_4_1:
@@ -213,7 +213,7 @@ def _names(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
 
 
 def _newer(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
-    """What the version does not know yet."""
+    """The constructs that the version does not know yet."""
     for expression in nodes_of_kind(items, ast.BinaryExpression):
         if not version.knows(expression.operator):
             instead = _INSTEAD.get(expression.operator)

@@ -36,7 +36,7 @@ MEASURES = (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
 
 @dataclass(frozen=True, slots=True)
 class Described:
-    """What the comment of a query says."""
+    """The content of the comment of a query."""
 
     name: str
     title: str
@@ -86,9 +86,9 @@ class QueriesReader:
             if formula is None or place is None or _is_empty(place) or _HEADING.match(place.text):
                 text = formula.text or None if formula is not None else None
                 self.layouts.append(_with(kept, "", comment, text))
-                told = heading(text or "", plain_text(comment))
-                if told:
-                    self.headings.append(ast.Comment(texts.tag(element), told, True))
+                heading_text = heading(text or "", plain_text(comment))
+                if heading_text:
+                    self.headings.append(ast.Comment(texts.tag(element), heading_text, True))
                 continue
             if not said.name or said.name in used:
                 name = _automatic_name(number, taken | used)

@@ -59,7 +59,7 @@ def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLa
 
 
 def _asides(model: LoadedModel, listed: Sequence[QueryView]) -> Iterator[tuple[int, QueryView]]:
-    """What comments of the text say to be entries, with their places; without those that are listed already."""
+    """The entries in comments of the text, with their places; without those that are listed already."""
     formulas = {" ".join(view.formula.split()) for view in listed}
     headings = {" ".join(view.comment.split()) for view in listed if not view.formula.strip()}
     for comment in model.document.comments:

@@ -412,7 +412,7 @@ def _comment(labels: Mapping[str, Element]) -> str:
 
 
 def documentation(text: str) -> str:
-    """What a label of comments says, without the parts that are comments themselves."""
+    """The text of a label of comments, without the parts that are comments themselves."""
     return plain_text(_COMMENT.sub("", text))
 
 

@@ -109,7 +109,7 @@ class TemplateView:
 
 @dataclass(frozen=True, slots=True)
 class ModelView:
-    """What the template of the file needs, every text as it is to be read."""
+    """The parts that the template of the file needs, every text in its final form."""
 
     dtd: str
     dtd_address: str

@@ -36,7 +36,7 @@ class ChannelUse:
 
 @dataclass(slots=True)
 class ChannelTable:
-    """What is known about the use of each channel variable.
+    """The uses of each channel variable.
 
     Attributes:
         taken: the global names, with which the hidden variables must not collide.

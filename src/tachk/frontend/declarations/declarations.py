@@ -51,7 +51,7 @@ from tachk.syntax.walk import nodes_of_kind
 
 @dataclass(slots=True)
 class Declared:
-    """What a level declares.
+    """The declarations of a level.
 
     Attributes:
         owner: the name of the process, or "" for the globals.

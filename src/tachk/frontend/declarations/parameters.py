@@ -57,7 +57,7 @@ def as_variables(changed: Iterable[ast.Parameter], parameters: Scope, declared: 
 def own_clock(
     parameter: ast.Parameter, type_: Type, value: Expression, declared: Declared, context: Context
 ) -> ValueSymbol | None:
-    """What a clock passed by value means: a clock of the process itself that begins with the argument.
+    """The clock for a parameter passed by value: a clock of the process that begins with the argument.
 
     Args:
         type_: as `TypeReader.parameter` gives it.

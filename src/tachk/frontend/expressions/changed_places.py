@@ -17,7 +17,7 @@ from tachk.syntax import ast
 
 
 def changed_first(place: ast.Expression) -> tuple[ast.Expression | None, ast.Expression]:
-    """What a place does first, None where that is nothing, and the place without it."""
+    """The side effect of a place, None if it has none, and the place without it."""
     match place:
         case ast.AssignmentExpression(target=target) | ast.IncrementExpression(prefix=True, target=target):
             return place, changed_first(target)[1]

@@ -36,13 +36,13 @@ def is_constant(value: Expression, context: Context) -> bool:
 
 
 Case = Callable[[ProcessSymbol], Expression | None]
-"""What is meant where a process is chosen; None after a report."""
+"""The member of a chosen process; None after a report."""
 
 
 def chosen_member(
     node: ast.MemberExpression, symbol: FamilySymbol, arguments: tuple[Expression, ...], context: Context
 ) -> Expression | None:
-    """What the member is of the instance with these arguments; None after a report."""
+    """The member of the instance with these arguments; None after a report."""
     return chosen(node.base, node.span, symbol, arguments, lambda process: _member(process, node, context), context)
 
 

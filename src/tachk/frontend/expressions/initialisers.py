@@ -32,7 +32,7 @@ def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Contex
 
 
 def clock_value(value: Expression, type_: Type, span: Span, context: Context) -> Expression | None:
-    """What a clock, plain or hybrid, begins with; None after a report."""
+    """The initial value of a clock, plain or hybrid; None after a report."""
     if is_double(type_) and can_assign(type_, value.type):
         return converted(value, type_)
     if value.type == DOUBLE:

@@ -1,4 +1,4 @@
-"""What a name in an expression stands for."""
+"""Names in expressions, and the expressions that they stand for."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _is_inside(name: str, members: Scope) -> bool:
 
 
 def misuse_help(symbol: Symbol) -> str | None:
-    """What to do with a name that is not a value."""
+    """Advice about a name that is not a value."""
     match symbol:
         case FunctionSymbol():
             return "write parentheses to call it"

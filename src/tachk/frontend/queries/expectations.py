@@ -1,4 +1,4 @@
-"""What is expected of properties: ``expect A, B fails;`` for imported ones, and outcomes that depend on constants."""
+"""Expected answers: ``expect A, B fails;`` for imported properties, and outcomes that depend on constants."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def with_expectations(items: Iterable[ast.Item], findings: DiagnosticCollector) 
 
 @dataclass(frozen=True, slots=True)
 class ExpectationClause:
-    """What is expected of one query.
+    """The expected answer of one query.
 
     Attributes:
         expectation: for the values that the constants have; None if nothing is said.

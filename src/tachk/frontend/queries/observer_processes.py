@@ -70,7 +70,7 @@ def elaborate_temporal(
     query = Query(name, QueryKind.INVARIANTLY, None, (), node.sentence or node.span.text, title, expectation, node.span)
     query = replace(query, observer=observer)
     if built.endings:
-        return _endless(query, number, places, built.endings, partial(_asked, scope=scope, context=context))
+        return _endless(query, number, places, built.endings, partial(_translated, scope=scope, context=context))
     bad = LocationTest(number, places[BAD], span=node.span)
     return replace(query, predicate=Unary(UnaryOperator.NOT, bad, BOOL, node.span))
 
@@ -80,7 +80,7 @@ def _endless(
     observer: int,
     places: Mapping[str, int],
     endings: Sequence[TrapLocation],
-    asked: Callable[[ast.Expression], Expression],
+    translated: Callable[[ast.Expression], Expression],
 ) -> Query:
     """The query whether no run gets into an ending and stays, in all its states, where what the ending asks is true."""
 
@@ -95,8 +95,8 @@ def _endless(
         if ending.entry is not None:
             begun = either(begun, at(ending.entry))
             there = either(here, at(ending.entry))
-        shown = either(shown, both(there, asked(ending.condition)))
-        met: list[Expression | None] = [None if each is None else both(here, asked(each)) for each in ending.again]
+        shown = either(shown, both(there, translated(ending.condition)))
+        met: list[Expression | None] = [None if each is None else both(here, translated(each)) for each in ending.again]
         again = [old if new is None else either(old, new) for old, new in zip(again, met, strict=True)]
         if None not in met:
             for each in met:
@@ -113,7 +113,7 @@ def _endless(
     )
 
 
-def _asked(text: ast.Expression, *, scope: Scope, context: Context) -> Expression:
+def _translated(text: ast.Expression, *, scope: Scope, context: Context) -> Expression:
     found = condition(text, scope, context)
     assert found is not None
     return found
@@ -136,7 +136,7 @@ def _demanded(formula: Formula, scope: Scope, context: Context) -> Iterator[tupl
 
 
 def temporal_formula(node: ast.TemporalFormula, scope: Scope, context: Context) -> Formula | None:
-    """What the property says, with bounds in time units of the model; None after a report."""
+    """The formula of the property, with bounds in time units of the model; None after a report."""
     formula = node.formula
     if formula is None:
         sentence, diagnostics = parse_sentence(node.span)

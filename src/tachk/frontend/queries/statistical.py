@@ -28,10 +28,10 @@ from tachk.frontend.queries.run_formulas import OperandReader, operators_in, rea
 from tachk.model.expressions import Conditional, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.statistical import (
-    AskedPath,
     ExpectedValue,
     FormulaPath,
     Path,
+    PathProperty,
     Probability,
     ProbabilityComparison,
     Question,
@@ -135,7 +135,7 @@ class _StatisticalQueryReader:
             return Threshold(path, at_least, self._threshold())
         return Probability(path)
 
-    def _path(self) -> AskedPath:
+    def _path(self) -> PathProperty:
         bounded = self._peek() != "("
         bound, runs = self._bound() if bounded else (None, None)
         inner = self._bracketed("(")
@@ -347,7 +347,7 @@ class _StatisticalQueryReader:
         return found
 
     def _bracketed(self, opening: str) -> Span:
-        """What stands between the bracket here and its partner, which is left behind."""
+        """The text between the bracket here and its partner, which is left behind."""
         if self._peek() != opening:
             raise self._wrong(f"expected {opening}")
         end = _partner(self._text, self._at)

@@ -248,7 +248,7 @@ class Instances:
     def _bind(
         self, parameter: ast.Parameter, argument: ast.Expression, outer: Scope, inner: Scope, declared: Declared
     ) -> Symbol | None:
-        """What a parameter means inside the template."""
+        """The meaning of a parameter inside the template."""
         written = type_reader(inner, self.context).parameter(parameter)
         value = expression(argument, outer, self.context)
         if written is None or value is None:

@@ -1,4 +1,4 @@
-"""What has to hold at every instant of a window, edges and answers that last included, followed without guessing.
+"""Conditions at every instant of a window, edges and answers that last included, followed without guessing.
 
 Between two instants at which one of the conditions changes whose edges matter, nothing rises or falls. So it is
 enough to know what these conditions were right before an instant: a task remembers them, and a step from one
@@ -79,7 +79,7 @@ def ways_of(goal: Goal) -> tuple[GoalAlternative, ...] | None:
 
 
 def joined(ways: Iterable[GoalAlternative]) -> GoalAlternative:
-    """What is so in all the ways."""
+    """The condition that holds in all the ways."""
     chosen = list(ways)
     parts = conjunction(way.condition for way in chosen)
     span = chosen[0].condition.span
@@ -94,7 +94,7 @@ def is_possible(way: GoalAlternative) -> bool:
 
 
 def requirement(task: TableauTask) -> Iterator[ast.Expression]:
-    """What must hold while time passes."""
+    """The condition while time passes."""
     goal = _goal(task)
     yield from _values(goal, task.before)
     if task.phase in (FREE, CLOSED, OPEN):
@@ -114,7 +114,7 @@ def beginnings(goal: Everywhere) -> list[Beginning]:
             continue
         for way in goal.allowed:
             found.append(_begun(_task(goal, FREE, valuation), (way.condition, *values), way.before))
-        for way in _asked_at_once(goal):
+        for way in _demanded_at_once(goal):
             tasks = _obliged(goal, valuation, instant=True)
             found += [_begun(task, (way.condition, *values), way.before) for task in tasks]
     possible = [
@@ -175,7 +175,7 @@ def _change(
     goal = _goal(task)
     after = _next(task, phase, valuation, renewed)
     claimed = conjunction((*claims, *_values(goal, valuation)))
-    if phase == DURING and not _may_go_on_asking(goal, valuation):
+    if phase == DURING and not _may_stay_undecided(goal, valuation):
         return
     if not is_false(claimed) and not is_false(conjunction((*claimed, *requirement(after)))):
         yield ObserverMoveTask(after, _claimed(after, claimed))
@@ -207,14 +207,14 @@ def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[Tab
     if not goal.kept:
         return ()
     during = _task(goal, DURING, valuation)
-    lasting = (during,) if _may_go_on_asking(goal, valuation) else ()
+    lasting = (during,) if _may_stay_undecided(goal, valuation) else ()
     return (_task(goal, CLOSED, valuation), *lasting) if instant else lasting
 
 
-def _may_go_on_asking(goal: Everywhere, valuation: Valuation) -> bool:
+def _may_stay_undecided(goal: Everywhere, valuation: Valuation) -> bool:
     """Whether an interval, and not only an instant, can ask for something that lasts."""
-    asking = negated(_at(goal, goal.allowed, valuation))
-    return not is_false(conjunction((asking, *_values(goal, valuation))))
+    undecided = negated(_at(goal, goal.allowed, valuation))
+    return not is_false(conjunction((undecided, *_values(goal, valuation))))
 
 
 def _next(task: TableauTask, phase: str, valuation: Valuation | None = None, renewed: bool = True) -> TableauTask:
@@ -274,7 +274,7 @@ def _values(goal: Everywhere, valuation: Valuation) -> list[ast.Expression]:
 
 
 def _at(goal: Everywhere, ways: tuple[GoalAlternative, ...], valuation: Valuation) -> ast.Expression:
-    """What the ways ask of an instant if the conditions had these values right before it."""
+    """The demands of the ways on an instant if the conditions had these values right before it."""
     known = dict(zip(_edges(goal), valuation, strict=True))
     possible = [
         way.condition
@@ -284,7 +284,7 @@ def _at(goal: Everywhere, ways: tuple[GoalAlternative, ...], valuation: Valuatio
     return any_of(possible, _span(goal))
 
 
-def _asked_at_once(goal: Everywhere) -> tuple[GoalAlternative, ...]:
+def _demanded_at_once(goal: Everywhere) -> tuple[GoalAlternative, ...]:
     if goal.inner is None or goal.inner.low_closed:
         return goal.kept
     return (GoalAlternative(truth(True, _span(goal)), frozenset()),)

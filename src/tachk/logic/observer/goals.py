@@ -1,4 +1,4 @@
-"""What a run must show to violate a formula, in negation normal form.
+"""Goals: the events that a run must show to violate a formula, in negation normal form.
 
 A *goal* is something to be shown of one instant. Goals are positive combinations of conditions with operators that
 speak of what comes later, and with *pasts*: what must have been seen right before the instant. Signals are constant

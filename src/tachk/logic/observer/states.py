@@ -196,7 +196,7 @@ def ordered(state: State) -> list[Item]:
 
 
 def readiness(item: Seen) -> tuple[ClockGuard, ...] | None:
-    """What the clock must say for the past to count."""
+    """The constraint on the clock for the past to count."""
     match item:
         case Seen(phase="initial"):
             return ()

@@ -111,11 +111,11 @@ class Tableau:
     # ---- what a state requires --------------------------------------------------------------------------------------
 
     def requirement(self, state: State) -> Conjunction:
-        """What must hold while time passes."""
+        """The condition while time passes."""
         return conjunction(part for item in state for part in self._requirement(item))
 
     def lasting(self, state: State) -> Conjunction:
-        """What must hold at every moment in a state that is never left, whether time passes or not."""
+        """The condition at every moment in a state that is never left, whether time passes or not."""
         return conjunction(part for item in state if is_strict(item) for part in self._requirement(item))
 
     def settled(self, state: State) -> Conjunction:
@@ -238,7 +238,7 @@ class Tableau:
                 yield from self._step(state, task, (TableauTask(goal, "on"),), frozenset(), (lasted,))
 
     def _ready(self, state: State, pasts: Iterable[Past]) -> Iterator[tuple[ClockGuard, ...]]:
-        """What clocks must say for all pasts to be there; nothing if one is not being watched."""
+        """The clock constraints under which all pasts are there; none if one is not being watched."""
         seen = {item.past: item for item in state if isinstance(item, Seen)}
         if all(past in seen for past in pasts):
             guards = [readiness(seen[past]) for past in pasts]
@@ -310,7 +310,7 @@ class Tableau:
         return (Settling(conditions, clock),) if conditions else ()
 
     def _settled(self, state: State) -> Iterator[TableauStep]:
-        """What was claimed of an instant has lasted; a step that waits until it fails, unless nothing else is left."""
+        """The claim of an instant has lasted; a step that waits until it fails, unless nothing else is left."""
         claim = next((item for item in state if isinstance(item, Settling)), None)
         if claim is None or is_false(self.requirement(state)):
             return
@@ -389,7 +389,7 @@ class Tableau:
 
 
 def _remembered(state: State, begun: HeldBefore) -> State:
-    """What is left of a state when something begins to be watched that has to have been there right before an instant.
+    """The state when something begins to be watched that has to have been there right before an instant.
 
     One clock tells for all such pasts: what begins now is of no use now, so that those which are needed can be used
     first. One that contradicts what begins is over."""

@@ -45,7 +45,7 @@ LARGEST = 2**31 - 2
 
 
 def violation(node: Formula) -> Goal:
-    """What an instant must show for the formula to be false there. Raises NoObserver."""
+    """The condition of an instant at which the formula is false. Raises NoObserver."""
     return _goal(node, False)
 
 

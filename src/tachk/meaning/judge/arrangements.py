@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tachk.base.records import dataclass
 from tachk.meaning.judge.certificate import Numbers
-from tachk.meaning.judge.exchanges import ExchangeGroup
+from tachk.meaning.judge.transpositions import SymmetryGroup
 from tachk.meaning.judge.zone_arrays import Pieces, joined
 
 _LARGEST = 1 << 40
@@ -28,7 +28,7 @@ _WAYS = 2
 Find = Callable[[Numbers], Numbers]
 """The numbers of discrete states, -1 for those that there are not."""
 Without = Callable[[Pieces, Numbers], Pieces]
-"""What a set does not cover of pieces, whose origins are places in an array of what they come from."""
+"""The parts of pieces that a set does not cover, whose origins are places in an array of the sources."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Arranged:
     zones: Numbers
     origin: Numbers
 
-    def placed(self, group: ExchangeGroup, order: Numbers) -> Arranged:
+    def placed(self, group: SymmetryGroup, order: Numbers) -> Arranged:
         """With the members of a group in an order, which is given for each state."""
         count, size = order.shape
         every = np.arange(count)[:, None, None]
@@ -56,11 +56,11 @@ class Arranged:
             zones = zones[every, source[:, :, None], source[:, None, :]]
         return Arranged(states, zones, self.origin)
 
-    def turned(self, group: ExchangeGroup) -> Arranged:
+    def turned(self, group: SymmetryGroup) -> Arranged:
         """With the members of a ring moved on by one place."""
         return self.placed(group, np.tile(np.roll(np.arange(group.size), 1), (len(self.states), 1)))
 
-    def sorted(self, group: ExchangeGroup, way: int) -> Arranged:
+    def sorted(self, group: SymmetryGroup, way: int) -> Arranged:
         """With the members of a group in an order that does not depend on where they were, as far as it is known what
         tells them apart: in one of the `_WAYS`."""
         own = [*_contents(group, self.states), *_sums(group, self.zones, way)]
@@ -76,7 +76,7 @@ class Arranged:
         return Arranged(self.states[places], self.zones[places], self.origin[places])
 
 
-def uncovered(groups: Sequence[ExchangeGroup], states: Numbers, pieces: Pieces, find: Find, without: Without) -> Pieces:
+def uncovered(groups: Sequence[SymmetryGroup], states: Numbers, pieces: Pieces, find: Find, without: Without) -> Pieces:
     """The pieces that a set does not cover, whose discrete states are rows, nor what exchanges make of them."""
     left = Arranged(states, pieces.table[pieces.zone], pieces.origin)
     rings = [group for group in groups if group.cyclic]
@@ -96,14 +96,14 @@ def uncovered(groups: Sequence[ExchangeGroup], states: Numbers, pieces: Pieces, 
     return Pieces(left.zones, places, places * 0 - 1, left.origin)
 
 
-def _named(group: ExchangeGroup, states: Numbers, slot: int, table: int) -> tuple[NDArray[np.bool_], Numbers]:
+def _named(group: SymmetryGroup, states: Numbers, slot: int, table: int) -> tuple[NDArray[np.bool_], Numbers]:
     """In which states a slot holds a name of a table, and whose."""
     names = states[:, slot, None] == np.array(group.tables[table])
     some = names.any(axis=1)
     return some, names[some].argmax(axis=1)
 
 
-def _contents(group: ExchangeGroup, states: Numbers) -> Iterator[Numbers]:
+def _contents(group: SymmetryGroup, states: Numbers) -> Iterator[Numbers]:
     """What the slots of members hold, which slot outside of them names a member first, and whom members name: itself,
     another one, nobody."""
     tables = group.tables_of_slots()
@@ -126,7 +126,7 @@ def _contents(group: ExchangeGroup, states: Numbers) -> Iterator[Numbers]:
             yield held
 
 
-def _sums(group: ExchangeGroup, zones: Numbers, way: int) -> Iterator[Numbers]:
+def _sums(group: SymmetryGroup, zones: Numbers, way: int) -> Iterator[Numbers]:
     """The sums of the bounds of clocks against the others, and of the others against them: either may come first, for
     an abstraction may leave a difference in one of them only."""
     bounds = np.clip(zones, -_LARGEST, _LARGEST)

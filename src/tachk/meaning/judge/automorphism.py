@@ -26,9 +26,9 @@ from typing import Any
 
 from tachk.meaning.discrete import PreparedNetwork
 from tachk.meaning.judge.behaviour import Behaviour, Question, name_of
-from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError, StatePermutation, exchange
 from tachk.meaning.judge.junctions import Junction, Part, PredicateAtom, Sets, atoms, part_of
 from tachk.meaning.judge.leaves import FAULT, Case, IndivisibleError, Leaf, Unknown, Values, content
+from tachk.meaning.judge.transpositions import MalformedGroupError, StatePermutation, SymmetryGroup, group_element
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.run import Participant
 from tachk.model.traversal import (
@@ -47,7 +47,7 @@ class Automorphisms:
         self.model, self.predicates = model, predicates
         self.behaviour = Behaviour(model)
         self.leaves = self.behaviour.leaves
-        self._asked: list[Part] = []
+        self._predicate_parts: list[Part] = []
         self._supports: dict[Part, frozenset[int]] = {}
 
     @property
@@ -55,7 +55,7 @@ class Automorphisms:
         """The slots of which nothing is said but for these values, which nothing changes."""
         return self.leaves.constants
 
-    def objection(self, group: ExchangeGroup) -> str | None:
+    def objection(self, group: SymmetryGroup) -> str | None:
         """Why not every exchange of a group is one; None if all are. Raises MalformedGroupError."""
         group.check()
         if self.model.network.has_hybrid_clocks or written_variables(self.predicates):
@@ -63,7 +63,7 @@ class Automorphisms:
         try:
             self._evaluate_without_error()
             for places in group.generators():
-                reason = self._objection(exchange(group, places))
+                reason = self._objection(group_element(group, places))
                 if reason is not None:
                     return reason
         except IndivisibleError as error:
@@ -78,8 +78,8 @@ class Automorphisms:
                 leaves = self.behaviour.of((process, number), self.behaviour.limits(process, number))
                 if any(leaf.answer is FAULT for leaf in leaves):
                     raise IndivisibleError("an invariant or a rate may be a run-time error")
-        self._asked = [self._taken_apart(predicate) for predicate in self.predicates]
-        if not all(map(self._has_no_error, self._asked)):
+        self._predicate_parts = [self._taken_apart(predicate) for predicate in self.predicates]
+        if not all(map(self._has_no_error, self._predicate_parts)):
             raise IndivisibleError("what is asked for may be a run-time error")
 
     def _taken_apart(self, predicate: Expression) -> Part:
@@ -190,17 +190,17 @@ class Automorphisms:
     def _becomes(self, one: Participant, other: Participant, whole: StatePermutation) -> bool:
         edge, image = self.model.edge(one), self.model.edge(other)
         directions = [each.synchronisation and each.synchronisation.direction for each in (edge, image)]
-        heard = frozenset(whole.channels.get(channel, channel) for channel in self.behaviour.hears(one))
+        received = frozenset(whole.channels.get(channel, channel) for channel in self.behaviour.receives(one))
         return (
             edge.target == image.target
             and directions[0] == directions[1]
-            and heard == self.behaviour.hears(other)
+            and received == self.behaviour.receives(other)
             and self._corresponds(
                 ("offer", one),
-                self.behaviour.offer(one),
-                self.behaviour.offer(other),
+                self.behaviour.candidate(one),
+                self.behaviour.candidate(other),
                 whole,
-                _is_image_of_offer,
+                _is_image_of_step,
             )
             and self._corresponds(
                 ("effect", one), self.behaviour.effect(one), self.behaviour.effect(other), whole, self._is_image
@@ -208,7 +208,7 @@ class Automorphisms:
         )
 
     def _of_predicates(self, whole: StatePermutation) -> str | None:
-        if all(self._part_becomes(part, part, whole) for part in self._asked):
+        if all(self._part_becomes(part, part, whole) for part in self._predicate_parts):
             return None
         return "what is asked for tells them apart"
 
@@ -297,10 +297,10 @@ class Automorphisms:
     def _of_broadcasts(self, whole: StatePermutation) -> str | None:
         receivers = [
             [
-                (one, heard)
+                (one, received)
                 for of_location in by_location
                 for one in of_location
-                if (heard := self.behaviour.broadcasts(one))
+                if (received := self.behaviour.broadcasts(one))
             ]
             for by_location in self.model.instances
         ]
@@ -308,8 +308,8 @@ class Automorphisms:
             for second in range(first + 1, len(receivers)):
                 if whole.slot(first) < whole.slot(second):
                     continue
-                for (one, heard), (other, also) in product(own, receivers[second]):
-                    if not heard.isdisjoint(also) and not self.behaviour.commute(one, other):
+                for (one, received), (other, also) in product(own, receivers[second]):
+                    if not received.isdisjoint(also) and not self.behaviour.commute(one, other):
                         return "the order of those that hear a broadcast matters"
         return None
 
@@ -352,7 +352,7 @@ def _is_image_of_limits(leaf: Leaf, image: Leaf, whole: StatePermutation) -> boo
     return bool(_exchanged(limits, whole) == its_limits and its_own == its_rates)
 
 
-def _is_image_of_offer(leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
+def _is_image_of_step(leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
     (guard, channel), (its_guard, its_channel) = leaf.answer, image.answer
     return bool(_exchanged(guard, whole) == its_guard and whole.channels.get(channel, channel) == its_channel)
 

@@ -10,7 +10,7 @@ from typing import Any
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
 from tachk.meaning.constraints import conditional_constraints
-from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named, may_hear
+from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named, may_receive
 from tachk.meaning.judge.junctions import Sets, sets
 from tachk.meaning.judge.leaves import FAULT, IndivisibleError, Leaf, Leaves, Unknown
 from tachk.model.evaluate import Environment, clock_number, evaluate, execute
@@ -19,13 +19,13 @@ from tachk.model.network import Location
 from tachk.model.run import Participant
 
 Question = Callable[[Environment], Any]
-Offer = tuple[Sets, Any]
+StepCandidate = tuple[Sets, Any]
 """The clock constraints of a guard, and the channel or FAULT."""
 
 
 @dataclass(frozen=True, slots=True)
 class UpdateEffect:
-    """What updates do, apart from what they leave as it is.
+    """The effect of updates, apart from cells that stay as they are.
 
     Attributes:
         cells: by slot, the new number, known or not.
@@ -55,9 +55,9 @@ class Behaviour:
         """For a location the clock constraints of the invariant, and the rates of clocks."""
         return partial(_limits, self.model.network.processes[process].locations[location])
 
-    def offer(self, participant: Participant) -> Question:
-        """For an edge an `Offer`."""
-        return partial(_offer, self.model, participant)
+    def candidate(self, participant: Participant) -> Question:
+        """For an edge an `StepCandidate`."""
+        return partial(_candidate, self.model, participant)
 
     def effect(self, participant: Participant) -> Question:
         """For an edge the `UpdateEffect` of its updates."""
@@ -78,26 +78,26 @@ class Behaviour:
         ever at the other end of its channel. Where it may be an error to ask it, it is."""
         synchronisation, process = self.model.edge(participant).synchronisation, participant.process
         if synchronisation is not None and synchronisation.direction is Direction.RECEIVE:
-            channels = self.hears(participant)
-            return any(not self._senders[channel] <= {process} for channel in channels) and self._is_asked(participant)
+            channels = self.receives(participant)
+            return any(not self._senders[channel] <= {process} for channel in channels) and self._is_tried(participant)
         if synchronisation is None or self._may_fail(participant):
-            return self._is_asked(participant)
+            return self._is_tried(participant)
         return any(
             self.model.channels[channel][0].broadcast or not self._receivers[channel] <= {process}
             for channel in self._names(participant)
         )
 
-    def _is_asked(self, participant: Participant) -> bool:
-        return any(leaf.answer is FAULT or leaf.answer[0] for leaf in self._offers(participant))
+    def _is_tried(self, participant: Participant) -> bool:
+        return any(leaf.answer is FAULT or leaf.answer[0] for leaf in self._candidates(participant))
 
     def _may_fail(self, participant: Participant) -> bool:
-        return any(leaf.answer is FAULT or leaf.answer[1] is FAULT for leaf in self._offers(participant))
+        return any(leaf.answer is FAULT or leaf.answer[1] is FAULT for leaf in self._candidates(participant))
 
-    def _offers(self, participant: Participant) -> list[Leaf]:
-        return self.of(("offer", participant), self.offer(participant))
+    def _candidates(self, participant: Participant) -> list[Leaf]:
+        return self.of(("offer", participant), self.candidate(participant))
 
     def _names(self, participant: Participant) -> set[int]:
-        answers = (leaf.answer for leaf in self._offers(participant) if leaf.answer is not FAULT and leaf.answer[0])
+        answers = (leaf.answer for leaf in self._candidates(participant) if leaf.answer is not FAULT and leaf.answer[0])
         return {channel for _, channel in answers if channel is not FAULT}
 
     @cached_property
@@ -115,21 +115,21 @@ class Behaviour:
     def _receivers(self) -> list[set[int]]:
         found: list[set[int]] = [set() for _ in self.model.channels]
         for participant in self._all_participants():
-            for channel in self.hears(participant):
+            for channel in self.receives(participant):
                 found[channel].add(participant.process)
         return found
 
     def _all_participants(self) -> Iterator[Participant]:
         return (one for by_location in self.model.instances for of_location in by_location for one in of_location)
 
-    def hears(self, participant: Participant) -> frozenset[int]:
+    def receives(self, participant: Participant) -> frozenset[int]:
         if participant not in self._heard:
             channels = range(len(self.model.channels))
-            self._heard[participant] = frozenset(c for c in channels if may_hear(self.model, participant, c))
+            self._heard[participant] = frozenset(c for c in channels if may_receive(self.model, participant, c))
         return self._heard[participant]
 
     def broadcasts(self, participant: Participant) -> frozenset[int]:
-        return frozenset(c for c in self.hears(participant) if self.model.channels[c][0].broadcast)
+        return frozenset(c for c in self.receives(participant) if self.model.channels[c][0].broadcast)
 
     def commute(self, one: Participant, other: Participant) -> bool:
         reads, writes = self._touched(one)
@@ -164,7 +164,7 @@ class Behaviour:
 
 
 def name_of(value: Any) -> Any:
-    """What two numbers have in common that are the same."""
+    """The common value of two numbers that are the same."""
     return ("slot", value.slot) if isinstance(value, Unknown) else ("number", int(value))
 
 
@@ -174,7 +174,7 @@ def _limits(location: Location, scratch: Environment) -> Any:
     return sets(conditional_constraints(location.invariant, scratch)), rates
 
 
-def _offer(model: PreparedNetwork, participant: Participant, scratch: Environment) -> Offer:
+def _candidate(model: PreparedNetwork, participant: Participant, scratch: Environment) -> StepCandidate:
     """Where the guard of an edge holds, and the channel that it names there, which may be an error."""
     bind_selects(model, participant, scratch)
     guard = conditional_constraints(model.edge(participant).guard, scratch)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tachk.base.records import dataclass
 from tachk.meaning.dbm import INFINITY, Zone, constrain_all, universe
-from tachk.meaning.judge.exchanges import ExchangeGroup
+from tachk.meaning.judge.transpositions import SymmetryGroup
 from tachk.model.run import DiscreteState, Transition
 
 Numbers = NDArray[np.int64]
@@ -49,7 +49,7 @@ class MalformedCertificateError(Exception):
 
 
 class ProofKind(StrEnum):
-    """What a certificate proves."""
+    """The claim of a certificate."""
 
     UNREACHABLE = "unreachable"
     """No reachable state satisfies the target of the query."""
@@ -59,7 +59,7 @@ class ProofKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class CertificateHeader:
-    """What a certificate is about.
+    """The subject of a certificate.
 
     Attributes:
         name, query: of the property; the query is its text.
@@ -77,7 +77,7 @@ class CertificateHeader:
     constants: Mapping[str, int]
     width: int
     clocks: tuple[str, ...]
-    groups: tuple[ExchangeGroup, ...] = ()
+    groups: tuple[SymmetryGroup, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,11 +236,11 @@ class CertificateWriter:
 
 def packed(columns: Columns, ranked: bool) -> bytes:
     """A block before it is compressed, as numbers of variable length. Ranks are left out if all are 0."""
-    told = columns.changes, columns.positions, columns.shapes, columns.constraints, columns.places
+    listed = columns.changes, columns.positions, columns.shapes, columns.constraints, columns.places
     return encoded(
         np.concatenate(
             (
-                np.array([len(column) for column in told]),
+                np.array([len(column) for column in listed]),
                 columns.changes,
                 columns.positions,
                 _folded(columns.differences),
@@ -396,7 +396,7 @@ def _header(text: bytes) -> CertificateHeader:
             {str(name): int(value) for name, value in given["constants"].items()},
             int(given["width"]),
             tuple(map(str, given["clocks"])),
-            tuple(map(ExchangeGroup.from_json, given["groups"])),
+            tuple(map(SymmetryGroup.from_json, given["groups"])),
         )
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise MalformedCertificateError(f"its header cannot be read: {error}") from None

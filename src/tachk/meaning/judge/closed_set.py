@@ -81,7 +81,7 @@ class ClosedSet:
         self.elements, self.ranks = replace(elements, origin=np.arange(len(rows))), ranks[elements.origin]
 
     def _find_moves(self) -> None:
-        """What is possible in the states of the set, and as far as it matters in those that are reached."""
+        """The transitions that are possible in the states of the set, and as far as it matters in reached ones."""
         states = self.states
         states.explore(states.settle())
         self.twin = np.full(len(states.states), -1)
@@ -118,7 +118,7 @@ class ClosedSet:
         self.sources = joined([self._limited(self.elements).without(self.goals)])
 
     def objection(self) -> Objection | None:
-        """What is wrong; None if it is a proof."""
+        """The objection to the proof; None if it is one."""
         values = np.array([0, *self.model.layout.starts], dtype=np.int64)
         zone = 2 * (values[:, None] - values)[None] + LESS_EQUAL_ZERO
         start = self._limited(Pieces(zone, self.start * 0, self.start, self.start * 0))
@@ -158,7 +158,7 @@ class ClosedSet:
         self._object(dead, "nothing can happen any more in some state, and the goal is not met")
 
     def _check_move(self, move: MoveOfManyStates) -> None:
-        """What it leads to is in the set; and it is no run-time error."""
+        """Checks that the successor is in the set and is no run-time error."""
         for constraints in move.guard:
             pieces = self.sources.at(move.rows).within(constraints)
             if move.fault is not None:
@@ -181,8 +181,8 @@ class ClosedSet:
                 smaller: Truths = self.ranks[other] < np.maximum(self.ranks[origin[place]], 1)
                 return smaller
 
-            asked = None if begins or self.goal is None else counts
-            return pieces.beyond(self.elements, asked).without(self.elements, asked)
+            goal_rows = None if begins or self.goal is None else counts
+            return pieces.beyond(self.elements, goal_rows).without(self.elements, goal_rows)
 
         there = (pieces.row >= 0) & ~self.invalid[pieces.row]
         waited = self._waiting(pieces.take(there))

@@ -1,4 +1,4 @@
-"""What an expression is in all discrete states, in finitely many cases.
+"""The values of an expression in all discrete states, in finitely many cases.
 
 The reference evaluator is asked with unknown numbers in place of what is in the state. Unknown numbers may be copied.
 Where the evaluator needs to know more of one, the case is divided, and it is asked again. So each case says of some

@@ -12,8 +12,8 @@ from tachk.meaning import dbm
 from tachk.meaning.avoidance import recurring
 from tachk.meaning.discrete import PreparedNetwork, may_delay, stopped_clocks
 from tachk.meaning.judge.replay import ReplayError, replay
-from tachk.meaning.repetition import sight
-from tachk.meaning.step import StepError, deadlocked, delay, satisfies, telling_moments
+from tachk.meaning.repetition import observable_clocks
+from tachk.meaning.step import StepError, deadlocked, delay, relevant_moments, satisfies
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.run import Due, Ending, TimedState, TimedTrace
@@ -84,7 +84,7 @@ def _moments(
     state = trace.initial
     yield 0, state
     for number, step in enumerate(trace.steps, start=1):
-        for moment in telling_moments(model, state, step.delay, predicates) if step.delay > 0 else ():
+        for moment in relevant_moments(model, state, step.delay, predicates) if step.delay > 0 else ():
             yield number, delay(model, state, moment)
         yield number, delay(model, state, step.delay)
         state = step.state
@@ -112,7 +112,7 @@ def _check_ending(model: PreparedNetwork, trace: TimedTrace, goal: Expression) -
 
 def _later(model: PreparedNetwork, state: TimedState, goal: Expression) -> Iterator[TimedState]:
     """The states that time leads to, at all moments that can tell, as far as it can pass."""
-    for moment in telling_moments(model, state, None, [goal]) if may_delay(model, state.discrete) else ():
+    for moment in relevant_moments(model, state, None, [goal]) if may_delay(model, state.discrete) else ():
         try:
             yield delay(model, state, moment)
         except StepError:
@@ -121,7 +121,7 @@ def _later(model: PreparedNetwork, state: TimedState, goal: Expression) -> Itera
 
 def _check_idle(model: PreparedNetwork, state: TimedState, goal: Expression, number: int) -> None:
     """The last of the moments that can tell lies behind all changes: what can pass until then passes for ever."""
-    for moment in telling_moments(model, state, None, [goal]):
+    for moment in relevant_moments(model, state, None, [goal]):
         try:
             later = delay(model, state, moment)
         except StepError as error:
@@ -164,7 +164,7 @@ def _loop(trace: TimedTrace) -> tuple[int, TimedState, TimedState]:
 
 def _check_period(model: PreparedNetwork, trace: TimedTrace, goal: Expression) -> None:
     start, before, after = _loop(trace)
-    seen = sight(model, (state.discrete for state in trace.states[start:]), [goal])
+    seen = observable_clocks(model, (state.discrete for state in trace.states[start:]), [goal])
     for clock, values in enumerate(zip(before.clocks, after.clocks, strict=True), start=1):
         if not seen.same(clock, *values):
             raise ReplayError(len(trace.steps), f"the loop does not return to the same value of clock number {clock}")

@@ -80,7 +80,7 @@ def _after(
     enough: int,
     accepts: Callable[[Columns], bool],
 ) -> StateBlock:
-    """What steps lead to that do not make more zones different, until these are few enough."""
+    """The result of steps that do not make more zones different, until these are few enough."""
     checker = _BoundedChecker(accepts, len(block.constraints), dimension)
     for step in steps:
         different = _different(block)
@@ -99,13 +99,13 @@ def _with_few_places(columns: Columns, dimension: int, enough: int, checker: _Bo
     """With the constraints on few differences of clocks: a least set of these, in which those that tell fewest zones
     apart are preferred (U. Junker, QuickXplain, AAAI 2004)."""
     zones = canonical(columns.matrices(dimension))
-    told = _told(columns, zones)
-    places, number = np.unique(told.places, return_inverse=True)
-    distinct = [len(np.unique(told.bounds[number == each])) for each in range(len(places))]
+    explicit = _all_constraints(columns, zones)
+    places, number = np.unique(explicit.places, return_inverse=True)
+    distinct = [len(np.unique(explicit.bounds[number == each])) for each in range(len(places))]
     order = np.argsort(distinct, kind="stable")
 
     def only(chosen: NDArray[np.int64]) -> Columns:
-        return _with(told, np.isin(number, chosen))
+        return _with(explicit, np.isin(number, chosen))
 
     def least(base: Numbers, is_new: bool, others: Numbers) -> Numbers:
         """Which of the others are needed beside those in the base; with all of them it is a proof."""
@@ -153,11 +153,11 @@ def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _Bounded
             merged = np.where(number == other, one, number)
             widest = zones.copy()
             widest[one] = hull
-            if checker.accepts(_told(columns, widest[merged])):
+            if checker.accepts(_all_constraints(columns, widest[merged])):
                 zones, number, found = widest, merged, True
                 break
             refused.add(pair)
-    return _told(columns, zones[number])
+    return _all_constraints(columns, zones[number])
 
 
 def _alike(zones: Numbers, chosen: Numbers) -> list[tuple[int, int]]:
@@ -169,7 +169,7 @@ def _alike(zones: Numbers, chosen: Numbers) -> list[tuple[int, int]]:
     return list(zip(chosen[first[order]].tolist(), chosen[second[order]].tolist(), strict=True))
 
 
-def _told(columns: Columns, zones: Numbers) -> Columns:
+def _all_constraints(columns: Columns, zones: Numbers) -> Columns:
     """With all constraints of these zones in place of those that are told, but for what goes without saying."""
     dimension = zones.shape[1]
     trivial = np.full((dimension, dimension), INFINITY)
@@ -188,8 +188,8 @@ def _groups(columns: Columns, together: tuple[str, ...], dimension: int) -> list
     forms = [tuple(sorted(map(tuple, part))) for part in np.split(role, np.cumsum(columns.constraints)[:-1])]
     numbers = {form: number for number, form in enumerate(dict.fromkeys(forms))}
     form = np.array([numbers[each] for each in forms], np.int64)[zone]
-    told = {"places": columns.places, "bounds": columns.bounds, "zone": zone, "role": role, "form": form}
-    _, kind = np.unique(np.column_stack([told[name] for name in together]), axis=0, return_inverse=True)
+    explicit = {"places": columns.places, "bounds": columns.bounds, "zone": zone, "role": role, "form": form}
+    _, kind = np.unique(np.column_stack([explicit[name] for name in together]), axis=0, return_inverse=True)
     order = np.argsort(kind.ravel(), kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(kind.ravel()[order])) + 1)
     return sorted(groups, key=len, reverse=True)

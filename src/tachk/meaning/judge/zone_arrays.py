@@ -81,7 +81,7 @@ def released(zones: Numbers, entries: Truths) -> tuple[Numbers, Numbers]:
 
 
 def assigned(zones: Numbers, values: ClockValues) -> Numbers:
-    """What becomes of zones when clocks are set."""
+    """The zones after clocks are set."""
     source, more = _become(values, zones.shape[1])
     after = added(zones[:, source[:, None], source[None, :]], 2 * (more[:, None] - more[None, :]) + LESS_EQUAL_ZERO)
     every = range(len(source))
@@ -90,7 +90,7 @@ def assigned(zones: Numbers, values: ClockValues) -> Numbers:
 
 
 def before_assigning(values: ClockValues, bounds: Numbers) -> Numbers:
-    """What matrices of bounds that must hold after clocks are set ask of the clocks before."""
+    """The constraints on clocks before they are set, for matrices of bounds that must hold afterwards."""
     source, more = _become(values, bounds.shape[1])
     shifted = added(bounds, 2 * (more[None, :] - more[:, None]) + LESS_EQUAL_ZERO)
     before = np.full_like(bounds, INFINITY)
@@ -100,7 +100,7 @@ def before_assigning(values: ClockValues, bounds: Numbers) -> Numbers:
 
 
 def _become(values: ClockValues, dimension: int) -> tuple[Numbers, Numbers]:
-    """What every clock is set to, if only to itself: a clock, and how much more."""
+    """The new value of every clock, if only itself: a clock, and an offset."""
     source, more = np.arange(dimension), np.zeros(dimension, np.int64)
     for clock, of, by in values:
         source[clock], more[clock] = of, by
@@ -141,7 +141,7 @@ class Pieces:
         return place, np.arange(len(place)) - np.repeat(np.cumsum(high - low) - high, high - low)
 
     def become(self, change: Change, matrices: Numbers | Truths, number: Numbers | int = 0) -> Pieces:
-        """What a change makes of each, with the matrix of that number; equal pairs are looked at once."""
+        """The result of a change of each, with the matrix of that number; equal pairs are computed once."""
         keys, inverse = np.unique(self.zone * len(matrices) + number, return_inverse=True)
         origin, table = change(self.table[keys // max(len(matrices), 1)], matrices[keys % max(len(matrices), 1)])
         made = Pieces(table, np.arange(len(table)), origin, origin)
@@ -153,11 +153,11 @@ class Pieces:
         return self.become(inside, bounds_of(constraints, self.table.shape[1])[None])
 
     def assign(self, values: ClockValues) -> Pieces:
-        """What becomes of them when clocks are set."""
+        """The zones after clocks are set."""
         return replace(self, table=assigned(self.table, values))
 
     def meeting(self, others: Pieces) -> Pieces:
-        """What they have in common with others of their discrete states, which are in the order of these."""
+        """The intersections with others of their discrete states, which are in the order of these."""
         piece, other = others._pairs(self.row)
         return self.take(piece).become(inside, others.table, others.zone[other])
 

@@ -31,19 +31,25 @@ from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.model.run import TimedTrace, Transition
 from tachk.model.selections import check_selections
+from tachk.recordings.conformance.components import (
+    IndependentComponent,
+    are_independent,
+    components_of,
+    restricted,
+    separated,
+)
 from tachk.recordings.conformance.edits import Edit
+from tachk.recordings.conformance.event_streams import Constants, EventStreams, make_streams
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.followers import Following, follow
-from tachk.recordings.conformance.parts import IndependentComponent, can_be_apart, parts_of, restricted, set_apart
-from tachk.recordings.conformance.queues import Constants, Queues, make_queues
-from tachk.recordings.conformance.refusal import PossibleEvent, end_of, offers, state_text
+from tachk.recordings.conformance.rejection import PossibleEvent, enabled_events, end_of, state_text
+from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 SHORT = 100
 """Runs of so many transitions are judged by the reference, too."""
 
 
 def moments_of_run(
-    following: Following, program: Program, goal: Goal, actions: Sequence[Sequence[int]], path: Sequence[Transition]
+    product: TraceProduct, program: Program, goal: Goal, actions: Sequence[Sequence[int]], path: Sequence[Transition]
 ) -> Moments:
     """When the transitions of a path happen in a run to the end of the recording. Raises InternalError, ReplayError.
 
@@ -54,17 +60,17 @@ def moments_of_run(
     moments, _ = exact_run(program, goal, actions)
     if moments is not None and len(path) > SHORT:
         return moments
-    by_reference = moments_of_trace(run_by_reference(following, path), len(path))
+    by_reference = moments_of_trace(run_by_reference(product, path), len(path))
     return by_reference if moments is None else moments
 
 
-def run_by_reference(following: Following, path: Sequence[Transition]) -> TimedTrace:
+def run_by_reference(product: TraceProduct, path: Sequence[Transition]) -> TimedTrace:
     """The earliest run along a path, made and judged by the meaning of the network. Raises as `moments_of_run`."""
-    model = prepare(following.network)
-    trace = concretise(model, path, following.done)
+    model = prepare(product.network)
+    trace = concretise(model, path, product.done)
     if trace is None:
         raise InternalError("the run that was found cannot be made")
-    replay(model, trace, following.done)
+    replay(model, trace, product.done)
     return trace
 
 
@@ -90,16 +96,16 @@ class Rejection:
         happened: how many events of the recording happen before, in all parts of the model.
         event: the number of the event that cannot come next; None if all have come and the model would not be silent.
         state: the locations of that part of the model there.
-        offers: what it could do there.
-        offers_whole: it could do nothing else.
+        enabled_events: the events that the model allows there.
+        enabled_complete: True if `enabled_events` lists them all.
     """
 
     path: tuple[Transition, ...]
     happened: int
     event: int | None
     state: str
-    offers: tuple[PossibleEvent, ...]
-    offers_whole: bool
+    enabled_events: tuple[PossibleEvent, ...]
+    enabled_complete: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +117,7 @@ class ConformingRun:
         moments: when each of them happens, and when the run ends; None where that was not asked for.
     """
 
-    following: Following
+    product: TraceProduct
     path: tuple[Transition, ...]
     moments: Moments | None
 
@@ -121,14 +127,14 @@ class Reached:
     """A run of a part of the model that goes along with its events as far as any that was found.
 
     Attributes:
-        queues: those of the part.
+        streams: those of the part.
         program: of the network that follows the recording.
         actions: the path by the numbers of the edges of the program.
     """
 
-    part: IndependentComponent
-    following: Following
-    queues: Queues
+    component: IndependentComponent
+    product: TraceProduct
+    streams: EventStreams
     program: Program
     path: tuple[Transition, ...]
     actions: Sequence[Sequence[int]]
@@ -154,7 +160,7 @@ class Conformance:
     late: Fraction
     time_unit: str
     recording: EventLog
-    queues: Queues
+    streams: EventStreams
     statistics: Statistics
     runs: tuple[ConformingRun, ...] = ()
     refusal: Rejection | None = None
@@ -191,17 +197,17 @@ def conform(
     tolerance = mapping.tolerance if tolerance is None else tolerance
     late = mapping.late if late is None else late
     late = tolerance if late is None else late
-    queues = make_queues(network, mapping, recording, constants, tolerance, late)
+    streams = make_streams(network, mapping, recording, constants, tolerance, late)
     kept = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
-    whole = IndependentComponent(kept, tuple(range(len(queues.queues))))
-    parts = parts_of(network, mapping, queues) if divide else (whole,)
-    search = _ConformanceSearch(network, mapping, queues, options, limits, explain)
-    apart = len(parts) > 1 and can_be_apart(network, kept, queues)
-    answers = search.apart(parts, (0, ceil(tolerance))) if apart else None
+    whole = IndependentComponent(kept, tuple(range(len(streams.streams))))
+    components = components_of(network, mapping, streams) if divide else (whole,)
+    search = _ConformanceSearch(network, mapping, streams, options, limits, explain)
+    separately = len(components) > 1 and are_independent(network, kept, streams)
+    answers = search.separately(components, (0, ceil(tolerance))) if separately else None
     if answers is None:
-        answers = [search.part(whole, queues)]
+        answers = [search.component(whole, streams)]
     found = Conformance(
-        None, tolerance, late, network.time_unit, recording, queues, _total(a.statistics for a in search.answers)
+        None, tolerance, late, network.time_unit, recording, streams, _total(a.statistics for a in search.answers)
     )
     refusing = [answer for answer in answers if answer.accepted is not True]
     if not refusing:
@@ -221,16 +227,16 @@ def conform(
 
 @dataclass(frozen=True, slots=True)
 class _SearchOutcome:
-    """What one search has found, about a part or the whole.
+    """The result of one search, about a component or the whole.
 
     Attributes:
         furthest: the path that goes along with the recording as far as any; None where that was not asked for.
     """
 
-    part: IndependentComponent
+    component: IndependentComponent
     accepted: bool | None
-    following: Following
-    queues: Queues
+    product: TraceProduct
+    streams: EventStreams
     statistics: Statistics
     program: Program
     goal: Goal
@@ -243,30 +249,40 @@ class _ConformanceSearch:
     """Searches of the parts of one network for runs that go along with one recording."""
 
     def __init__(
-        self, network: Network, mapping: RecordingMap, queues: Queues, options: Options, limits: Limits, explain: bool
+        self,
+        network: Network,
+        mapping: RecordingMap,
+        streams: EventStreams,
+        options: Options,
+        limits: Limits,
+        explain: bool,
     ) -> None:
         self.network = network
         self.mapping = mapping
-        self.queues = queues
+        self.streams = streams
         self.options = options
         self.limits = limits
         self.explain = explain
         self.answers: list[_SearchOutcome] = []
 
-    def part(
-        self, part: IndependentComponent, queues: Queues, to_the_end: bool = False, states: int | None = None
+    def component(
+        self,
+        component: IndependentComponent,
+        streams: EventStreams,
+        to_the_end: bool = False,
+        states: int | None = None,
     ) -> _SearchOutcome:
-        own = restricted(queues, part)
-        following = follow(self.network, self.mapping, own, part.processes, to_the_end)
-        check_selections(following.network)
+        own = restricted(streams, component)
+        product = trace_product(self.network, self.mapping, own, component.processes, to_the_end)
+        check_selections(product.network)
         limits = self.limits if states is None else self.limits.of_states(states)
         furthest = None
         if self.explain and not to_the_end:
-            measured = [MeasuredExpression(_TRUE, following.progress, largest=True)]
-            program, goals, measures = lower_measures(following.network, measured, following.tables, [following.done])
+            measured = [MeasuredExpression(_TRUE, product.progress, largest=True)]
+            program, goals, measures = lower_measures(product.network, measured, product.tables, [product.done])
             outcome, (furthest,) = measure(program, goals, measures, self.options, limits)
         else:
-            program, goals = lower(following.network, [following.done], following.tables)
+            program, goals = lower(product.network, [product.done], product.tables)
             outcome = explore(program, goals, self.options, limits)
         if outcome.reason == INTERRUPTED:
             raise KeyboardInterrupt
@@ -274,24 +290,26 @@ class _ConformanceSearch:
         accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
         reason = "" if accepted is not None else outcome.reason or "unknown"
         answer = _SearchOutcome(
-            part, accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest
+            component, accepted, product, own, outcome.statistics, program, goals[0], found, reason, furthest
         )
         self.answers.append(answer)
         return answer
 
-    def apart(self, parts: Sequence[IndependentComponent], delays: Sequence[int]) -> list[_SearchOutcome] | None:
+    def separately(
+        self, components: Sequence[IndependentComponent], delays: Sequence[int]
+    ) -> list[_SearchOutcome] | None:
         """An answer for each part; None if these do not tell of the whole.
 
         A short search for runs with cut windows comes first: most recordings that are runs need no other one.
         """
-        states = _STATES_OF_EVENT * (1 + sum(len(queue.events) for queue in self.queues.queues))
-        quick = self._cut(parts, delays[0], states)
-        if len(quick) == len(parts) and quick[-1].accepted:
+        states = _STATES_OF_EVENT * (1 + sum(len(stream.events) for stream in self.streams.streams))
+        quick = self._cut(components, delays[0], states)
+        if len(quick) == len(components) and quick[-1].accepted:
             return quick
         free: list[_SearchOutcome] = []
-        for part in parts:
+        for component in components:
             try:
-                free.append(self.part(part, self.queues))
+                free.append(self.component(component, self.streams))
             except StoppedError:
                 if any(answer.accepted is False for answer in free):
                     return free
@@ -302,22 +320,22 @@ class _ConformanceSearch:
             return free
         settled = not quick or quick[-1].accepted is False
         for delay in delays[1:] if settled else delays:
-            found = self._cut(parts, delay)
-            if len(found) == len(parts) and found[-1].accepted:
+            found = self._cut(components, delay)
+            if len(found) == len(components) and found[-1].accepted:
                 return found
         return None
 
     def _cut(
-        self, parts: Sequence[IndependentComponent], delay: int, states: int | None = None
+        self, components: Sequence[IndependentComponent], delay: int, states: int | None = None
     ) -> list[_SearchOutcome]:
         """Answers of parts up to the first that is not accepted, with windows cut so that nothing arrives before it is
         sent. None of them if there is no room for that."""
-        cut = set_apart(self.queues, parts, delay)
+        cut = separated(self.streams, components, delay)
         if cut is None:
             return []
         found: list[_SearchOutcome] = []
-        for part in parts:
-            found.append(self.part(part, cut, to_the_end=True, states=states))
+        for component in components:
+            found.append(self.component(component, cut, to_the_end=True, states=states))
             if not found[-1].accepted:
                 break
         return found
@@ -335,15 +353,15 @@ def _reached(answer: _SearchOutcome) -> Reached | None:
     if found is None:
         return None
     path, actions = found.path or (), found.actions or ()
-    return Reached(answer.part, answer.following, answer.queues, answer.program, path, actions)
+    return Reached(answer.component, answer.product, answer.streams, answer.program, path, actions)
 
 
 def _run(answer: _SearchOutcome, exact: bool) -> ConformingRun:
     found, path = answer.found, answer.found.path or ()
     if not exact:
-        return ConformingRun(answer.following, path, None)
-    moments = moments_of_run(answer.following, answer.program, answer.goal, found.actions or (), path)
-    return ConformingRun(answer.following, path, moments)
+        return ConformingRun(answer.product, path, None)
+    moments = moments_of_run(answer.product, answer.program, answer.goal, found.actions or (), path)
+    return ConformingRun(answer.product, path, moments)
 
 
 def _earliest(search: _ConformanceSearch, refusing: Sequence[_SearchOutcome]) -> Rejection | None:
@@ -354,30 +372,30 @@ def _earliest(search: _ConformanceSearch, refusing: Sequence[_SearchOutcome]) ->
 
 def _furthest(search: _ConformanceSearch, answer: _SearchOutcome) -> Rejection | None:
     """A run of a part that goes along with the recording as far as any that was found."""
-    following, queues, program, found = answer.following, answer.queues, answer.program, answer.furthest
+    product, streams, program, found = answer.product, answer.streams, answer.program, answer.furthest
     if found is None:
         return None
-    happened = _happened(following, queues, found.path)
+    happened = _happened(product, streams, found.path)
     waiting = [
-        (queue.latest[count], queue.events[count])
-        for queue, count in zip(queues.queues, happened, strict=True)
-        if count < len(queue.events)
+        (stream.latest[count], stream.events[count])
+        for stream, count in zip(streams.streams, happened, strict=True)
+        if count < len(stream.events)
     ]
     event = min(waiting)[1] if waiting else None
-    own = {number for queue in queues.queues for number in queue.events}
+    own = {number for stream in streams.streams for number in stream.events}
     others = [
-        n for queue in search.queues.queues for n in queue.events if n not in own and (event is None or n < event)
+        n for stream in search.streams.streams for n in stream.events if n not in own and (event is None or n < event)
     ]
-    end = end_of(following, program, found.path, found.actions)
-    allowed = offers(search.network, search.mapping, following, queues, happened, end)
-    count, state = sum(happened) + len(others), state_text(following, end)
-    return Rejection(found.path, count, event, state, allowed.offers, allowed.whole)
+    end = end_of(product, program, found.path, found.actions)
+    allowed = enabled_events(search.network, search.mapping, product, streams, happened, end)
+    count, state = sum(happened) + len(others), state_text(product, end)
+    return Rejection(found.path, count, event, state, allowed.enabled_events, allowed.whole)
 
 
-def _happened(following: Following, queues: Queues, path: Sequence[Transition]) -> list[int]:
-    counts = [0] * len(queues.queues)
+def _happened(product: TraceProduct, streams: EventStreams, path: Sequence[Transition]) -> list[int]:
+    counts = [0] * len(streams.streams)
     for transition in path:
-        queue = following.queue_of(transition)
-        if queue is not None and counts[queue] < len(queues.queues[queue].events):
-            counts[queue] += 1
+        stream = product.stream_of(transition)
+        if stream is not None and counts[stream] < len(streams.streams[stream].events):
+            counts[stream] += 1
     return counts

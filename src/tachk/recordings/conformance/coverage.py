@@ -33,8 +33,8 @@ def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, .
     taken: Counter[tuple[int, int]] = Counter()
     kept: set[int] = set()
     for run in (run for each in found for run in each.runs):
-        kept.update(run.following.kept)
-        for transition in map(run.following.lift_transition, run.path):
+        kept.update(run.product.kept)
+        for transition in map(run.product.lift_transition, run.path):
             for participant in () if transition is None else transition.participants:
                 taken[participant.process, participant.edge] += 1
     return tuple(

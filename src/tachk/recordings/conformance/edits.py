@@ -14,7 +14,7 @@ from fractions import Fraction
 from tachk.base.exact_numbers import is_whole
 from tachk.base.records import dataclass
 from tachk.recordings.conformance.events import EventLog, RecordedEvent
-from tachk.recordings.conformance.refusal import PossibleEvent
+from tachk.recordings.conformance.rejection import PossibleEvent
 
 _NEAR = 6
 """So many events before and behind the one that does not fit are tried."""
@@ -24,12 +24,12 @@ _SHIFTS = tuple(sign * 2**n for n in range(11) for sign in (1, -1))
 @dataclass(frozen=True, slots=True)
 class Edit:
     """Attributes:
-    event: the number of the event; of one that is put in the number of the one that it comes before.
+    event: the number of the event; the number of the next event if one is added.
     what: ``lost``, ``doubled``, ``moved``, ``changed`` or ``added``.
-    by: how much later, in units of the model, if it was moved; of one that is put in how much later than that one.
-    name: of an event that is put in.
-    cells: what it says, or would say, if it was put in or changed.
-    arrives: one that is put in arrives.
+    by: the shift of a moved event in units of the model; the time of an added event relative to the next one.
+    name: the name of an added event.
+    cells: the values of an added or changed event.
+    arrives: True if the added event arrives at its receiver.
     """
 
     event: int
@@ -41,13 +41,13 @@ class Edit:
 
 
 def edits(
-    recording: EventLog, event: int, offers: Sequence[PossibleEvent], origin: Fraction, scale: Fraction
+    recording: EventLog, event: int, enabled_events: Sequence[PossibleEvent], origin: Fraction, scale: Fraction
 ) -> Iterator[Edit]:
     """The edits near an event, the smallest first: this event lost, doubled, moved to where the model would have it, or
     in other words, another one put in; its neighbours lost or doubled; this one moved.
 
     Args:
-        offers: what the model would have done there.
+        enabled_events: the events that the model allows there.
         origin: the time of the recording at which the model starts.
         scale: units of the model in a unit of the recording.
     """
@@ -55,24 +55,24 @@ def edits(
     around = sorted(near, key=lambda n: abs(n - event))
     yield from (Edit(event, what) for what in ("lost", "doubled"))
     now = (recording.events[event].time - origin) * scale
-    for offer in offers:
-        yield from _of_offer(recording, event, offer, round(now))
+    for possible in enabled_events:
+        yield from _of_enabled_event(recording, event, possible, round(now))
     for what in ("lost", "doubled"):
         yield from (Edit(n, what) for n in around[1:])
     yield from (Edit(event, "moved", by) for by in _SHIFTS)
 
 
-def _of_offer(recording: EventLog, event: int, offer: PossibleEvent, now: int) -> Iterator[Edit]:
-    """That the event was what the model would have done, or that this happened, too."""
+def _of_enabled_event(recording: EventLog, event: int, possible: PossibleEvent, now: int) -> Iterator[Edit]:
+    """The edits that replace an event by an enabled one, or add the enabled one before it."""
     here = recording.events[event]
-    shift = max(offer.earliest - now, 0) + min((now if offer.latest is None else offer.latest) - now, 0)
-    if here.name == offer.name:
-        if _says(recording, here, offer.cells):
+    shift = max(possible.earliest - now, 0) + min((now if possible.latest is None else possible.latest) - now, 0)
+    if here.name == possible.name:
+        if _says(recording, here, possible.cells):
             yield from [Edit(event, "moved", shift)] if shift else []
         elif not shift:
-            yield Edit(event, "changed", cells=offer.cells)
-    for arrives in (False, True) if _like(recording, event, offer.name, offer.cells) is not None else (False,):
-        yield Edit(event, "added", shift, offer.name, offer.cells, arrives)
+            yield Edit(event, "changed", cells=possible.cells)
+    for arrives in (False, True) if _like(recording, event, possible.name, possible.cells) is not None else (False,):
+        yield Edit(event, "added", shift, possible.name, possible.cells, arrives)
 
 
 def edited(recording: EventLog, edit: Edit, scale: Fraction) -> EventLog:
@@ -123,7 +123,7 @@ def _says(recording: EventLog, event: RecordedEvent, cells: tuple[tuple[str, int
 
 
 def _value(recording: EventLog, column: str, cell: object) -> object:
-    """What a cell says, as the model has it where that is known here: a number, or a word of the recording."""
+    """The value of a cell, as the model has it where that is known here: a number, or a word of the recording."""
     if not isinstance(cell, str):
         return cell
     words = recording.words.get(column, ())

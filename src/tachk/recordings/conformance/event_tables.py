@@ -14,7 +14,7 @@ from tachk.base.exact_numbers import exact_number
 from tachk.base.time_units import NANOSECONDS, SPELLINGS
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.traces.compressed import COMPRESSED_SUFFIXES, open_bytes, plain_suffix, torn
-from tachk.recordings.traces.csv_beginning import SEPARATORS, told_separator
+from tachk.recordings.traces.csv_beginning import SEPARATORS, declared_separator
 from tachk.recordings.traces.trace_files import CSV, FORMATS, JSON_LINES
 
 TIME, NAME, ID, AFTER = "time", "event", "id", "after"
@@ -114,7 +114,7 @@ def _number(cell: Cell, path: Path, place: str) -> Fraction:
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
     lines = text.splitlines()
-    told = told_separator(lines[0]) if lines else None
+    told = declared_separator(lines[0]) if lines else None
     header = lines[0 if told is None else 1 :]
     separator = told or (max(SEPARATORS, key=header[0].count) if header else ",")
     reader = csv.reader(lines if told is None else ["", *header], delimiter=separator)

@@ -1,4 +1,4 @@
-"""What a recording is: events with the times at which they were recorded."""
+"""Event logs: events with the times at which they were recorded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked about a recording. Imports nothing heavy: command lines are made of it."""
+"""The parameters of a conformance check. Imports nothing heavy: command lines are made of it."""
 
 from __future__ import annotations
 

@@ -18,14 +18,14 @@ from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Reference, Variable, VariableKind
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, clock_count
-from tachk.recordings.conformance.followers import Following
-from tachk.recordings.conformance.refusal import FinalState
+from tachk.recordings.conformance.rejection import FinalState
+from tachk.recordings.conformance.trace_product import TraceProduct
 
-_FOLLOWERS = "recording."
+_PRODUCT = "recording."
 """So the names of variables begin that belong to the processes which follow a recording."""
 
 
-def resumed(following: Following, before: Following, end: FinalState) -> Following | None:
+def resumed(product: TraceProduct, before: TraceProduct, end: FinalState) -> TraceProduct | None:
     """The network that follows what is left of a recording, from the state on in which a run along its beginning ends.
 
     Args:
@@ -35,9 +35,9 @@ def resumed(following: Following, before: Following, end: FinalState) -> Followi
 
     None where that state has no clock valuation, or clocks of which nobody knows which has run longer.
     """
-    if len(following.network.processes) != len(before.network.processes) or not end.zones:
+    if len(product.network.processes) != len(before.network.processes) or not end.zones:
         return None
-    clocks = [_renamed(clock, before, following) for clock in _clocks(before.network)]
+    clocks = [_renamed(clock, before, product) for clock in _clocks(before.network)]
     zone = end.zones[0]
     order = _oldest_first(zone)
     if order is None:
@@ -46,17 +46,17 @@ def resumed(following: Following, before: Following, end: FinalState) -> Followi
     wake = builder.channel("wake", broadcast=True)
     processes = [
         _sleeping(process, location, wake)
-        for process, location in zip(following.network.processes, end.locations, strict=True)
+        for process, location in zip(product.network.processes, end.locations, strict=True)
     ]
-    values = _values(following, before, end)
+    values = _values(product, before, end)
     processes.append(_setter(clocks, zone, order, wake, values))
     network = replace(
-        following.network,
+        product.network,
         processes=tuple(processes),
-        variables=(*following.network.variables, *builder.variables),
-        hidden=(*following.network.hidden, processes[-1].name),
+        variables=(*product.network.variables, *builder.variables),
+        hidden=(*product.network.hidden, processes[-1].name),
     )
-    return replace(following, network=network)
+    return replace(product, network=network)
 
 
 def _sleeping(process: Process, location: int, wake: Term) -> Process:
@@ -110,10 +110,10 @@ def _oldest_first(zone: Zone) -> list[int] | None:
     return order if known else None
 
 
-def _renamed(clock: Term, before: Following, following: Following) -> Term:
+def _renamed(clock: Term, before: TraceProduct, product: TraceProduct) -> Term:
     """A clock of the one network in the other: they share all but the one that nothing resets."""
     own = isinstance(clock.expression, Reference) and clock.expression.variable is before.now
-    return Term(Reference(following.now)) if own else clock
+    return Term(Reference(product.now)) if own else clock
 
 
 def _clocks(network: Network) -> Iterator[Term]:
@@ -136,15 +136,15 @@ def _cells(whole: Term) -> Iterator[tuple[Term, Type]]:
             yield whole, type_
 
 
-def _values(following: Following, before: Following, end: FinalState) -> list[Term]:
-    """What gives the variables their values. The positions begin anew."""
-    own = {variable.name: variable for variable in following.network.variables if variable.name.startswith(_FOLLOWERS)}
+def _values(product: TraceProduct, before: TraceProduct, end: FinalState) -> list[Term]:
+    """The assignments of the values of the variables. The positions begin anew."""
+    own = {variable.name: variable for variable in product.network.variables if variable.name.startswith(_PRODUCT)}
     positions = {id(position) for position in before.positions}
     found: list[Term] = []
     for variable, values in end.values.items():
         if id(variable) in positions or variable in before.tables or before.network.resets(variable):
             continue
-        target = own.get(variable.name) if variable.name.startswith(_FOLLOWERS) else variable
+        target = own.get(variable.name) if variable.name.startswith(_PRODUCT) else variable
         if target is not None:
             found += _assignments(target, values)
     return found

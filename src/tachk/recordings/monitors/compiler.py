@@ -113,7 +113,7 @@ def _names(node: object) -> Iterator[str]:
 def arrival_argument(
     expression: ast.Expression,
 ) -> ast.NameExpression | ast.MemberExpression | ast.IndexExpression | None:
-    """What arrives, in ``arrived(hb)``; None for other expressions."""
+    """The column of ``arrived(hb)``; None for other expressions."""
     match expression:
         case ast.CallExpression(function=ast.NameExpression(name="arrived"), arguments=(argument,)):
             return argument if isinstance(argument, COLUMN_NAMES) else None

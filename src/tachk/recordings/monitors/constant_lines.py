@@ -37,7 +37,7 @@ class ConstantLines:
 
 @dataclass(frozen=True, slots=True)
 class _ConstantLine:
-    """What a constant is equal to, and its unit, empty where it has none."""
+    """The value of a constant and its unit, empty where it has none."""
 
     expression: ast.Expression
     unit: str

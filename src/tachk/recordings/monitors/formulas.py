@@ -49,7 +49,7 @@ _NEVER_FORMULAS = tuple(suffix for suffix in TRACE_SUFFIXES if suffix != ".txt")
 
 _LINE = re.compile(r"(?P<name>\w+(?:[.\-/]+\w+)*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
 _NO_NAME = re.compile(r"[^\"`:()\[\]{}<>=&|!]*:(?!:)")
-"""What was meant as a name, and is none."""
+"""An invalid name."""
 
 
 @dataclass(frozen=True, slots=True)

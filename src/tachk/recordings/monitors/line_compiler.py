@@ -1,4 +1,4 @@
-"""What of a formula has no meaning where numbers move in straight lines from one row of a trace to the next.
+"""Parts of formulas without a meaning where numbers move in straight lines from one row of a trace to the next.
 
 Sums, multiples, absolute values and extremes of lines consist of lines; products do not. A line has no instants at
 which it changes. And where it crosses a constant, ``x > 5`` is false still at the crossing and true after it: there is

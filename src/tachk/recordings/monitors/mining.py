@@ -103,7 +103,7 @@ def _number(name: str, given: float | str | Fraction) -> Fraction:
 
 
 def _loaded(recording: TraceSource, named: NamedFormula, name: str) -> Trace:
-    """What a formula reads of a trace."""
+    """The columns of a trace that a formula reads."""
     if name in recording.columns:
         raise UsageError(f"{recording.name} has a column {name!r}", "give the parameter another name")
     of_rows = row_columns([named], recording.columns)
@@ -191,7 +191,7 @@ class _ParameterSearch:
             named = self._with(value(place - 1))
             record = judge([named], open_trace(self.traces[worst]), Judging(self.ending, robustness=False))
 
-        def told(at: int) -> tuple[Fraction | None, bool]:
+        def result_at(at: int) -> tuple[Fraction | None, bool]:
             """The border, and whether it belongs to what satisfies."""
             if at == total:
                 return None, False
@@ -199,7 +199,7 @@ class _ParameterSearch:
                 return value(at - 1), False
             return value(at), True
 
-        rows = tuple(MinedTrace(trace.name, *told(at)) for trace, at in zip(self.traces, tightest, strict=True))
+        rows = tuple(MinedTrace(trace.name, *result_at(at)) for trace, at in zip(self.traces, tightest, strict=True))
         return Mined(
             self.named.name,
             self.named.text,
@@ -207,7 +207,7 @@ class _ParameterSearch:
             self.low,
             self.high,
             "least" if effect is Monotonicity.EASIER else "greatest",
-            *told(place),
+            *result_at(place),
             exact,
             None if place == 0 else self.traces[worst].name,
             None if place == 0 else value(place - 1),
@@ -277,7 +277,7 @@ def _bound(duration: syntax.Duration, named: NamedFormula, unit: str, parameter:
 
 
 def _other_side(comparison: ast.BinaryExpression | None, name: str) -> ast.Expression | None:
-    """What a comparison compares a parameter with, if that is all of one side and nothing of the other."""
+    """The other side of a comparison with a parameter, if the parameter is all of one side and not in the other."""
     if comparison is None:
         return None
     for side, other in ((comparison.left, comparison.right), (comparison.right, comparison.left)):

@@ -272,7 +272,7 @@ def verdict_on(
 
 
 def counted(measured: Truth, ending: TraceEnding) -> Truth:
-    """What counts where the end of the trace has been given a meaning."""
+    """The verdict where the end of the trace has been given a meaning."""
     if measured is not Truth.UNDETERMINED or ending is TraceEnding.UNDETERMINED:
         return measured
     return Truth.TRUE if ending is TraceEnding.WEAK else Truth.FALSE

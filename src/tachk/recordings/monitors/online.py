@@ -72,7 +72,7 @@ class Monitor:
     """Times are seconds since 1970, and reports show them as dates."""
 
     notes: tuple[str, ...] = ()
-    """What the reader of the trace has to say in reports, such as that times are rounded."""
+    """Remarks of the reader of the trace for reports, such as that times are rounded."""
 
     def __init__(
         self,
@@ -248,7 +248,7 @@ class Monitor:
         return tuple([self._group.robustness(number) for number in range(len(self._watched))])
 
     def take_violations(self) -> tuple[OnlineViolation, ...]:
-        """What has become known since the last call: each violation when it begins and, once more, when it has ended.
+        """The news since the last call: each violation when it begins and, once more, when it has ended.
 
         Those of one part of a formula come in the order of time: a violation is told when what is before it is decided.
         At the end of the trace all that `tachk.monitor` finds have been told. Raises UsageError without
@@ -485,7 +485,7 @@ def _exact_tick(scale: int, time: Any) -> int:
 
 
 def _columns(formulas: Sequence[NamedFormula]) -> tuple[str, ...]:
-    """What the formulas read."""
+    """The columns that the formulas read."""
     names = (each for named in formulas for each in sorted(named.columns) if each not in named.constant_names)
     return tuple(dict.fromkeys(names))
 

@@ -1,4 +1,4 @@
-"""What is known about formulas on a trace that is judged as it comes."""
+"""The verdicts so far on a trace that is evaluated as it comes."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class JudgedTruth:
 
 
 class TraceSemantics(Protocol):
-    """What there is between the rows of a trace. Programs and traces count the same ticks."""
+    """The semantics of a trace between its rows. Programs and traces count the same ticks."""
 
     def shown(self, trace: Trace) -> Trace:
         """The trace as reports count it, so that every instant which they tell is a whole number of half ticks."""
@@ -61,7 +61,7 @@ class TraceSemantics(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _NodeSignals:
-    """What nodes are worth over a trace; an object rather than a function, so that reports can be pickled.
+    """The signals of nodes over a trace; an object rather than a function, so that reports can be pickled.
 
     Attributes:
         parts: of a tick, where values lie on lines.

@@ -1,4 +1,4 @@
-"""What came of judging one trace by some formulas: the input of every report and plot about it."""
+"""The verdicts of some formulas on one trace: the input of every report and plot about it."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class MonitorRecord:
 
 
 def clock_text(trace: Trace, tick: int | Fraction) -> str:
-    """What the clock of the recording showed at a tick: ``12.5 s``, or a date. Where lines cross, to six decimals."""
+    """The time on the clock of the recording at a tick: ``12.5 s``, or a date. Crossings of lines to six decimals."""
     clock = trace.clock(tick)
     return time_text(round(clock, 6) if trace.interpolation is Interpolation.LINEAR else clock, trace.unit, trace.dated)
 

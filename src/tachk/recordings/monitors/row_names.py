@@ -1,4 +1,4 @@
-"""What formulas say of rows: `arrived(hb)`, that a row gives a value, and `time`, when the last row was.
+"""Names for rows in formulas: `arrived(hb)`, that a row gives a value, and `time`, when the last row was.
 
 The columns of a trace come first: `time` means a column of this name where there is one. Values of `time` are those
 that the clock of the recording shows, in the unit of the trace, and are held until the next row, as others are.

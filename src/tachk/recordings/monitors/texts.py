@@ -1,4 +1,4 @@
-"""What formulas say of columns that hold texts."""
+"""Comparisons of formulas with columns that hold texts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.walk import nodes_of_kind
 
-_TEXTS_TOLD = 8
+_TEXTS_LISTED = 8
 _NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
 
 
@@ -65,8 +65,8 @@ def unmet_texts(formula: Formula, trace: Trace) -> Iterator[str]:
                 continue
             met = [trace.labels[int(number)] for number in np.unique(trace.columns[column])]
             if other.value not in met:
-                more = "" if len(met) <= _TEXTS_TOLD else f" and {len(met) - _TEXTS_TOLD} others"
-                known = ", ".join(f'"{each}"' for each in met[:_TEXTS_TOLD])
+                more = "" if len(met) <= _TEXTS_LISTED else f" and {len(met) - _TEXTS_LISTED} others"
+                known = ", ".join(f'"{each}"' for each in met[:_TEXTS_LISTED])
                 yield f'{trace.name}: no row of `{column}` has the text "{other.value}"; it has {known}{more}'
 
 

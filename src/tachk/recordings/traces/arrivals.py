@@ -25,7 +25,7 @@ def arrivals_of(topic: str) -> str:
 
 
 def topic_of(column: str) -> str | None:
-    """What arrives in a column of arrivals; None for other columns."""
+    """The column whose arrivals a column counts; None for other columns."""
     match = _ARRIVED.fullmatch(column)
     return None if match is None else match["topic"]
 

@@ -1,4 +1,4 @@
-"""What is false on a trace that goes on, however it does."""
+"""Formulas that are false on every continuation of a trace."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class Decompressor(Protocol):
 
 
 class TornStream(RawIOBase):
-    """What is in a compressed file, up to where that is cut off or damaged.
+    """The content of a compressed file, up to where it is cut off or damaged.
 
     Attributes:
         torn: why it ended before its end; None: it has not.
@@ -96,7 +96,7 @@ class TornStream(RawIOBase):
         return self.torn is None and bool(piece)
 
     def _left(self) -> bytes:
-        """What follows the stream or frame that has just ended."""
+        """The stream or frame that follows the one that has just ended."""
         if self._current is None or not self._current.eof:
             return b""
         left = self._current.unused_data

@@ -1,4 +1,4 @@
-"""What a recording means where it says nothing: between two rows, and after the last one. Imports nothing heavy."""
+"""Conventions for values between two rows and after the last one. Imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Interpolation(StrEnum):
 
 
 class TraceEnding(StrEnum):
-    """What the end of the trace means for a formula that it leaves undetermined.
+    """The value of a formula that the end of the trace leaves undetermined.
 
     WEAK: what is still pending counts as satisfied; STRONG: as violated.
     """

@@ -1,4 +1,4 @@
-"""What the first lines of comma-separated values tell: the columns, separators of cells, how numbers are written."""
+"""The first lines of comma-separated values: columns, separators of cells, form of numbers."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _LONGEST_HEADER = 1 << 24
 _SAMPLE = 1 << 16
 """Bytes behind the header that tell how numbers are written."""
 
-_TOLD_SEPARATOR = re.compile(r"\"?sep=(?P<separator>[,;\t]|\\t)\"?[,;\t]*", re.IGNORECASE)
-"""By which spreadsheets are told what separates cells, in a line above the header; some quote it, or write it into
-the first cell of a row."""
+_DECLARED_SEPARATOR = re.compile(r"\"?sep=(?P<separator>[,;\t]|\\t)\"?[,;\t]*", re.IGNORECASE)
+"""A line above the header by which spreadsheets declare the separator; some quote it, or write it into the first cell
+of a row."""
 
 _WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
@@ -51,11 +51,11 @@ _MISSING = ("", "nan", "na", "null")
 
 
 class ByteStream(Protocol):
-    """What is asked of a file or pipe; `io.BufferedReader` has it."""
+    """The interface of a file or pipe that is read; `io.BufferedReader` has it."""
 
     def readline(self, size: int = -1, /) -> bytes: ...
     def read1(self, size: int = -1, /) -> bytes:
-        """What is there already, or waits for something; empty at the end."""
+        """The bytes that are there already; waits for some if there are none; empty at the end."""
         ...
 
     def close(self) -> None: ...
@@ -100,10 +100,10 @@ def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | 
     return CsvBeginning(header, separator, line, sample, point, dates, _worded(sample, header, separator, point))
 
 
-def told_separator(line: str) -> str | None:
+def declared_separator(line: str) -> str | None:
     """What the first line of a file tells a spreadsheet to take as separator of cells; None: it is another line."""
-    told = _TOLD_SEPARATOR.fullmatch(line.strip(" "))
-    return None if told is None else told["separator"].replace("\\t", "\t")
+    declared = _DECLARED_SEPARATOR.fullmatch(line.strip(" "))
+    return None if declared is None else declared["separator"].replace("\\t", "\t")
 
 
 def _first_row(stream: ByteStream) -> bytes:
@@ -154,7 +154,6 @@ def _worded(sample: bytes, header: TraceHeader, separator: str, point: str) -> f
 def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[TraceHeader, str, int]:
     """The header, the separator, and the number of the line behind."""
     number = 0
-    told = None
     while True:
         line = stream.readline(_LONGEST_HEADER)
         number += 1
@@ -164,7 +163,7 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
             text = line.decode("utf-8-sig" if number == 1 else "utf-8").strip("\r\n")
         except UnicodeDecodeError:
             raise _no_text(name, line) from None
-        if number == 1 and (told := told_separator(text)) is not None:
+        if number == 1 and (declared := declared_separator(text)) is not None:
             continue
         if text.strip() and not text.lstrip().startswith("#"):
             break
@@ -175,7 +174,7 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
         )
     if "\0" in text:
         raise UsageError(f"{name} is not a text file", "text in UTF-8, VCD and Parquet files can be read")
-    separator = told if told is not None else max(SEPARATORS, key=text.count)
+    separator = declared if declared is not None else max(SEPARATORS, key=text.count)
     try:
         cells = next(csv.reader([text], delimiter=separator))
     except csv.Error:

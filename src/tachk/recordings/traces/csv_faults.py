@@ -1,4 +1,4 @@
-"""What is said of a cell or a row of comma-separated values that cannot be read."""
+"""Messages about cells and rows of comma-separated values that cannot be read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def is_half_value(text: bytes) -> bool:
     return _HALF_VALUE.fullmatch(text) is not None
 
 
-def told_fault(
+def fault_message(
     kind: str, value: str, column: str, is_time: bool, cells: tuple[int, int], finest: str
 ) -> tuple[str, str, str | None]:
     """The code of a fault, what it is, and how to mend it.
@@ -31,7 +31,7 @@ def told_fault(
         cells: of the row, and of the header.
         finest: what helps against a time that is too fine.
     """
-    told: dict[str, tuple[str, str, str | None]] = {
+    message: dict[str, tuple[str, str, str | None]] = {
         "NOT_A_NUMBER": (
             "E0911",
             f"{value!r} in column {column!r} is not a number",
@@ -69,7 +69,7 @@ def told_fault(
         "OPEN_QUOTE": ("E0911", "this quotation mark is not closed in its line", None),
         "LINE_TOO_LONG": ("E0911", "this line has more than 16 million characters", "is it a text file?"),
     }
-    return told[kind]
+    return message[kind]
 
 
 def _advice_on_a_cell(value: str, is_time: bool) -> str:

@@ -78,7 +78,7 @@ class LinearSignal:
 
 
 def reach_of(program: MonitorProgram) -> int:
-    """What the durations of a formula add up to, in ticks."""
+    """The sum of the durations of a formula in ticks."""
     return sum(max(node.lower, node.upper) for node in program.nodes)
 
 

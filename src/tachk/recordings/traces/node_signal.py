@@ -1,4 +1,4 @@
-"""What one subformula is worth over the whole of a trace, in cells of time (docs/logic.md)."""
+"""The values of one subformula over the whole of a trace, in cells of time (docs/logic.md)."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class NodeSignal:
     cells: int
 
     def at(self, cell: int) -> Truth:
-        """What holds in a cell; beyond the trace nothing is determined."""
+        """The value in a cell; beyond the trace nothing is determined."""
         if cell >= self.cells:
             return Truth.UNDETERMINED
         return Truth(int(self.values[self._piece(cell)]))

@@ -135,7 +135,7 @@ class Trace:
         return self.instants.ticks() if isinstance(self.instants, FloatTimes) else self.instants
 
     def clock(self, tick: int | Fraction) -> Fraction:
-        """What the clock of the recording showed at a tick, in units."""
+        """The time on the clock of the recording at a tick, in units."""
         return self.origin + Fraction(tick) / self.ticks_per_unit
 
     def packet(self, tick: int) -> int | None:
@@ -224,22 +224,22 @@ class Trace:
 
 
 SHORTENING_NOTE = "times are printed binary numbers, each read as the shortest decimal number of its 64 bits"
-"""What a report says of times such as 1764000000.0999999, which is how ``%.17g`` prints 1764000000.1."""
+"""The remark in reports on times such as 1764000000.0999999, which is how ``%.17g`` prints 1764000000.1."""
 
 
 def rounding_note(decimals: int) -> str:
-    """What a report says of times that were rounded."""
+    """The remark in reports on rounded times."""
     return f"times are rounded to {decimals} {'decimal' if decimals == 1 else 'decimals'}"
 
 
 def later_beginning(rows: int) -> str:
-    """What a report says of a trace whose first rows do not give all columns a value."""
+    """The remark in reports on a trace whose first rows do not give all columns a value."""
     which = "the first row is" if rows == 1 else f"the first {rows} rows are"
     return f"{which} left out: until then, some column that is read has no value"
 
 
 def cut_off_warning(name: str, what: str) -> str:
-    """What a report says of a file that ends before its end.
+    """The remark in reports on a file that ends before its end.
 
     Args:
         what: that is left out.

@@ -29,7 +29,7 @@ _SAMPLES = 1 << 8
 
 
 class _TimeFault(IntEnum):
-    """What is wrong with floating-point times; the numbers are those of `CountedTimes::Fault` in ticks.hpp."""
+    """Faults of floating-point times; the numbers are those of `CountedTimes::Fault` in ticks.hpp."""
 
     NONE = 0
     NOT_FINITE = 1
@@ -378,7 +378,7 @@ def _behind(values: Any, begin: int) -> Any:
 
 
 def _from(values: Values, row: int) -> Values:
-    """What is held from a row on; rows that are left out do not tell whether the values are truth values."""
+    """The values held from a row on; rows that are left out do not decide whether they are truth values."""
     later = values[row:]
     if row == 0 or later.dtype != np.float64:
         return later

@@ -19,7 +19,7 @@ from tachk.base.span import Source, Span
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.compressed import is_compressed, open_bytes, torn
 from tachk.recordings.traces.csv_beginning import ByteStream, CsvBeginning, read_beginning
-from tachk.recordings.traces.csv_faults import FINEST, is_half_value, told_fault
+from tachk.recordings.traces.csv_faults import FINEST, fault_message, is_half_value
 from tachk.recordings.traces.decimal_times import MOST_DECIMALS, USUAL_DECIMALS, fewest_decimals
 from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.trace import (
@@ -57,8 +57,8 @@ class Rows:
     warnings: tuple[str, ...] = ()
 
 
-class _Told(NamedTuple):
-    """What is told of arrivals: their columns with their parts, all parts, and those whose values do not matter."""
+class _ArrivalColumns(NamedTuple):
+    """The columns of arrivals with their parts, all parts, and the parts whose values do not matter."""
 
     arrivals: dict[str, tuple[str, ...]]
     parts: frozenset[str]
@@ -115,9 +115,9 @@ class CsvRecording:
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
         """The whole trace: from the first row in which every column has a value to the last one."""
-        places, told = self._places(columns)
-        reader, torn, open_ended = self._whole(places, told)
-        flags = self._flags(reader, places, told)
+        places, arrival_columns = self._places(columns)
+        reader, torn, open_ended = self._whole(places, arrival_columns)
+        flags = self._flags(reader, places, arrival_columns)
         times, cells, labels = reader.take()
         if len(times) == 0:
             raise UsageError(f"{self.name} has no rows", "the verdict needs at least the state at the beginning")
@@ -128,49 +128,58 @@ class CsvRecording:
         held: dict[str, Values] = {
             name: texts.recoded(values, _decoded(words), name) if name in self.texts else values
             for name, values, words in zip(places, cells, labels, strict=True)
-            if name not in told.unread
+            if name not in arrival_columns.unread
         }
         held.update(flags)
         trace = Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale), dated=self.dates)
         notes = self._notes(reader, places, open_ended)
         return texts.on(replace(trace, notes=notes, warnings=self._warnings(reader, torn)))
 
-    def _places(self, columns: Collection[str] | None) -> tuple[dict[str, int], _Told]:
+    def _places(self, columns: Collection[str] | None) -> tuple[dict[str, int], _ArrivalColumns]:
         """The cells that are read, and of which it is told where they have values."""
         arrivals = arriving(columns or (), self.columns)
         wanted = None if columns is None else [name for name in columns if name not in arrivals]
         valued = self.header.numbers(wanted, self.name)
         parts = {part for parts in arrivals.values() for part in parts}
         places = self.header.numbers({*valued, *parts}, self.name)
-        return places, _Told(arrivals, frozenset(parts), frozenset(parts - valued.keys()))
+        return places, _ArrivalColumns(arrivals, frozenset(parts), frozenset(parts - valued.keys()))
 
-    def _flags(self, reader: _core.CsvReader, places: dict[str, int], told: _Told) -> dict[str, Values]:
+    def _flags(
+        self, reader: _core.CsvReader, places: dict[str, int], arrival_columns: _ArrivalColumns
+    ) -> dict[str, Values]:
         """The columns of arrivals: in which rows one of their parts has a value."""
-        if not told.arrivals:
+        if not arrival_columns.arrivals:
             return {}
-        flags = dict(zip((name for name in places if name in told.parts), reader.take_arrivals(), strict=True))
-        return {name: np.bitwise_or.reduce([flags[part] for part in parts]) for name, parts in told.arrivals.items()}
+        flags = dict(
+            zip((name for name in places if name in arrival_columns.parts), reader.take_arrivals(), strict=True)
+        )
+        return {
+            name: np.bitwise_or.reduce([flags[part] for part in parts])
+            for name, parts in arrival_columns.arrivals.items()
+        }
 
-    def _whole(self, places: dict[str, int], told: _Told) -> _Read:
+    def _whole(self, places: dict[str, int], arrival_columns: _ArrivalColumns) -> _Read:
         """All rows."""
-        read = self._shortened(places, told, shortening=True)
+        read = self._shortened(places, arrival_columns, shortening=True)
         if read.reader.shortened() and read.reader.unprinted():
             # Some times cannot have been printed from doubles, so none was.
-            read = self._shortened(places, told, shortening=False)
+            read = self._shortened(places, arrival_columns, shortening=False)
         self._refuse(read.reader)
         return read
 
-    def _shortened(self, places: dict[str, int], told: _Told, shortening: bool) -> _Read:
+    def _shortened(self, places: dict[str, int], arrival_columns: _ArrivalColumns, shortening: bool) -> _Read:
         """All rows, up to a fault.
 
         Args:
             shortening: times as doubles are printed are read as their shortest decimal numbers.
         """
         if self.decimals is not None:
-            return self._rows(self._reader(places, told, self.decimals, self.decimals, shortening=shortening))
+            return self._rows(
+                self._reader(places, arrival_columns, self.decimals, self.decimals, shortening=shortening)
+            )
 
         def count(usual: int, binary: bool = False) -> _Read | None:
-            read = self._rows(self._reader(places, told, 0, MOST_DECIMALS, usual, binary, shortening))
+            read = self._rows(self._reader(places, arrival_columns, 0, MOST_DECIMALS, usual, binary, shortening))
             fault = read.reader.fault()
             merged = fault is not None and fault[0] is CsvFaultKind.TIME_MERGED
             if not binary and read.reader.rounded() and read.reader.decimals() > usual:
@@ -203,8 +212,8 @@ class CsvRecording:
         Args:
             decimals: of the times; a row with a finer time is refused, for what was handed out cannot be recounted.
         """
-        places, told = self._places(columns)
-        reader = self._reader(places, told, decimals, decimals)
+        places, arrival_columns = self._places(columns)
+        reader = self._reader(places, arrival_columns, decimals, decimals)
         open_ended = False
         with closing(self.opened()) as stream:
             while piece := stream.read1(PIECE):
@@ -212,19 +221,19 @@ class CsvRecording:
                 going_on = reader.feed(piece)
                 open_ended = not piece.endswith(_LINE_BREAKS)
                 if reader.rows():
-                    yield self._taken(reader, places, told)
+                    yield self._taken(reader, places, arrival_columns)
                 if not going_on:
                     break
             why = torn(stream)
         reader.finish(whole=why is None)
         if reader.rows() or self._warnings(reader, why):
-            yield self._taken(reader, places, told, why, open_ended and why is None)
+            yield self._taken(reader, places, arrival_columns, why, open_ended and why is None)
         self._refuse(reader, f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}")
 
     def _reader(
         self,
         places: dict[str, int],
-        told: _Told,
+        arrival_columns: _ArrivalColumns,
         decimals: int,
         most_decimals: int,
         usual: int = USUAL_DECIMALS,
@@ -238,8 +247,8 @@ class CsvRecording:
             time=self.header.time,
             columns=list(places.values()),
             texts=[place for name, place in places.items() if name in self.texts],
-            arrivals=[place for name, place in places.items() if name in told.parts],
-            unread=[place for name, place in places.items() if name in told.unread],
+            arrivals=[place for name, place in places.items() if name in arrival_columns.parts],
+            unread=[place for name, place in places.items() if name in arrival_columns.unread],
             dates=self.dates,
             first_line=self.line,
             decimals=decimals,
@@ -254,15 +263,15 @@ class CsvRecording:
         self,
         reader: _core.CsvReader,
         places: dict[str, int],
-        told: _Told,
+        arrival_columns: _ArrivalColumns,
         torn: str | None = None,
         open_ended: bool = False,
     ) -> Rows:
-        flags = self._flags(reader, places, told)
+        flags = self._flags(reader, places, arrival_columns)
         times, columns, labels = reader.take()
         held: dict[str, Any] = {**dict(zip(places, columns, strict=True)), **flags}
         for name, words in zip(places, labels, strict=True):
-            if name in self.texts and name not in told.unread:
+            if name in self.texts and name not in arrival_columns.unread:
                 held[name] = np.array(_decoded(words), dtype=object)[held[name].astype(np.int64)]
         notes = self._notes(reader, places, open_ended)
         return Rows(times, held, reader.decimals(), notes, self._warnings(reader, torn))
@@ -324,7 +333,7 @@ class CsvRecording:
         value = text[offset : offset + length].decode("utf-8", "replace")
         source = Source(self.name, text.decode("utf-8", "replace"), first_line=line)
         span = Span(source, start, min(start + max(len(value), 1), max(len(source.text), start)))
-        code, message, help_ = told_fault(
+        code, message, help_ = fault_message(
             kind.name,
             value,
             self.header.names[cell],

@@ -1,4 +1,4 @@
-"""What the names of the columns of a trace tell: which one is the time, and in which unit it is measured."""
+"""The names of the columns of a trace: the column of times and its unit."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from tachk.recordings.traces.trace_arrays import trace_of, whole_times
 from tachk.recordings.traces.trace_header import known_unit, no_such_column
 from tachk.recordings.traces.vcd_rows import VcdRows, VcdVariable, fault_at
 from tachk.recordings.traces.vcd_stream import VcdStream
-from tachk.recordings.traces.vcd_units import told_scale
+from tachk.recordings.traces.vcd_units import stated_scale
 
 _TICKS_PER_UNIT = {"s": ("s", 1), "ms": ("ms", 1), "us": ("us", 1), "ns": ("ns", 1), "ps": ("ns", 10**3)}
 _FEMTOSECONDS = ("ns", 10**6)
@@ -74,8 +74,8 @@ class VcdRecording:
             if name not in known:
                 raise no_such_column(name, self.columns, self.name)
             wanted.append(replace(known[name], name=name))
-        told = {name: frozenset(known[part].code for part in parts) for name, parts in arrivals.items()}
-        rows = VcdRows(self.name, wanted, self.magnitude, told)
+        stated = {name: frozenset(known[part].code for part in parts) for name, parts in arrivals.items()}
+        rows = VcdRows(self.name, wanted, self.magnitude, stated)
         try:
             with VcdStream(self.name, {variable.code for variable in self.variables}) as stream:
                 rows.follow(_tokens(stream), stream)
@@ -89,15 +89,15 @@ class VcdRecording:
                 held[variable.name] = texts.codes(values, variable.name, self.name)
             else:
                 held[variable.name] = _values(variable, [float(value) for value in values])
-        for name in told:
+        for name in stated:
             held[name] = np.array([name in arrived for arrived in rows.arrived], dtype=np.uint8)
         times = np.array(rows.times, dtype=np.int64) * self.magnitude
         trace = trace_of(self.name, whole_times(times, self.ticks_per_unit, self.name), self.unit, held)
-        notes, warnings = _told(self.name, stream)
+        notes, warnings = _stated(self.name, stream)
         return texts.on(replace(trace, notes=(*trace.notes, *notes), warnings=(*trace.warnings, *warnings)))
 
 
-def _told(name: str, stream: VcdStream) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _stated(name: str, stream: VcdStream) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The notes and warnings about the end of a file that has been read, as of a `Trace`."""
     if stream.torn is not None:
         return (), (cut_off_warning(name, f"what follows is left out ({stream.torn})"),)
@@ -155,7 +155,7 @@ def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable
                 if variables.setdefault(variable.name, variable).code != variable.code:
                     raise UsageError(f"{name} has two variables {variable.name!r}")
             case TokenKind.ENDDEFINITIONS:
-                return tuple(variables.values()), told_scale(comments, scale), magnitude
+                return tuple(variables.values()), stated_scale(comments, scale), magnitude
             case _:
                 pass
     raise fault_at(name, "the declarations do not end with $enddefinitions", Location(1, 1))

@@ -79,7 +79,7 @@ class VcdStream(RawIOBase):
         self._ready, self._tail = whole + line_break, tail
 
     def _whole(self, line: bytes) -> bytes:
-        """What is whole of a last line without a line break."""
+        """The complete part of a last line without a line break."""
         words = line.split()
         if not words:
             return b""

@@ -15,20 +15,20 @@ _NO_UNIT = "no unit"
 
 
 def time_comment(unit: str) -> str:
-    """What the dump of a run says of the unit of the model; empty: the model has none, and the dump takes seconds."""
+    """The time unit of the model in the dump of a run; empty: the model has none, and the dump takes seconds."""
     return _BEGIN + (unit or _NO_UNIT)
 
 
-def told_scale(comments: list[str], scale: tuple[str, int]) -> tuple[str, int]:
+def stated_scale(comments: list[str], scale: tuple[str, int]) -> tuple[str, int]:
     """The unit of times, and how many ticks it has.
 
     Args:
         scale: those of the dump, without regard to its comments.
     """
     lines = [line.strip() for text in comments for line in text.splitlines()]
-    told = next((line.removeprefix(_BEGIN) for line in lines if line.startswith(_BEGIN)), None)
-    if told is None or told not in (*NANOSECONDS, _NO_UNIT):
+    stated = next((line.removeprefix(_BEGIN) for line in lines if line.startswith(_BEGIN)), None)
+    if stated is None or stated not in (*NANOSECONDS, _NO_UNIT):
         return scale
     unit, ticks = scale
-    count = Fraction(NANOSECONDS.get(told, NANOSECONDS["s"]), NANOSECONDS[unit]) * ticks
-    return ("" if told == _NO_UNIT else told, int(count)) if count.denominator == 1 else scale
+    count = Fraction(NANOSECONDS.get(stated, NANOSECONDS["s"]), NANOSECONDS[unit]) * ticks
+    return ("" if stated == _NO_UNIT else stated, int(count)) if count.denominator == 1 else scale

@@ -83,7 +83,7 @@ class Explainer:
     _found: dict[Truth, Finding | None] = field(default_factory=dict, repr=False)
 
     def signal(self, node: int) -> NodeSignal:
-        """What a node of the program is worth over the trace."""
+        """The signal of a node of the program over the trace."""
         self._look_at((node,))
         return self._known[node]
 
@@ -132,7 +132,7 @@ class Explainer:
     def explained(
         self, node: int, stretch: tuple[int, int], triggered: tuple[int, int] | None, value: Truth
     ) -> Finding:
-        """What makes a node false, or leaves it open, without when that became certain.
+        """The reasons why a node is false or undetermined, without the time at which that became certain.
 
         Args:
             stretch: the first and the last cell in which it is so.

@@ -33,7 +33,7 @@ class ViolationChange:
 class _WatchedConjunct:
     formula: int
     text: str
-    asked: DemandedNode
+    demand: DemandedNode
 
 
 class ViolationWatch:
@@ -54,12 +54,12 @@ class ViolationWatch:
     ) -> None:
         """Args: see `open_group`."""
         found = [
-            (_WatchedConjunct(number, program.nodes[asked.node].text, asked), _always(program, asked.node))
+            (_WatchedConjunct(number, program.nodes[demand.node].text, demand), _always(program, demand.node))
             for number, program in enumerate(programs)
-            for asked in obligations(program)
+            for demand in obligations(program)
         ]
         self._parts = [part for part, _ in found]
-        self._told: list[int | None] = [None] * len(found)
+        self._reported: list[int | None] = [None] * len(found)
         self._group = open_group(
             [program for _, program in found],
             columns,
@@ -76,23 +76,23 @@ class ViolationWatch:
         self._group.push(times, columns, factor)
 
     def take(self) -> Iterator[ViolationChange]:
-        """What has become known since the last call: where violations begin, and where they end."""
+        """The news since the last call: violations that begin, and those that end."""
         for number, part in enumerate(self._parts):
             for begin, behind in self._group.take_violations(number):
-                first = max(begin, part.asked.first)
-                end = behind if part.asked.last is None else min(behind, part.asked.last + 1)
+                first = max(begin, part.demand.first)
+                end = behind if part.demand.last is None else min(behind, part.demand.last + 1)
                 if first < end:
                     yield from self._begins(number, first)
                     yield ViolationChange(part.formula, part.text, first, end)
-                self._told[number] = None
+                self._reported[number] = None
             since = self._group.violated_since(number)
-            if since is not None and since >= part.asked.first:
-                if part.asked.last is None or since <= part.asked.last:
+            if since is not None and since >= part.demand.first:
+                if part.demand.last is None or since <= part.demand.last:
                     yield from self._begins(number, since)
 
     def _begins(self, number: int, first: int) -> Iterator[ViolationChange]:
-        if self._told[number] != first:
-            self._told[number] = first
+        if self._reported[number] != first:
+            self._reported[number] = first
             yield ViolationChange(self._parts[number].formula, self._parts[number].text, first, None)
 
 

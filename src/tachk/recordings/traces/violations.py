@@ -116,19 +116,19 @@ def violations_of(explainer: Explainer) -> Violations:
 
 
 def obligations(program: MonitorProgram) -> Iterator[DemandedNode]:
-    """What has to be true for the whole to be, where the whole is made of conjunctions and G."""
+    """The conjuncts of a formula made of conjunctions and G."""
     pending = [DemandedNode(len(program.nodes) - 1, 0, 0)]
     while pending:
-        asked = pending.pop()
-        current = program.nodes[asked.node]
+        requested = pending.pop()
+        current = program.nodes[requested.node]
         if current.kind is NodeKind.AND:
-            pending += [replace(asked, node=operand) for operand in reversed(current.operands)]
+            pending += [replace(requested, node=operand) for operand in reversed(current.operands)]
         elif current.kind is NodeKind.ALWAYS and not _empty(current):
             # The windows of neighbouring cells overlap or touch, so together they have no gap.
-            last = None if asked.last is None else window_of(current, asked.last)[1]
-            pending.append(DemandedNode(current.operands[0], window_of(current, asked.first)[0], last))
+            last = None if requested.last is None else window_of(current, requested.last)[1]
+            pending.append(DemandedNode(current.operands[0], window_of(current, requested.first)[0], last))
         else:
-            yield asked
+            yield requested
 
 
 def _empty(node: MonitorNode) -> bool:
@@ -136,17 +136,17 @@ def _empty(node: MonitorNode) -> bool:
     return node.lower == node.upper and not (node.lower_closed and node.upper_closed)
 
 
-def _part(explainer: Explainer, asked: DemandedNode) -> _DemandedCells:
-    node, first = asked.node, asked.first
-    last = explainer.cells - 1 if asked.last is None else min(asked.last, explainer.cells - 1)
+def _part(explainer: Explainer, requested: DemandedNode) -> _DemandedCells:
+    node, first = requested.node, requested.first
+    last = explainer.cells - 1 if requested.last is None else min(requested.last, explainer.cells - 1)
     signal = explainer.signal(node)
     violated = signal.runs(Truth.FALSE, first, last)
     trigger = trigger_of(explainer.program, node)
     if trigger is None:
         return _DemandedCells(node, violated, None, None)
-    asking = explainer.signal(trigger)
-    triggers = asking.runs(Truth.TRUE, first, last)
+    trigger_signal = explainer.signal(trigger)
+    triggers = trigger_signal.runs(Truth.TRUE, first, last)
     in_vain = triggers.meets(violated)
     pending = triggers.meets(signal.runs(Truth.UNDETERMINED, first, last)) & ~in_vain
     counts = TriggerCounts(len(triggers), int(in_vain.sum()), int(pending.sum()))
-    return _DemandedCells(node, violated, asking.runs(Truth.TRUE, 0, asking.cells - 1), counts)
+    return _DemandedCells(node, violated, trigger_signal.runs(Truth.TRUE, 0, trigger_signal.cells - 1), counts)

@@ -86,7 +86,7 @@ def draw_maps(model: str, grid: Grid, rows: Sequence[Row], show: str) -> Figure:
 
 
 def _maps(grid: Grid, rows: Sequence[Row]) -> tuple[ParameterAxis, ParameterAxis, list[_Map]]:
-    """What goes across, what goes up, and the maps."""
+    """The horizontal and the vertical axis, and the maps."""
     varied = sorted(grid.varied or grid.axes[:1], key=lambda axis: -len(axis.values))
     across = varied[0] if varied else ParameterAxis("", ("",))
     up = varied[1] if len(varied) > 1 else ParameterAxis("", ("",))
@@ -130,7 +130,7 @@ class _Colours:
         )
 
     def label(self, row: Row) -> tuple[str, str]:
-        """What is written into a cell, and its colour."""
+        """The text of a cell, and its colour."""
         value = row.get(self._show)
         if self._show == "answer" or value is None:
             return "", "#000000"

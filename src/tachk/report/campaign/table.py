@@ -1,4 +1,4 @@
-"""What a campaign has found, as a table that can be written in every form."""
+"""The results of a campaign as a table that can be written in every form."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _MOST_ROWS = 200
 
 
 def campaign_text(model: str, campaign: Campaign) -> str:
-    """What `tachk sweep` prints."""
+    """The output of `tachk sweep`."""
     out = StringIO()
     console = plain_console(out)
     console.print(f"{model}: {_heading(campaign)}\n", markup=False)
     shown = [axis.name for axis in campaign.grid.varied] or list(campaign.grid.names)
     cells = [list(rows) for _, rows in groupby(campaign.rows, lambda row: [row[name] for name in campaign.grid.names])]
     if 0 < len(cells) <= _MOST_ROWS:
-        console.print(_table(shown, campaign.job.asked, cells))
+        console.print(_table(shown, campaign.job.property_names, cells))
         console.print()
     elif cells:
         console.print(f"({len(cells)} rows: --format csv has them)\n", markup=False)
@@ -79,7 +79,7 @@ def _answer(row: Row) -> str:
 
 
 def _summary(campaign: Campaign) -> Iterator[str]:
-    for name in campaign.job.asked:
+    for name in campaign.job.property_names:
         rows = [row for row in campaign.rows if row["property"] == name]
         found = Counter(str(row["answer"]) for row in rows)
         said = [f"{answer} in {found[answer]}" for answer in (*Answer, ESTIMATED) if found[answer]]
@@ -114,7 +114,7 @@ class Sweep:
         return (*self.campaign.grid.names, *COLUMNS)
 
     def to_dict(self) -> dict[str, Json]:
-        """What docs/schema/sweep.schema.json describes."""
+        """The document of docs/schema/sweep.schema.json."""
         campaign = self.campaign
         return {
             "model": self.model,
@@ -152,7 +152,7 @@ class Sweep:
             parquet.write_table(pyarrow.table(arrays), part)
 
     def to_text(self) -> str:
-        """What `tachk sweep` prints."""
+        """The output of `tachk sweep`."""
         return campaign_text(self.model, self.campaign)
 
     def plot(self, path: str | Path, show: str = "answer") -> None:

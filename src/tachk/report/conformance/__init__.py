@@ -1,1 +1,1 @@
-"""What `tachk conform` tells: `text`, `json`."""
+"""Reports of `tachk conform`: `text`, `json`."""

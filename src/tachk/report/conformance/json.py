@@ -11,7 +11,7 @@ from tachk.recordings.conformance.conform import Conformance, Rejection
 from tachk.recordings.conformance.coverage import Covered
 from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.events import RecordedEvent
-from tachk.recordings.conformance.refusal import PossibleEvent
+from tachk.recordings.conformance.rejection import PossibleEvent
 
 
 def conformance_to_json(found: Sequence[Conformance], model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:
@@ -28,7 +28,7 @@ def _answer(found: Conformance) -> dict[str, Any]:
     events = found.recording.events
 
     def time(units: int) -> Fraction:
-        return units / found.queues.scale + found.queues.origin
+        return units / found.streams.scale + found.streams.origin
 
     def cells(of: RecordedEvent | Edit | PossibleEvent) -> dict[str, object]:
         return dict(of.cells)
@@ -36,20 +36,20 @@ def _answer(found: Conformance) -> dict[str, Any]:
     plain = PlainData(
         {
             Conformance: Fields(
-                "recording=recording.source accepted reason tolerance late time_unit events other_events=queues.other "
+                "recording=recording.source accepted reason tolerance late time_unit events other_events=streams.other "
                 "states=statistics.states_stored seconds=statistics.seconds refusal edit untried_edits=untried "
                 "left_out",
-                events=lambda found: len(events) - found.queues.other,
+                events=lambda found: len(events) - found.streams.other,
             ),
             Rejection: Fields(
-                "happened event state allowed=offers allowed_whole=offers_whole",
+                "happened event state allowed=enabled_events allowed_whole=enabled_complete",
                 event=lambda refusal: None if refusal.event is None else events[refusal.event],
             ),
             PossibleEvent: Fields(
                 "event=name cells earliest latest",
                 cells=cells,
-                earliest=lambda offer: time(offer.earliest),
-                latest=lambda offer: None if offer.latest is None else time(offer.latest),
+                earliest=lambda enabled_event: time(enabled_event.earliest),
+                latest=lambda enabled_event: None if enabled_event.latest is None else time(enabled_event.latest),
             ),
             Edit: Fields("event what by name cells", cells=cells, event=lambda edit: events[edit.event]),
             RecordedEvent: Fields("place time event=name cells", cells=cells),

@@ -1,4 +1,4 @@
-"""What a person reads about a recording that was held against a model."""
+"""The report for people on the conformance of a recording."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.coverage import Covered
 from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.events import RecordedEvent
-from tachk.recordings.conformance.refusal import PossibleEvent
+from tachk.recordings.conformance.rejection import PossibleEvent
 
 
 def moment(found: Conformance, units: int | Fraction) -> str:
     """A time of the model as a time of the recording."""
-    return recorded_time(found, Fraction(units) / found.queues.scale + found.queues.origin)
+    return recorded_time(found, Fraction(units) / found.streams.scale + found.streams.origin)
 
 
 def recorded_time(found: Conformance, time: Fraction) -> str:
@@ -31,13 +31,13 @@ def event_text(event: RecordedEvent) -> str:
     return f"{event.name}({cells})"
 
 
-def offer_text(found: Conformance, offer: PossibleEvent) -> str:
+def enabled_event_text(found: Conformance, enabled_event: PossibleEvent) -> str:
     """``sent(link=0, kind=HEARTBEAT)``: with the words that the recording has for values."""
-    return _said(found, offer.name, offer.cells)
+    return _said(found, enabled_event.name, enabled_event.cells)
 
 
 def _said(found: Conformance, event: str, cells: Iterable[tuple[str, int]]) -> str:
-    names = found.queues.names
+    names = found.streams.names
     return f"{event}({', '.join(f'{name}={names.get(name, {}).get(value, value)}' for name, value in cells)})"
 
 
@@ -53,7 +53,7 @@ def edit_text(found: Conformance, edit: Edit) -> str:
         case "changed":
             return f"{event.place} had been {_said(found, event.name, edit.cells)}"
         case "added":
-            time = event.time + edit.by / found.queues.scale
+            time = event.time + edit.by / found.streams.scale
             return f"{_said(found, edit.name, edit.cells)} had come, too, at {recorded_time(found, time)}"
         case _:
             later = "later" if edit.by > 0 else "earlier"
@@ -74,10 +74,10 @@ def conformance_to_text(found: Conformance, model: str) -> str:
 
 def _lines(found: Conformance, model: str) -> Iterator[str]:
     recording = found.recording
-    count = len(recording.events) - found.queues.other
+    count = len(recording.events) - found.streams.other
     yield f"{recording.source}: {grouped(count)} {'event' if count == 1 else 'events'} of {model}"
-    if found.queues.other:
-        yield f"{grouped(found.queues.other)} others are of no kind that the model speaks of"
+    if found.streams.other:
+        yield f"{grouped(found.streams.other)} others are of no kind that the model speaks of"
     unit = found.time_unit
     allowed = f"tolerance {units_text(found.tolerance, unit)}, late {units_text(found.late, unit)}"
     match found.accepted:
@@ -85,7 +85,7 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
             yield f"a run of the model, with {allowed}"
         case False:
             yield f"not a run of the model, with {allowed}"
-            yield from _refusal(found)
+            yield from _rejection_lines(found)
             if found.edit is not None:
                 yield f"it would be a run if {edit_text(found, found.edit)}"
             elif found.refusal is not None and found.refusal.event is not None and not found.left_out:
@@ -95,7 +95,7 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
                 yield f"the time limit was over before it was known {found.left_out}"
         case None:
             yield f"undecided, with {allowed}: {found.reason}"
-            yield from _refusal(found)
+            yield from _rejection_lines(found)
     yield f"{grouped(found.statistics.states_stored)} states in {found.statistics.seconds:.2f} s"
 
 
@@ -110,7 +110,7 @@ def coverage_to_text(covered: Sequence[Covered]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _refusal(found: Conformance) -> Iterator[str]:
+def _rejection_lines(found: Conformance) -> Iterator[str]:
     refusal = found.refusal
     if refusal is None:
         return
@@ -123,12 +123,12 @@ def _refusal(found: Conformance) -> Iterator[str]:
     yield f"it leaves the model at {event.place}, at {recorded_time(found, event.time)}: {event_text(event)}"
     if refusal.state:
         yield f"  there the model is in {refusal.state}"
-    for offer in refusal.offers:
-        window = f"from {moment(found, offer.earliest)}"
-        if offer.latest is not None:
-            window += f" to {moment(found, offer.latest)}"
-        yield f"  the model allows {offer_text(found, offer)}, {window}"
-    if not refusal.offers and refusal.offers_whole:
+    for enabled_event in refusal.enabled_events:
+        window = f"from {moment(found, enabled_event.earliest)}"
+        if enabled_event.latest is not None:
+            window += f" to {moment(found, enabled_event.latest)}"
+        yield f"  the model allows {enabled_event_text(found, enabled_event)}, {window}"
+    if not refusal.enabled_events and refusal.enabled_complete:
         yield "  the model allows no event there"
-    if not refusal.offers_whole:
+    if not refusal.enabled_complete:
         yield "  there may be other events that the model allows: it can go on in too many ways to look at all"

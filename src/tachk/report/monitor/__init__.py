@@ -1,1 +1,1 @@
-"""What a monitor has found, in every form."""
+"""Reports of monitors, in every form."""

@@ -21,10 +21,10 @@ def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[
             for each in verdict.violations:
                 until = exact(trace, 2 * ((each.last + 1) // 2))
                 yield _violation(verdict.name, each.formula, exact(trace, each.cell), until)
-        told = verdict_to_json(record, verdict)
+        shown = verdict_to_json(record, verdict)
         finding = verdict.finding
         at = None if finding is None or finding.decided is None else exact(trace, finding.decided)
-        yield _verdict({key: told[key] for key in _VERDICT_KEYS}, at)
+        yield _verdict({key: shown[key] for key in _VERDICT_KEYS}, at)
     end = _end(trace.rows, exact(trace, 0), exact(trace, 2 * trace.end), trace.unit)
     yield with_notes(end, (*trace.notes, *trace.warnings))
 
@@ -37,8 +37,8 @@ def violation_event(violation: OnlineViolation) -> dict[str, Json]:
 
 def verdict_event(verdict: OnlineVerdict) -> dict[str, Json]:
     """A verdict that has been decided, or that the end of the trace leaves open."""
-    told = PlainData({**FORMS, OnlineVerdict: _DECIDED}).of(verdict)
-    return _verdict(told, None if verdict.decided_at is None else decimal(verdict.decided_at, 18))
+    shown = PlainData({**FORMS, OnlineVerdict: _DECIDED}).of(verdict)
+    return _verdict(shown, None if verdict.decided_at is None else decimal(verdict.decided_at, 18))
 
 
 def end_event(record: OnlineRecord) -> dict[str, Json]:
@@ -53,8 +53,8 @@ _DECIDED = Fields(
 _VERDICT_KEYS = ("name", "title", "formula", "verdict", "measured", "robustness", "finding")
 
 
-def _verdict(told: dict[str, Json], decided_at: str | None) -> dict[str, Json]:
-    return {"event": "verdict", **told, "decided_at": decided_at}
+def _verdict(shown: dict[str, Json], decided_at: str | None) -> dict[str, Json]:
+    return {"event": "verdict", **shown, "decided_at": decided_at}
 
 
 def _violation(name: str, violated: str, since: str, until: str | None) -> dict[str, Json]:

@@ -1,4 +1,4 @@
-"""What formulas are worth at every instant of a trace: truth and robustness, as arrays and as CSV."""
+"""The values of formulas at every instant of a trace: truth and robustness, as arrays and as CSV."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tachk.report.monitor.json import exact
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormulaSignal:
-    """What a formula is worth over time, in pieces. A piece goes on until the next one, the last one until the end.
+    """The values of a formula over time, in pieces. A piece goes on until the next one, the last one until the end.
 
     Attributes:
         formula: of ``G f`` it is f, which says more than ``G f`` does.
@@ -57,9 +57,9 @@ class FormulaSignal:
 
 
 def signal_of(record: MonitorRecord, verdict: MonitorVerdict) -> FormulaSignal:
-    """What the formula of a verdict is worth over time, of ``G f`` what f is worth."""
+    """The values of the formula of a verdict over time; of ``G f`` those of f."""
     trace, program = record.trace, verdict.program
-    node = asked_always(program)
+    node = operand_of_always(program)
     truth = verdict.explainer.signal(node)
     if trace.interpolation is Interpolation.LINEAR:
         return _signal(trace, program.nodes[node].text, truth.starts, truth.values, None, None)
@@ -91,7 +91,7 @@ def _signal(
     return FormulaSignal(formula, times, cells % 2 == 1, truth[kept], low, high, cells)
 
 
-def asked_always(program: MonitorProgram) -> int:
+def operand_of_always(program: MonitorProgram) -> int:
     """The node f of ``G f``, or of ``G G f``; else that of the whole."""
     node = len(program.nodes) - 1
     while program.nodes[node].kind is NodeKind.ALWAYS:

@@ -24,7 +24,7 @@ def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict
         all_violations: list them; else they are counted only.
     """
     trace = record.trace
-    told: dict[str, Json] = {
+    shown: dict[str, Json] = {
         "trace": trace.name,
         "rows": trace.rows,
         "begin": exact(trace, 0),
@@ -34,12 +34,12 @@ def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict
         "pending_counts_as": record.ending.value,
         "results": [verdict_to_json(record, verdict, all_violations) for verdict in record.verdicts],
     }
-    return with_notes(told, (*trace.notes, *trace.warnings))
+    return with_notes(shown, (*trace.notes, *trace.warnings))
 
 
-def with_notes(told: dict[str, Json], notes: Sequence[str]) -> dict[str, Json]:
+def with_notes(shown: dict[str, Json], notes: Sequence[str]) -> dict[str, Json]:
     """With what the reader of a trace has to say, if there is something."""
-    return {**told, "notes": list(notes)} if notes else told
+    return {**shown, "notes": list(notes)} if notes else shown
 
 
 def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict, all_violations: bool = False) -> dict[str, Json]:

@@ -16,14 +16,14 @@ from tachk.report.monitor.words import explain_verdict
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MiningReport(Mined):
-    """What was mined, in the forms in which people and programs read it."""
+    """Mined values, in the forms in which people and programs read them."""
 
     def to_dict(self) -> dict[str, Json]:
         """As docs/schema/mine.schema.json describes it."""
         return _PLAIN.of(self)
 
     def to_text(self) -> str:
-        """What `tachk mine` prints."""
+        """The output of `tachk mine`."""
         return "".join(f"{line}\n" for line in self._lines())
 
     __str__ = to_text

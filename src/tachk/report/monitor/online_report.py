@@ -16,13 +16,13 @@ from tachk.report.monitor.words import explain_verdict
 
 
 def decided_to_text(verdict: OnlineVerdict, unit: str, dated: bool) -> str:
-    """What is printed as soon as a verdict is decided."""
+    """The line printed as soon as a verdict is decided."""
     at = "" if verdict.decided_at is None else f"{time_text(verdict.decided_at, unit, dated)}: "
     return "\n".join((f"{at}{verdict.name} is {verdict.measured.word}", *_details(verdict, unit, dated))) + "\n"
 
 
 def violation_to_text(violation: OnlineViolation, unit: str, dated: bool) -> str:
-    """What is printed when a violation begins, and when it has ended."""
+    """The line printed when a violation begins, and when it has ended."""
     since = time_text(violation.since, unit, dated)
     if violation.until is None:
         return f"{violation.name} is violated from {since} on: `{violation.violated}`"
@@ -47,7 +47,7 @@ def online_to_text(record: OnlineRecord) -> str:
 
 def online_to_json(record: OnlineRecord) -> dict[str, Json]:
     """The record as docs/schema/monitor.schema.json describes it."""
-    told: dict[str, Json] = {
+    shown: dict[str, Json] = {
         "trace": record.trace,
         "rows": record.rows,
         "begin": decimal(record.begin, 18),
@@ -57,7 +57,7 @@ def online_to_json(record: OnlineRecord) -> dict[str, Json]:
         "pending_counts_as": record.ending.value,
         "results": [_verdict_to_json(verdict, record) for verdict in record.verdicts],
     }
-    return with_notes(told, record.notes)
+    return with_notes(shown, record.notes)
 
 
 def _verdict_to_json(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, Json]:

@@ -1,4 +1,4 @@
-"""What a picture of a judged trace shows, in numbers: steps of signals, bands of subformulas. No drawing here."""
+"""A picture of a trace with verdicts in numbers: steps of signals, bands of subformulas. No drawing here."""
 
 from __future__ import annotations
 

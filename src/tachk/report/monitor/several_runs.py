@@ -27,9 +27,9 @@ def print_runs(name: str, records: Mapping[str, MonitorRecord], console: Console
     console.print()
     for formula in _names(records):
         runs = {truth: _runs(records, formula, truth) for truth in _ORDER}
-        told = ", ".join(f"{truth.word} on {len(runs[truth])}" for truth in _ORDER)
+        line_shown = ", ".join(f"{truth.word} on {len(runs[truth])}" for truth in _ORDER)
         first = f"; the first violation is in run {runs[Truth.FALSE][0]}" if runs[Truth.FALSE] else ""
-        console.print(Text(f"  {formula}: {told}{first}"))
+        console.print(Text(f"  {formula}: {line_shown}{first}"))
     for truth in (Truth.FALSE, Truth.UNDETERMINED):
         shown = next((each for each in records.values() if any(v.truth is truth for v in each.verdicts)), None)
         if shown is not None:

@@ -1,4 +1,4 @@
-"""What a person reads about a judged trace: the table of verdicts, then what happened where one is not true."""
+"""The report of a monitor for people: the table of verdicts, then the reasons where one is not true."""
 
 from __future__ import annotations
 

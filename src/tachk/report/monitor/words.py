@@ -41,10 +41,10 @@ def count_violations(violations: Violations) -> str:
     stretches = f"{grouped(number)} {'violation' if number == 1 else 'violations'}"
     if triggers is None:
         return f"{stretches} in all" if number > 1 else ""
-    asked = f"{grouped(triggers.total)} {'trigger' if triggers.total == 1 else 'triggers'}"
-    told = [(triggers.violated, "violated"), (triggers.pending, "pending")]
-    (first, state), *others = [each for each in told if each[0]] or told
-    line = f"{grouped(first)} of {asked} {'is' if first == 1 else 'are'} {state}"
+    total = f"{grouped(triggers.total)} {'trigger' if triggers.total == 1 else 'triggers'}"
+    shown = [(triggers.violated, "violated"), (triggers.pending, "pending")]
+    (first, state), *others = [each for each in shown if each[0]] or shown
+    line = f"{grouped(first)} of {total} {'is' if first == 1 else 'are'} {state}"
     line += "".join(f", {grouped(more)} {state}" for more, state in others if more)
     return line + (f"; {stretches} in all" if number != triggers.violated else "")
 
@@ -69,7 +69,7 @@ def _trigger(trace: Trace, finding: Finding) -> Iterator[str]:
 
 
 def _reason(trace: Trace, reason: TruthReason) -> Iterator[str]:
-    """What makes a subformula false or undetermined, from the outside inwards."""
+    """The reasons why a subformula is false or undetermined, from the outside inwards."""
     at = cell_text(trace, reason.cell)
     if reason.window is not None:
         yield from _window_reason(trace, reason)

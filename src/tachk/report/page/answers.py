@@ -25,7 +25,7 @@ from tachk.syntax.picture_layout import keyed_edges
 
 
 def edge_names(templates: Iterable[ast.Template]) -> dict[str, str]:
-    """What the pictures of templates call each edge, by its place as reports tell it."""
+    """The names of edges in the pictures of templates, by their places in reports."""
     return {str(edge.span): key.text for template in templates for key, edge in keyed_edges(template)}
 
 
@@ -110,7 +110,7 @@ MOST_EVENTS = 400
 
 
 def answers_of(record: RunRecord, number: int = 0) -> Answers:
-    """What was just verified as a part of a page. ``number`` as for `answers_part`."""
+    """The verification just done as a part of a page. ``number`` as for `answers_part`."""
     told = {v.query.name: evidence_text(record.network, v).partition("\n")[2] for v in record.verdicts}
     return answers_part(run_to_json(record), number, told)
 

@@ -1,4 +1,4 @@
-"""What is on a page: answers about models, other results, texts, and how to repeat it all."""
+"""The content of a page: answers about models, other results, texts, and how to repeat it all."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Chapter:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """What a person says about the results.
+    """The comments of a person on the results.
 
     Attributes:
         markdown: without HTML.

@@ -57,12 +57,12 @@ def _sweep(document: Mapping[str, Any]) -> Chapter:
         for axis in grid.axes:
             if row.get(axis.name) not in axis.values:
                 raise UsageError(f"$.rows[{number}] of the sweep has none of the values of {axis.name}", _KNOWN)
-    asked = list(dict.fromkeys(row["property"] for row in rows))
+    properties = list(dict.fromkeys(row["property"] for row in rows))
     varied = ", ".join(axis.name for axis in grid.varied) or "constants"
     lines = [f"{document['cells']} combinations of values of {varied}."]
     if document["unfinished"]:
         lines.append(f"{document['unfinished']} of them are not finished.")
-    for name in asked:
+    for name in properties:
         own = [row for row in rows if row["property"] == name]
         found = Counter(row["answer"] for row in own)
         lines.append(f"{name}: {', '.join(f'{answer} in {times}' for answer, times in found.items())}.")
@@ -77,16 +77,16 @@ def _sweep(document: Mapping[str, Any]) -> Chapter:
             )
         except UsageError as error:
             lines.append(f"No picture: {error}.")
-    return Chapter(f"{document['model']}: many values", lines, _cells(grid, asked, rows), pictures)
+    return Chapter(f"{document['model']}: many values", lines, _cells(grid, properties, rows), pictures)
 
 
-def _cells(grid: Grid, asked: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> Sequence[Table]:
+def _cells(grid: Grid, properties: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> Sequence[Table]:
     names = [axis.name for axis in grid.varied] or list(grid.names)
     cells = [list(own) for _, own in groupby(rows, lambda row: [row[name] for name in grid.names])]
     if not 0 < len(cells) <= _MOST_ROWS:
         return ()
     lines = [[*(str(own[0][name]) for name in names), *map(_answer, own)] for own in cells]
-    return (Table((*names, *asked), lines, frozenset(range(len(names)))),)
+    return (Table((*names, *properties), lines, frozenset(range(len(names)))),)
 
 
 def _answer(row: Mapping[str, Any]) -> str:
@@ -138,14 +138,14 @@ def _estimates(document: Mapping[str, Any]) -> Chapter:
             case "test":
                 rows.append((answer["query"], answer["answer"], "", runs))
             case "splitting":
-                told = f"{answer['mean']:.3g}; {interval_text(answer['low'], answer['high'])} by splitting"
-                rows.append((answer["query"], told, confidence, f"{len(answer['replications'])} replications"))
+                interval = f"{answer['mean']:.3g}; {interval_text(answer['low'], answer['high'])} by splitting"
+                rows.append((answer["query"], interval, confidence, f"{len(answer['replications'])} replications"))
             case "mean" if answer["low"] is None:
-                told = f"asymptotically {interval_text(*answer['asymptotic'])}"
-                rows.append((answer["query"], told, confidence, runs))
+                interval = f"asymptotically {interval_text(*answer['asymptotic'])}"
+                rows.append((answer["query"], interval, confidence, runs))
             case "mean":
-                told = f"{answer['mean']:.4g}; {interval_text(answer['low'], answer['high'])}"
-                rows.append((answer["query"], told, confidence, runs))
+                interval = f"{answer['mean']:.4g}; {interval_text(answer['low'], answer['high'])}"
+                rows.append((answer["query"], interval, confidence, runs))
             case _:
                 drawn.append(f"{answer['query']}: {len(answer['runs'])} runs were drawn.")
     table = Table(("query", "answer", "confidence", "runs"), rows, frozenset({2, 3}))
@@ -182,4 +182,4 @@ _READERS: Sequence[tuple[frozenset[str], str, Callable[[Mapping[str, Any]], Chap
     (frozenset({"answers", "seed", "confidence"}), "estimate", _estimates),
     (frozenset({"trace", "results", "pending_counts_as"}), "monitor", _monitor),
 )
-"""What a result must have, the schema that describes it, and what makes a part of it."""
+"""The required fields of a result, the schema that describes it, and the function that makes a part of it."""

@@ -21,7 +21,7 @@ _MOST_CORNERS = 12
 
 
 def region_text(region: Region, time_unit: str, every_corner: bool = False) -> str:
-    """What `tachk synthesize` prints."""
+    """The output of `tachk synthesize`."""
     return "\n".join(_lines(region, time_unit, every_corner)) + "\n"
 
 
@@ -140,7 +140,7 @@ class Synthesis:
         return [row_of(self.region, cell) for cell in self.region.cells]
 
     def to_text(self, every_corner: bool = False) -> str:
-        """What `tachk synthesize` prints."""
+        """The output of `tachk synthesize`."""
         return region_text(self.region, self.time_unit, every_corner)
 
     def certificates(self, folder: str | Path) -> list[Path]:

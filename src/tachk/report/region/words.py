@@ -1,4 +1,4 @@
-"""What reports of a region have in common: sentences about it and about the evidence."""
+"""The common part of reports of a region: sentences about it and about the evidence."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def inequalities(region: Region) -> str:
 
 
 def knowledge(region: Region) -> Iterator[tuple[str, str]]:
-    """What is proved about each parameter: its name, and a sentence."""
+    """The proved bounds of each parameter: its name, and a sentence."""
     for parameter, bound in zip(region.parameters, region.bounds, strict=True):
         match bound:
             case ParameterBound.UPPER:

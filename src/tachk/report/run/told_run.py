@@ -30,7 +30,7 @@ class Run:
 
     @property
     def steps(self) -> tuple[ViewStep, ...]:
-        """What happens, each step with the state behind it."""
+        """The steps, each with the state behind it."""
         return self.view.steps
 
     @property

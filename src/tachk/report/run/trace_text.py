@@ -135,12 +135,12 @@ _COLUMNS = 120
 
 def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:
     """Prints a run."""
-    told = trace if telling.every_step else trace.without_hidden()
-    teller = _RunWriter(told, time_unit, telling.clocks, min(_COLUMNS, console.width))
-    start = len(told.steps) if told.loop_start is None else told.loop_start
-    stem, loop = (_items(told, a, b, telling.every_step) for a, b in ((0, start), (start, len(told.steps))))
+    shown = trace if telling.every_step else trace.without_hidden()
+    writer = _RunWriter(shown, time_unit, telling.clocks, min(_COLUMNS, console.width))
+    start = len(shown.steps) if shown.loop_start is None else shown.loop_start
+    stem, loop = (_items(shown, a, b, telling.every_step) for a, b in ((0, start), (start, len(shown.steps))))
     ends = Ends(len(stem) + len(loop) + 1, 0) if telling.every_step else telling.ends
-    console.print(teller.text(stem, loop, ends), end="", soft_wrap=True)
+    console.print(writer.text(stem, loop, ends), end="", soft_wrap=True)
 
 
 def _items(trace: TraceView, begin: int, end: int, every_step: bool) -> Sequence[Single | Round]:
@@ -184,7 +184,7 @@ _ENDINGS = {
 
 @dataclass(frozen=True, slots=True)
 class _FoldedItems:
-    """What is told of some items: those at both ends, and how many steps are left out between them."""
+    """The items that are shown: those at both ends, and the number of steps left out between them."""
 
     beginning: Sequence[Single | Round]
     left_out: int

@@ -18,27 +18,27 @@ _FEWEST: Final = 6
 """Rounds: fewer are drawn as they are."""
 
 
-def told_once(chart: Chart) -> Chart:
+def shown_once(chart: Chart) -> Chart:
     """The chart with the first and the last of such rounds, and a note of how many are between them."""
-    told: list[Message | Note] = []
+    shown: list[Message | Note] = []
     place = 0
     alike = [_alike(event) for event in chart.events]
     while place < len(alike):
         length, rounds = _rounds(alike, place)
         end = place + length * rounds
         if rounds >= _FEWEST:
-            told += chart.events[place : place + length]
-            told.append(_note(chart, place, length, rounds))
-            told += chart.events[end - length : end]
+            shown += chart.events[place : place + length]
+            shown.append(_note(chart, place, length, rounds))
+            shown += chart.events[end - length : end]
         else:
             end = place + 1
-            told.append(chart.events[place])
+            shown.append(chart.events[place])
         place = end
-    return replace(chart, events=tuple(told))
+    return replace(chart, events=tuple(shown))
 
 
 def _alike(event: Message | Note) -> Hashable:
-    """What two events have in common that look the same."""
+    """The common appearance of two events."""
     if isinstance(event, Note):
         return event
     return event.sender, event.receivers, event.label, event.is_lost, event.is_repeated, len(event.arrivals)

@@ -1,1 +1,1 @@
-"""What statistics found, for people, programs and eyes."""
+"""Reports of statistical results, for people, programs and eyes."""

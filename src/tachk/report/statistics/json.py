@@ -18,7 +18,7 @@ def estimates_document(model: str, found: Sequence[Estimate | NoEstimate], setti
 
 
 def answered_document(answer: StatisticalAnswer) -> dict[str, Any]:
-    """What docs/schema/verify.schema.json calls an estimate."""
+    """An estimate of docs/schema/verify.schema.json."""
     return _PLAIN.of(answer)
 
 

@@ -9,7 +9,7 @@ from typing import assert_never
 from tachk.simulation.statistics.answers import NoEstimate
 from tachk.simulation.statistics.deciding import Decision
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Estimated, Mean, Settings, Split
-from tachk.simulation.statistics.sampling import SampledRuns, told_endings
+from tachk.simulation.statistics.sampling import SampledRuns, endings_text
 from tachk.simulation.statistics.trajectories import Polyline
 
 _POINTS = 6
@@ -75,8 +75,8 @@ def _sample_lines(sample: SampledRuns, frequency: float, method: str) -> Iterato
 
 
 def _endings(sample: SampledRuns) -> Iterator[str]:
-    for told in told_endings(sample.endings.most_common()):
-        yield f"  {told}"
+    for text in endings_text(sample.endings.most_common()):
+        yield f"  {text}"
     if sample.fault is not None:
         kind, span = sample.fault
         yield f"  {span}: {kind.name.lower().replace('_', ' ')}"

@@ -23,12 +23,20 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.model.statistical import AskedPath, ExpectedValue, Path, Probability, ProbabilityComparison, Scale, Threshold
+from tachk.model.statistical import (
+    ExpectedValue,
+    Path,
+    PathProperty,
+    Probability,
+    ProbabilityComparison,
+    Scale,
+    Threshold,
+)
 from tachk.report.verifyta_notes import memory_lines, note
 from tachk.simulation.statistics.answers import StatisticalAnswer, samples_of
 from tachk.simulation.statistics.deciding import Decision
 from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimated, Mean, Settings, Split
-from tachk.simulation.statistics.sampling import told_endings
+from tachk.simulation.statistics.sampling import endings_text
 from tachk.simulation.statistics.trajectories import Trajectory
 
 
@@ -40,7 +48,7 @@ class Form(StrEnum):
 
     @property
     def dots(self) -> str:
-        """What stands for a condition."""
+        """The placeholder for a condition."""
         return "..." if self is Form.V4 else "…"
 
 
@@ -88,8 +96,8 @@ def statistical_lines(answer: StatisticalAnswer, form: Form = Form.V4, bars: Bar
         case never:
             assert_never(never)
     for sample in samples_of(found):
-        for told in told_endings(sample.endings.most_common()):
-            yield note(told)
+        for line_text in endings_text(sample.endings.most_common()):
+            yield note(line_text)
 
 
 def statistical_summary(answer: StatisticalAnswer) -> Iterator[str]:
@@ -118,8 +126,8 @@ def _interval_lines(interval: str, hits: int, runs: int, form: Form, settings: S
         yield f" -- Result: ({hits}/{runs} runs) {interval} ({settings.confidence * 100:.6g}% CI)"
 
 
-def path_of(found: Estimated) -> AskedPath | None:
-    """What is asked of each run."""
+def path_of(found: Estimated) -> PathProperty | None:
+    """The property evaluated on each run."""
     match found.query.question:
         case Probability(path) | Threshold(path):
             return path
@@ -127,7 +135,7 @@ def path_of(found: Estimated) -> AskedPath | None:
             return None
 
 
-def _operator(path: AskedPath, form: Form) -> str:
+def _operator(path: PathProperty, form: Form) -> str:
     if not isinstance(path, Path):
         return f"Pr({form.dots})"
     if path.before is not None:

@@ -9,8 +9,8 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.whole_files import whole_file
-from tachk.simulation.fmi.blueprint import NAME, blueprint
 from tachk.simulation.fmi.description import FmiVersion, description
+from tachk.simulation.fmi.resource_file import NAME, resource_file
 from tachk.simulation.fmi.unit import CoSimulationUnit
 
 _LIBRARY = "libtachk_unit"
@@ -23,7 +23,7 @@ _TIME = (1980, 1, 1, 0, 0, 0)
 def write_unit(unit: CoSimulationUnit, version: FmiVersion, path: Path) -> None:
     """Writes the archive of a unit for machines like this one. Raises UsageError where there is no library for it."""
     library = unit_library()
-    made = blueprint(unit)
+    made = resource_file(unit)
     binary = f"binaries/{_platform(version)}/{unit.name}{library.suffix}"
     with whole_file(path) as part, ZipFile(part, "w") as archive:
         for name, content in (
@@ -50,7 +50,7 @@ def _suffix() -> str:
 
 
 def _platform(version: FmiVersion) -> str:
-    """What the folder of the library is called."""
+    """The name of the folder of the library."""
     machine = _MACHINES.get(platform.machine().lower(), platform.machine().lower())
     match version:
         case FmiVersion.TWO:

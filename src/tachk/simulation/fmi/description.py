@@ -44,7 +44,7 @@ def _head(
     abilities: Sequence[str],
     enumeration: Callable[[Element, str], Element],
 ) -> Element:
-    """What stands in front of the variables.
+    """The part before the variables.
 
     Args:
         abilities: what the unit can, as this version calls it.
@@ -84,7 +84,7 @@ def _declared(reference: int, variable: UnitVariable) -> dict[str, str]:
 
 
 def _value(variable: UnitVariable) -> dict[str, str]:
-    """What the two versions call the same."""
+    """The common part of the two versions."""
     result = {}
     if variable.bounds is not None:
         result = {"min": str(variable.bounds[0]), "max": str(variable.bounds[1])}

@@ -105,7 +105,7 @@ def open_network(network: Network, names: Sequence[str]) -> OpenNetwork:
 
 
 class _PartInterface:
-    """What some processes of a network have to do with.
+    """The interface of some processes of a network.
 
     Attributes:
         used, written: global and other variables.
@@ -203,9 +203,9 @@ def _used(network: Network, ours: _PartInterface) -> Iterator[Variable]:
 
 def _is_seen(network: Network, signal: Signal, ours: _PartInterface) -> bool:
     nodes = [node for expression in with_bodies([signal.expression]) for node in walk(expression)]
-    asked = {node.process for node in nodes if isinstance(node, LocationTest)}
+    observed_processes = {node.process for node in nodes if isinstance(node, LocationTest)}
     read = {node.variable for node in nodes if isinstance(node, Reference)} & {*network.all_variables()}
-    return asked <= ours.members and read <= ours.used
+    return observed_processes <= ours.members and read <= ours.used
 
 
 def _with_stubs(network: Network, inside: set[int]) -> Iterator[Process]:

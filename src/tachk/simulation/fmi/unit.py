@@ -1,4 +1,4 @@
-"""What a unit for co-simulation consists of: a network, and the variables that a master sees."""
+"""A unit for co-simulation: a network, and the variables that a master sees."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _COMMITTED = "committed"
 
 
 class Role(IntEnum):
-    """What a variable stands for: `src/core/fmi/blueprint.hpp` has the same list."""
+    """The role of a variable: `src/core/fmi/resource_file.hpp` has the same list."""
 
     TIME = 0
     SEED = 1
@@ -43,7 +43,7 @@ class Role(IntEnum):
 
 
 class FmiType(IntEnum):
-    """The type of a variable, in the order of `src/core/fmi/blueprint.hpp`."""
+    """The type of a variable, in the order of `src/core/fmi/resource_file.hpp`."""
 
     REAL = 0
     INTEGER = 1
@@ -191,7 +191,7 @@ def ticks_of_a_second(network: Network) -> Fraction:
 
 
 def common() -> tuple[UnitVariable, ...]:
-    """What every unit has."""
+    """The variables of every unit."""
     policies = tuple(policy.value for policy in Policy)
     return (
         UnitVariable("time", Role.TIME, FmiType.REAL),
@@ -203,7 +203,7 @@ def common() -> tuple[UnitVariable, ...]:
 
 
 def observations(columns: Sequence[Column], program: Program) -> Iterator[UnitVariable]:
-    """What can be seen of a run, under the names that it has in a recording."""
+    """The columns of a run, under the names that they have in a recording."""
     taken = {variable.name for variable in common()}
     for number, column in enumerate(columns):
         name = f"model.{column.name}" if column.name in taken else column.name

@@ -24,7 +24,7 @@ from tachk.simulation.statistics.sampling import SampledRuns
 
 @dataclass(frozen=True, slots=True)
 class StatisticalAnswer:
-    """What was found for one query.
+    """The answer to one query.
 
     Attributes:
         number: of the query among all of its run, from 1.
@@ -117,8 +117,8 @@ def answer_statistical(
         load: reads the model as simulations see it, with floating point variables; called where there is such a query.
         limits: on time and memory, for all of them together.
     """
-    asked = {number: query for number, query in enumerate(formulas, 1) if is_statistical(query)}
-    if not asked:
+    question = {number: query for number, query in enumerate(formulas, 1) if is_statistical(query)}
+    if not question:
         return {}
     found: dict[int, StatisticalAnswer | UncheckedQuery] = {}
     reason = ""
@@ -126,17 +126,17 @@ def answer_statistical(
         with limited(limits.seconds, limits.memory_bytes):
             loaded = load()
             reader = StatisticalReader(loaded)
-            for number, query in asked.items():
+            for number, query in question.items():
                 found[number] = _answer(loaded, reader, query, number, settings)
     except InputError as error:
-        return {number: replace(query, diagnostics=error.diagnostics) for number, query in asked.items()}
+        return {number: replace(query, diagnostics=error.diagnostics) for number, query in question.items()}
     except StoppedError as error:
         reason = error.reason
     except KeyboardInterrupt:
         reason = INTERRUPTED
     return {
         number: found.get(number) or StatisticalAnswer(query, number, settings, None, reason)
-        for number, query in asked.items()
+        for number, query in question.items()
     }
 
 
@@ -147,8 +147,8 @@ def _answer(
     if loaded.refusals:
         return StatisticalAnswer(query, number, settings, None, loaded.refusals[0].message)
     try:
-        asked = reader.read(query)
-        found = estimate(asked.network or loaded.network, asked, settings)
+        question = reader.read(query)
+        found = estimate(question.network or loaded.network, question, settings)
     except InputError as error:
         return replace(query, diagnostics=error.diagnostics)
     except UnsupportedError as error:

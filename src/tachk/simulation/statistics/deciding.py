@@ -15,7 +15,7 @@ from tachk.base.records import dataclass
 
 
 class Decision(StrEnum):
-    """What a test says about ``Pr >= p``."""
+    """The answer of a test about ``Pr >= p``."""
 
     HOLDS = "holds"
     FAILS = "fails"
@@ -24,7 +24,7 @@ class Decision(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """What may go wrong, each with at most this probability.
+    """The error probabilities, upper bounds.
 
     Attributes:
         alpha: of saying that the probability is too small, where it is at least ``p + delta``.

@@ -18,8 +18,8 @@ from tachk.model.expressions import Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.statistical import (
-    AskedPath,
     ExpectedValue,
+    PathProperty,
     Probability,
     ProbabilityComparison,
     Scale,
@@ -177,8 +177,8 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
             return _comparison(network, query, (first, second), settings)
         case ExpectedValue() as expectation:
             return _mean(network, query, expectation, settings)
-        case Trajectories() as asked:
-            return _drawn(network, query, asked, settings)
+        case Trajectories() as wanted:
+            return _drawn(network, query, wanted, settings)
         case never:
             assert_never(never)
 
@@ -192,7 +192,7 @@ def _frequency(sample: SampledRuns, always: bool) -> float:
 # ---- probabilities --------------------------------------------------------------------------------------------------
 
 
-def _probability(network: Network, query: StatisticalQuery, path: AskedPath, settings: Settings) -> Estimated:
+def _probability(network: Network, query: StatisticalQuery, path: PathProperty, settings: Settings) -> Estimated:
     sampler = sampler_of(network, path, settings.source)
     runs = settings.runs or path.runs
     if runs is None:
@@ -229,16 +229,16 @@ def _sequential(sampler: Sampler, rule: StoppingRule) -> tuple[float, float]:
     return readings[False][0], readings[True][1]
 
 
-def _threshold(network: Network, query: StatisticalQuery, asked: Threshold, settings: Settings) -> Decided:
-    path = asked.path
+def _threshold(network: Network, query: StatisticalQuery, wanted: Threshold, settings: Settings) -> Decided:
+    path = wanted.path
     runs = settings.runs or path.runs
     if runs is not None:
         found = _probability(network, query, path, settings)
-        at_least = _decided(found.low, found.high, asked.probability)
-        decision = at_least if asked.at_least else _at_most(found, asked.probability)
+        at_least = _decided(found.low, found.high, wanted.probability)
+        decision = at_least if wanted.at_least else _at_most(found, wanted.probability)
         return Decided(query, decision, (found.sample,), (found.frequency,), (found.low, found.high))
     sampler = sampler_of(network, path, settings.source)
-    readings = {as_hit: threshold_test(asked.probability, settings.errors) for as_hit in (False, True)}
+    readings = {as_hit: threshold_test(wanted.probability, settings.errors) for as_hit in (False, True)}
     decision = Decision.UNKNOWN
     while decision is Decision.UNKNOWN and sampler.sample.runs < settings.most_runs:
         trials = sampler.draw(min(_ROUND, settings.most_runs - sampler.sample.runs))
@@ -247,7 +247,7 @@ def _threshold(network: Network, query: StatisticalQuery, asked: Threshold, sett
         decision = _agreed(readings)
     return Decided(
         query,
-        decision if asked.at_least else _opposite(decision),
+        decision if wanted.at_least else _opposite(decision),
         (sampler.sample,),
         (_frequency(sampler.sample, path.always),),
     )
@@ -289,7 +289,7 @@ def _opposite(decision: Decision) -> Decision:
 
 
 def _comparison(
-    network: Network, query: StatisticalQuery, paths: tuple[AskedPath, AskedPath], settings: Settings
+    network: Network, query: StatisticalQuery, paths: tuple[PathProperty, PathProperty], settings: Settings
 ) -> Decided:
     source = settings.source
     other = RunSource(source.seed, source.first + _SECOND, source.threads, source.most_steps)
@@ -308,7 +308,9 @@ def _comparison(
     return Decided(query, decision, samples, frequencies)
 
 
-def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[AskedPath, AskedPath]) -> None:
+def _compare(
+    readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[PathProperty, PathProperty]
+) -> None:
     """Gives a pair of runs to both readings: an unknown run speaks for the first probability, or against it."""
     for in_favour, test in readings.items():
         first, second = (
@@ -319,9 +321,9 @@ def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths
             test.add(first)
 
 
-def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, settings: Settings) -> DrawnRuns:
-    sample, numbers = picked(network, asked, settings.source)
-    runs = trajectories(network, asked, settings.source, numbers)
+def _drawn(network: Network, query: StatisticalQuery, wanted: Trajectories, settings: Settings) -> DrawnRuns:
+    sample, numbers = picked(network, wanted, settings.source)
+    runs = trajectories(network, wanted, settings.source, numbers)
     if sample is None:
         return DrawnRuns(query, runs)
     interval = clopper_pearson(sample.hits, sample.runs, settings.confidence, sample.unknown)
@@ -329,7 +331,7 @@ def _drawn(network: Network, query: StatisticalQuery, asked: Trajectories, setti
 
 
 def _split(
-    network: Network, query: StatisticalQuery, path: AskedPath, splitting: Splitting, settings: Settings
+    network: Network, query: StatisticalQuery, path: PathProperty, splitting: Splitting, settings: Settings
 ) -> Split:
     rare = split(network, path, settings.source, settings.confidence, splitting)
     reach = rare.half_width(settings.confidence)
@@ -339,13 +341,13 @@ def _split(
 # ---- means ----------------------------------------------------------------------------------------------------------
 
 
-def _mean(network: Network, query: StatisticalQuery, asked: ExpectedValue, settings: Settings) -> Mean:
-    sampler, largest_reset = value_sampler(network, asked, settings.source)
-    sample = sampler.draw_up_to(settings.runs or asked.runs or _RUNS_OF_MEANS)
+def _mean(network: Network, query: StatisticalQuery, wanted: ExpectedValue, settings: Settings) -> Mean:
+    sampler, largest_reset = value_sampler(network, wanted, settings.source)
+    sample = sampler.draw_up_to(settings.runs or wanted.runs or _RUNS_OF_MEANS)
     values = sample.all_values
     known = values[~np.isnan(values)]
     mean = float(known.mean()) if len(known) else float("nan")
-    between = value_range(network, asked, largest_reset)
+    between = value_range(network, wanted, largest_reset)
     low = high = None
     if between is not None:
         lowest, highest = (np.where(np.isnan(values), end, values) for end in between)
@@ -354,15 +356,15 @@ def _mean(network: Network, query: StatisticalQuery, asked: ExpectedValue, setti
     return Mean(query, sample, mean, low, high, guess, between)
 
 
-def value_range(network: Network, asked: ExpectedValue, largest_reset: int) -> tuple[float, float] | None:
+def value_range(network: Network, wanted: ExpectedValue, largest_reset: int) -> tuple[float, float] | None:
     """Where what is measured certainly lies; None where that is not known."""
-    value: Expression = asked.value
+    value: Expression = wanted.value
     if value.type == DOUBLE:
         return None
     if isinstance(value.type, ClockType):
-        if asked.bound.scale is not Scale.TIME or not _clocks_count_time(network) or advances_clocks(network):
+        if wanted.bound.scale is not Scale.TIME or not _clocks_count_time(network) or advances_clocks(network):
             return None
-        return 0.0, float(asked.bound.limit) + largest_reset
+        return 0.0, float(wanted.bound.limit) + largest_reset
     low, high = interval(value, known_values(network, [value]))
     return float(low), float(high)
 

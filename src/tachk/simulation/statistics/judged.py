@@ -17,7 +17,7 @@ from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.run_formulas import RunFormula, RunOperator
-from tachk.model.statistical import AskedPath, FormulaPath, Path
+from tachk.model.statistical import FormulaPath, Path, PathProperty
 from tachk.recordings.traces.certainty import is_certainly_false
 from tachk.recordings.traces.core_monitor import monitor_truth
 from tachk.recordings.traces.monitor_program import (
@@ -39,7 +39,7 @@ from tachk.simulation.statistics.sampling import RunSource, Sampler, path_sample
 _ANSWERS = {Truth.TRUE: TrialAnswer.YES, Truth.FALSE: TrialAnswer.NO, Truth.UNDETERMINED: TrialAnswer.UNKNOWN}
 
 
-def sampler_of(network: Network, path: AskedPath, source: RunSource) -> Sampler:
+def sampler_of(network: Network, path: PathProperty, source: RunSource) -> Sampler:
     """Runs on which a path is asked. Raises UnsupportedError for what is not simulated, and InputError for a wrong
     initial value."""
     return path_sampler(network, path, source) if isinstance(path, Path) else _formula_sampler(network, path, source)

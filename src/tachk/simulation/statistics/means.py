@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 def bounded_mean(lowest: Floats, highest: Floats, least: float, most: float, confidence: float) -> tuple[float, float]:
-    """What contains the mean at least with the confidence, for a number of runs fixed beforehand.
+    """A confidence interval of the mean, for a number of runs fixed beforehand.
 
     Somebody bets on each run that its value is larger than a number, with stakes that depend on the runs before. If the
     number is not below the mean, the wealth from 1 on is hardly ever 1 / p: with probability at most p (Ville 1939). So
@@ -43,7 +43,7 @@ _ROUNDS = 45
 
 
 def _below_the_mean(values: Floats, miss: float) -> float:
-    """What is below the mean of values in [0, 1] but for ``miss``."""
+    """A lower bound of the mean of values in [0, 1] but for ``miss``."""
     stakes = _stakes(values, miss)
     wanted = log(1 / miss)
     low, high = 0.0, 1.0
@@ -69,7 +69,7 @@ def _stakes(values: Floats, miss: float) -> Floats:
 
 
 def asymptotic_mean(values: Floats, confidence: float) -> tuple[float, float]:
-    """What would contain the mean with the confidence if there were very many runs; with few it is a guess."""
+    """The asymptotic confidence interval of the mean; with few runs it is a guess."""
     mean, count = float(np.mean(values)), len(values)
     if count < 2:
         return -inf, inf

@@ -18,9 +18,9 @@ from tachk.base.records import dataclass
 from tachk.engine.compiler.hybrid import refuse_hybrid
 from tachk.engine.simulation.splitting import Splitter
 from tachk.model.network import Network
-from tachk.model.statistical import AskedPath, Path
+from tachk.model.statistical import Path, PathProperty
 from tachk.simulation.intervals import student_quantile
-from tachk.simulation.statistics.sampling import RunSource, asked_of, lowered_path, with_elapsed_time
+from tachk.simulation.statistics.sampling import RunSource, lowered_path, trial_question, with_elapsed_time
 
 _BATCH = 4
 """How many replications are made at once."""
@@ -47,7 +47,7 @@ class Splitting:
 
 @dataclass(frozen=True, slots=True)
 class Rare:
-    """What splitting found.
+    """The result of splitting.
 
     Attributes:
         probabilities: of each replication.
@@ -74,7 +74,7 @@ class Rare:
         return student_quantile(confidence, count - 1) * deviation
 
 
-def split(network: Network, path: AskedPath, source: RunSource, confidence: float, splitting: Splitting) -> Rare:
+def split(network: Network, path: PathProperty, source: RunSource, confidence: float, splitting: Splitting) -> Rare:
     """The probability of ``<> p`` or ``p U q``.
 
     Raises:
@@ -91,7 +91,7 @@ def split(network: Network, path: AskedPath, source: RunSource, confidence: floa
     refuse_hybrid(network, "splitting")
     network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
-    asked = asked_of(network, path, program)
+    question = trial_question(network, path, program)
     splitter = Splitter(program, chances, splitting.zones)
     levels = splitter.levels
     if not levels.reached:
@@ -103,7 +103,7 @@ def split(network: Network, path: AskedPath, source: RunSource, confidence: floa
         check_job()
         numbers = range(len(probabilities), len(probabilities) + _BATCH)
         for probability, steps, lost in splitter.replications(
-            asked, source.seed, numbers, splitting.effort, source.threads, source.most_steps
+            question, source.seed, numbers, splitting.effort, source.threads, source.most_steps
         ):
             probabilities.append(probability)
             transitions += steps

@@ -58,7 +58,7 @@ class RunSource:
 
 @dataclass(slots=True)
 class SampledRuns:
-    """What came of the runs so far.
+    """The results of the runs so far.
 
     Attributes:
         ticks_per_unit: how finely their times are counted.
@@ -128,20 +128,20 @@ class Sampler:
         return self.sample
 
 
-def _asking(program: Program, chances: Chances, asked: TrialQuestion, source: RunSource) -> Sampler:
+def _sampler_of(program: Program, chances: Chances, question: TrialQuestion, source: RunSource) -> Sampler:
     trier = Trier(program, chances)
 
     def trials(numbers: range) -> Trials:
-        return trier.trials(asked, source.seed, numbers, source.threads, source.most_steps)
+        return trier.trials(question, source.seed, numbers, source.threads, source.most_steps)
 
-    return Sampler(trials, source.first, asked.reach.ticks_per_unit)
+    return Sampler(trials, source.first, question.reach.ticks_per_unit)
 
 
 def path_sampler(network: Network, path: Path, source: RunSource) -> Sampler:
     """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false. Raises as `lowered_path`."""
     network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
-    return _asking(program, chances, asked_of(network, path, program), source)
+    return _sampler_of(program, chances, trial_question(network, path, program), source)
 
 
 def with_elapsed_time(network: Network, path: Path) -> tuple[Network, Path]:
@@ -175,25 +175,27 @@ def _lost(path: Path) -> Expression | None:
     return negation(before) if beyond is None else either(negation(before), beyond)
 
 
-def asked_of(network: Network, path: Path, program: Program) -> TrialQuestion:
+def trial_question(network: Network, path: Path, program: Program) -> TrialQuestion:
     return TrialQuestion(reach_of(path.bound, network, program), 0, -1 if _lost(path) is None else 1)
 
 
-def value_sampler(network: Network, asked: ExpectedValue, source: RunSource) -> tuple[Sampler, int]:
+def value_sampler(network: Network, question: ExpectedValue, source: RunSource) -> tuple[Sampler, int]:
     """Runs on which the largest or least value of an expression is measured, and the largest value that a clock is set
     to. Raises as `lowered_path`."""
     check_simulated(network)
-    is_clock = isinstance(asked.value.type, ClockType)
-    beyond = asked.bound.beyond
-    program, chances = lower_simulation(network, () if is_clock else (asked.value,), [] if beyond is None else [beyond])
+    is_clock = isinstance(question.value.type, ClockType)
+    beyond = question.bound.beyond
+    program, chances = lower_simulation(
+        network, () if is_clock else (question.value,), [] if beyond is None else [beyond]
+    )
     measured = TrialQuestion(
-        reach_of(asked.bound, network, program),
+        reach_of(question.bound, network, program),
         goal=-1 if beyond is None else 0,
         observed=-1 if is_clock else 0,
-        clock=clock_number(asked.value, network, program) if is_clock else 0,
-        largest=asked.largest,
+        clock=clock_number(question.value, network, program) if is_clock else 0,
+        largest=question.largest,
     )
-    return _asking(program, chances, measured, source), program.largest_reset
+    return _sampler_of(program, chances, measured, source), program.largest_reset
 
 
 def reach_of(bound: RunBound, network: Network, program: Program) -> Reach:
@@ -235,8 +237,8 @@ def _place_name(place: Expression, network: Network) -> str | None:
             return None
 
 
-def told_endings(endings: Iterable[tuple[SimulationEnding, int]]) -> Sequence[str]:
-    """What should be known of runs that did not last as long as they were to be."""
+def endings_text(endings: Iterable[tuple[SimulationEnding, int]]) -> Sequence[str]:
+    """The warning about runs that ended before their bound."""
     return [
         f"{count} {'run ends' if count == 1 else 'runs end'} with: {ending}"
         for ending, count in endings

@@ -45,7 +45,7 @@ class StoppingRule:
 
     @property
     def _width(self) -> float:
-        """What the formula for the width is to say: it is not exact, least of all for few runs."""
+        """The target of the formula for the width: it is not exact, least of all for few runs."""
         slack = 0.99 if self.half_width <= 0.1 and self.confidence >= 0.9 else 0.95
         return 2 * self.half_width * slack
 
@@ -76,7 +76,7 @@ class StoppingRule:
         return hits <= edge or runs - hits <= edge
 
     def interval(self, look: int, hits: int) -> tuple[float, float]:
-        """What contains the probability of a hit at least with the confidence, for a place where the rule stops."""
+        """A confidence interval of the probability of a hit, for a place where the rule stops."""
         runs = self.looks[look]
         if 2 * hits > runs:  # the rule is the same for hits and misses
             low, high = self.interval(look, runs - hits)

@@ -25,7 +25,7 @@ from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.statistical import Path, RunBound, Scale
-from tachk.model.statistical import Trajectories as Asked
+from tachk.model.statistical import Trajectories as TrajectoriesQuery
 from tachk.model.types import ClockType
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
@@ -60,50 +60,54 @@ class Trajectory:
     lines: tuple[Polyline, ...]
 
 
-def picked(network: Network, asked: Asked, source: RunSource) -> tuple[SampledRuns | None, tuple[int, ...]]:
+def picked(
+    network: Network, question: TrajectoriesQuery, source: RunSource
+) -> tuple[SampledRuns | None, tuple[int, ...]]:
     """The numbers of the runs that are told, and where a condition picks them, on how many it became true."""
-    numbers = range(source.first, source.first + asked.runs)
-    if asked.condition is None:
+    numbers = range(source.first, source.first + question.runs)
+    if question.condition is None:
         return None, tuple(numbers)
-    sampler = path_sampler(network, Path(asked.bound, None, False, asked.condition), source)
+    sampler = path_sampler(network, Path(question.bound, None, False, question.condition), source)
     found: list[int] = []
-    while sampler.sample.runs < asked.runs:
+    while sampler.sample.runs < question.runs:
         first = source.first + sampler.sample.runs
-        answers = sampler.draw(min(_BATCH, asked.runs - sampler.sample.runs)).answers
+        answers = sampler.draw(min(_BATCH, question.runs - sampler.sample.runs)).answers
         found += (first + np.flatnonzero(answers == TrialAnswer.YES)).tolist()
-    return sampler.sample, tuple(found[: asked.most])
+    return sampler.sample, tuple(found[: question.most])
 
 
-def trajectories(network: Network, asked: Asked, source: RunSource, numbers: Sequence[int]) -> tuple[Trajectory, ...]:
+def trajectories(
+    network: Network, question: TrajectoriesQuery, source: RunSource, numbers: Sequence[int]
+) -> tuple[Trajectory, ...]:
     """The runs of these numbers. Raises UnsupportedError for what is not simulated."""
-    discrete = [value for value in asked.values if not isinstance(value.type, ClockType)]
+    discrete = [value for value in question.values if not isinstance(value.type, ClockType)]
     runs = Runs(network, [Column(value.span.text, value) for value in discrete])
-    recorded = RecordedChanges(observed=True, clocks=len(discrete) < len(asked.values))
+    recorded = RecordedChanges(observed=True, clocks=len(discrete) < len(question.values))
     return tuple(
         Trajectory(
             run.number,
             run.ending,
             run.end / run.ticks_per_unit,
-            tuple(_lines(run, asked.values, network, runs.program)),
+            tuple(_lines(run, question.values, network, runs.program)),
         )
-        for drawing, first, last in _drawings(network, asked, source, numbers, runs.program)
+        for drawing, first, last in _drawings(network, question, source, numbers, runs.program)
         for run in runs.draw(drawing, range(first, last), recorded)
     )
 
 
 def _drawings(
-    network: Network, asked: Asked, source: RunSource, numbers: Sequence[int], program: Program
+    network: Network, question: TrajectoriesQuery, source: RunSource, numbers: Sequence[int], program: Program
 ) -> Iterator[tuple[SimulationOptions, int, int]]:
     """How runs are drawn: those with numbers in a row and the same end together, from one number to another."""
-    if asked.bound.scale is Scale.CLOCK:
+    if question.bound.scale is Scale.CLOCK:
         for number in numbers:
-            end = _end(network, asked, replace(source, first=number))
+            end = _end(network, question, replace(source, first=number))
             drawing = SimulationOptions(
                 source.seed, end.ticks, steps=source.most_steps, ticks_per_unit=end.ticks_per_unit
             )
             yield drawing, number, number + 1
         return
-    reach = reach_of(asked.bound, network, program)
+    reach = reach_of(question.bound, network, program)
     steps = source.most_steps if reach.steps is None else reach.steps
     until = LATEST_TICK if reach.until is None else reach.until
     drawing = SimulationOptions(
@@ -116,10 +120,10 @@ def _drawings(
             first = place
 
 
-def _end(network: Network, asked: Asked, source: RunSource) -> Horizon:
+def _end(network: Network, question: TrajectoriesQuery, source: RunSource) -> Horizon:
     """When the run with the first number reaches a bound that is a clock."""
-    beyond, latest = asked.bound.beyond, RunBound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
-    path = Path(asked.bound, None, False, Constant(0)) if beyond is None else Path(latest, None, False, beyond)
+    beyond, latest = question.bound.beyond, RunBound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
+    path = Path(question.bound, None, False, Constant(0)) if beyond is None else Path(latest, None, False, beyond)
     sampler = path_sampler(network, path, source)
     return Horizon(int(sampler.draw(1).ends[0]), sampler.sample.ticks_per_unit)
 

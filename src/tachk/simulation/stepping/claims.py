@@ -1,4 +1,4 @@
-"""What a file says of a run, before anybody has looked whether it is one."""
+"""A submitted run: the run in a file before it is replayed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tachk.base.words import Direction
 
 @dataclass(frozen=True, slots=True)
 class ClaimedMove:
-    """What a process is said to do.
+    """The submitted step of a process.
 
     Attributes:
         number: which of its edges from the source to the target, from 1 in the order of the text; None: not told.
@@ -31,7 +31,7 @@ class ClaimedMove:
 
 @dataclass(frozen=True, slots=True)
 class ClaimedState:
-    """What is told of a state, by names; whatever is not named may have any value."""
+    """A submitted state, by names; whatever is not named may have any value."""
 
     locations: Mapping[str, str]
     variables: Mapping[str, int | bool]

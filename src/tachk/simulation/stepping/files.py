@@ -54,10 +54,10 @@ def read_report(document: object, name: str, prop: str | None = None) -> Claimed
 def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) -> ClaimedRun:
     state = initial = _merged(ClaimedState({}, {}, {}), states[0], Fraction(0))
     claims = []
-    for told in states[1:]:
-        waited = exact_number(told["delay"])
-        state = _merged(state, told, waited)
-        transition = told["transition"] or {"channel": None, "participants": []}
+    for entry in states[1:]:
+        waited = exact_number(entry["delay"])
+        state = _merged(state, entry, waited)
+        transition = entry["transition"] or {"channel": None, "participants": []}
         moves = tuple(
             ClaimedMove(
                 part["process"],
@@ -73,19 +73,19 @@ def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) 
     return ClaimedRun(name, {key: int(value) for key, value in constants.items()}, tuple(claims), initial)
 
 
-def _merged(before: ClaimedState, told: Mapping[str, Any], waited: Fraction) -> ClaimedState:
+def _merged(before: ClaimedState, entry: Mapping[str, Any], waited: Fraction) -> ClaimedState:
     """The state before, as time has passed, with what is told to be different."""
     passed = {name: value + waited for name, value in before.clocks.items()}
     return ClaimedState(
-        {**before.locations, **told.get("locations", {})},
-        {**before.variables, **told.get("variables", {})},
-        {**passed, **{name: exact_number(value) for name, value in (told.get("clocks") or {}).items()}},
-        exact_number(told["time"]),
+        {**before.locations, **entry.get("locations", {})},
+        {**before.variables, **entry.get("variables", {})},
+        {**passed, **{name: exact_number(value) for name, value in (entry.get("clocks") or {}).items()}},
+        exact_number(entry["time"]),
     )
 
 
 def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
-    """What a file claims. Raises InputError, and UsageError for a file of another kind."""
+    """The submitted run in a file. Raises InputError, and UsageError for a file of another kind."""
     source = read_source(path, "a run", LARGEST_RUN)
     if not source.text.lstrip().startswith("{"):
         if prop is not None:

@@ -126,7 +126,7 @@ class HasNetwork(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """What came of a run that was executed on a model. It is true if all of it is a run.
+    """The result of replaying a run on a model. It is true if all of it is a run.
 
     Attributes:
         trace: the run in numbers, as far as it is one.
@@ -156,7 +156,7 @@ class Replay:
         return (view.initial, *(step.state for step in view.steps))
 
     def signals(self, record: Iterable[str] = ()) -> Trace:
-        """What can be observed of the run, for `tachk.monitor`: signals, locations and variables, or the named ones."""
+        """The columns of the run, for `tachk.monitor`: signals, locations and variables, or the named ones."""
         columns = columns_for(self.names.network, tuple(record), ())
         return signals_of(self.names, columns, self.trace, "the run").trace
 

@@ -1,4 +1,4 @@
-"""What can happen next in a run, and when."""
+"""Enabled transitions of a run, and their times."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from tachk.base.records import dataclass
 from tachk.meaning.run_view import RunNames
-from tachk.meaning.step import StepError, delay, successors, telling_moments
+from tachk.meaning.step import StepError, delay, relevant_moments, successors
 from tachk.model.fault import EvaluationFault
 from tachk.model.quantity import decimal
 from tachk.model.run import TimedState, Transition
@@ -70,7 +70,7 @@ class Offers:
 def offers_of(names: RunNames, state: TimedState) -> Offers:
     """What can happen from a state on. Raises EvaluationFault where an invariant cannot be evaluated."""
     model = names.model
-    moments = telling_moments(model, state, before=None)
+    moments = relevant_moments(model, state, before=None)
     possible: list[tuple[Fraction, set[Transition]]] = []
     order: dict[Transition, None] = {}
     faults: dict[str, EvaluationFault] = {}

@@ -157,8 +157,8 @@ def _why_not_together(
     wanted = [found for found in begun if _made_of(found, groups)]
     if not wanted:
         others = {names.network.processes[p.process].name for found in begun for p in found.participants[1:]}
-        asked = {move.process for move in claim.moves[1:]}
-        missing, extra = sorted(asked - others), sorted(others - asked)
+        submitted = {move.process for move in claim.moves[1:]}
+        missing, extra = sorted(submitted - others), sorted(others - submitted)
         if missing:
             return StepReason(f"{', '.join(missing)} cannot take part")
         return StepReason(f"{' or '.join(extra)} takes part too" if extra else "these processes do not move together")

@@ -191,17 +191,17 @@ def _why(names: RunNames, state: TimedState, claim: ClaimedStep) -> StepReason:
         return StepReason(str(fault), (Label(fault.span, "here"),))
 
 
-def _difference(names: RunNames, state: TimedState, told: ClaimedState | None) -> str:
-    """What is told otherwise than it is; empty if nothing."""
-    if told is None:
+def _difference(names: RunNames, state: TimedState, state_in_file: ClaimedState | None) -> str:
+    """The difference between a state and the submitted one; empty if there is none."""
+    if state_in_file is None:
         return ""
     view = names.timed_snapshot(state)
-    if told.time is not None and told.time != state.time:
-        return f"the time is {decimal(state.time)}, not {decimal(told.time)} as the file says"
+    if state_in_file.time is not None and state_in_file.time != state.time:
+        return f"the time is {decimal(state.time)}, not {decimal(state_in_file.time)} as the file says"
     pairs = (
-        (dict(view.locations), told.locations, str),
-        (dict(view.variables), told.variables, str),
-        (dict(view.clocks or ()), told.clocks, lambda value: decimal(Fraction(value))),
+        (dict(view.locations), state_in_file.locations, str),
+        (dict(view.variables), state_in_file.variables, str),
+        (dict(view.clocks or ()), state_in_file.clocks, lambda value: decimal(Fraction(value))),
     )
     for known, claimed, shown in pairs:
         for name, value in claimed.items():

@@ -15,7 +15,7 @@ from tachk.simulation.stepping.replaying import StepRefusal, beginning, replay_c
 
 
 class NotPossibleError(ValueError):
-    """What is wanted cannot be done; the message says why."""
+    """The request cannot be carried out; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +56,8 @@ class Session:
         if waited is None:
             waited = offer.windows[0].some
         elif not any(waited in window for window in offer.windows):
-            told = " or ".join(map(str, offer.windows))
-            raise NotPossibleError(f"this is possible after a delay in {told}")
+            possible_delays = " or ".join(map(str, offer.windows))
+            raise NotPossibleError(f"this is possible after a delay in {possible_delays}")
         later = delay(self.names.model, self.state, waited)
         return self._followed(TimedStep(waited, offer.transition, fire(self.names.model, later, offer.transition)))
 

@@ -37,7 +37,7 @@ def signals_of(
     end: Fraction = Fraction(0),
     decimal_times: bool = False,
 ) -> RunSignals:
-    """What is observed in the states of a run. Times that do not fit are rounded down.
+    """The columns in the states of a run. Times that do not fit are rounded down.
 
     Args:
         end: until when the last state lasts, if that is later than the run.

@@ -1,4 +1,4 @@
-"""What may be declared, globally or in a template."""
+"""Declarations, global or in a template."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every node of the tree is."""
+"""The base of all nodes of the tree."""
 
 from __future__ import annotations
 

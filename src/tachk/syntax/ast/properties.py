@@ -59,7 +59,7 @@ class TemporalFormula(Node):
 
 
 PropertyFormula = QueryFormula | UncheckedFormula | TemporalFormula
-"""What a property or a query asks."""
+"""The formula of a property or a query."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ class ConditionalExpectation(Node):
 
 
 Expected = str | ConditionalExpectation
-"""What ``expect`` says: ``holds``, ``fails``, or which of them where."""
+"""The value of ``expect``: ``holds``, ``fails``, or which of them where."""
 
 
 @dataclass(frozen=True, slots=True)

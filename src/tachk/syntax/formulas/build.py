@@ -69,7 +69,7 @@ class RefusedPart(ast.Node):
 
 @dataclass(frozen=True, slots=True)
 class WholeFormula(ast.Node):
-    """What stands where a formula stands, before `as_formula`."""
+    """A value in place of a formula, before `as_formula`."""
 
     expression: Any
 

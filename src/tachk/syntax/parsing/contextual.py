@@ -79,7 +79,7 @@ _CLOSING = {"}", ")", "]"}
 
 
 class _Inside(Enum):
-    """What the innermost open brace belongs to."""
+    """The construct to which the innermost open brace belongs."""
 
     TOP = auto()
     PROCESS = auto()

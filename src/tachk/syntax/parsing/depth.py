@@ -79,7 +79,7 @@ def _continues(node: Any, part: ast.Node) -> bool:
 
 
 def _stack_size() -> int:
-    """What the stack of this thread has at least, in bytes."""
+    """The minimal size of the stack of this thread in bytes."""
     if sys.platform == "win32":
         return 2**20
     if sys.platform == "darwin" and threading.current_thread() is not threading.main_thread():

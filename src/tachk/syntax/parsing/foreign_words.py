@@ -1,4 +1,4 @@
-"""What people write as other tools have it, where the meaning is plain enough to give the right spelling."""
+"""Spellings of other tools whose meaning is plain enough to suggest the right one."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ _Step = int | _Reduction
 
 
 class _OnDemand(dict[int, T]):
-    """What is known about each state of the tables, computed when the state is first met."""
+    """Facts about each state of the tables, computed when the state is first met."""
 
     def __init__(self, compute: Callable[[int], T]) -> None:
         self.compute = compute
@@ -91,7 +91,7 @@ class Tables:
 
 
 def _build(rule: GrammarRule, builder: object) -> Callable[[list[Any]], Any]:
-    """What makes one value of those of a rule."""
+    """The function that makes one value of those of a rule."""
     make = list if rule.is_inlined else getattr(builder, rule.callback, None)
     if rule.passes_on:
         make = _single if make is None else _single_or(make)

@@ -1,4 +1,4 @@
-"""What is said about a token that cannot stand where it stands."""
+"""Messages about a token that cannot stand where it stands."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from tachk.syntax.parsing.tokens import END, Token
 CLOSES = {")": "(", "]": "[", "}": "{"}
 
 _SYMBOLIC = frozenset({"QUANTIFIER", "SUP", "INF", "BOUNDS"})
-"""What a query begins with that is not a temporal formula."""
+"""The first tokens of queries that are not temporal formulas."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What in a document is not plain XTA."""
+"""Constructs of a document that are not plain XTA."""
 
 from __future__ import annotations
 

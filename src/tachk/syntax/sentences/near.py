@@ -1,4 +1,4 @@
-"""What people write for the phrases of a sentence: misspellings and other wordings."""
+"""Misspellings and other wordings of the phrases of a sentence."""
 
 from __future__ import annotations
 

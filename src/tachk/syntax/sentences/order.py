@@ -143,7 +143,7 @@ def _occurring_within(sentence: s.Sentence) -> s.Sentence:
 
 
 def _misfits(sentence: s.Sentence, everywhere: bool) -> Iterator[Diagnostic]:
-    """What has no meaning together."""
+    """Phrases that have no meaning together."""
     scope, trigger, delay, response = sentence.scope, sentence.trigger, sentence.delay, sentence.response
     delayed = not isinstance(delay, s.NoDelay)
     if isinstance(trigger, s.Initially) and not isinstance(scope, s.Globally):

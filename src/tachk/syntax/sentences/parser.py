@@ -33,7 +33,7 @@ _MOST_READINGS = 100
 
 @dataclass(frozen=True, slots=True)
 class _ParseAttempt:
-    """What became of a reading.
+    """The result of a reading.
 
     Attributes:
         fault: 0 none, 1 in the order of the parts, 2 in what goes together, 3 in what is a condition or a duration,

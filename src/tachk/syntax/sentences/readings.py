@@ -42,7 +42,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """What stands in the text, and the phrase it was taken for."""
+    """The words in the text, and the phrase that they were taken for."""
 
     span: Span
     phrase: str

@@ -15,7 +15,7 @@ from tachk.model.grid import Values
 from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
 
 BATCH_SECONDS = 0.5
-"""What a batch is meant to take."""
+"""The intended duration of a batch."""
 
 PATIENCE = "10s"
 """How long the scheduler is waited for."""
@@ -99,5 +99,5 @@ class _Batches:
 
 
 def compute_batch(job: Verification, cells: Sequence[Values]) -> list[ComputedCell]:
-    """What a worker does."""
+    """The loop of a worker."""
     return [computed(job, values) for values in cells]

@@ -1,4 +1,4 @@
-"""What is asked about each cell: verification of properties, and answers to statistical queries."""
+"""The job of each cell: verification of properties, and answers to statistical queries."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ COLUMNS: Mapping[str, str] = {
     "high": "REAL",
     "runs": "INTEGER",
 }
-"""What a row tells, with SQLite's types.
+"""The columns of a row with SQLite's types.
 
 ``lower`` and ``upper`` are what ``inf``, ``sup`` and ``bounds`` find for their first expression, None where there is no
 limit. ``seconds`` are those of the search that answered, which properties share. ``run_steps`` and ``run_end`` (in time
@@ -91,7 +91,7 @@ class Verification:
     model: LoadedModel
     names: tuple[str, ...]
     questions: Questions
-    asked: tuple[str, ...]
+    property_names: tuple[str, ...]
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
     settings: Settings = field(default_factory=Settings)
@@ -101,7 +101,7 @@ class Verification:
     @property
     def asks_queries(self) -> bool:
         """Whether queries or properties are asked, or formulas only."""
-        return self.judge is None or len(self.asked) > len(self.judge.names)
+        return self.judge is None or len(self.property_names) > len(self.judge.names)
 
     def parts(self) -> dict[str, str]:
         """What must be the same for finished cells to count: names as a user would say them, each with its value."""
@@ -128,17 +128,17 @@ class Verification:
         try:
             return self._answers(values)
         except StoppedError as error:
-            return unknown_rows(self.asked, error.reason)
+            return unknown_rows(self.property_names, error.reason)
         except InputError as error:
             first = next(found for found in error.diagnostics if found.severity is Severity.ERROR)
-            return unknown_rows(self.asked, f"wrong model: {first.message}")
+            return unknown_rows(self.property_names, f"wrong model: {first.message}")
         except (UnsupportedError, UsageError) as error:
-            return unknown_rows(self.asked, str(error))
+            return unknown_rows(self.property_names, str(error))
 
     def _answers(self, values: Values) -> tuple[Row, ...]:
         with limited(self.limits.seconds):
             with limited(memory=self.limits.memory_bytes):
-                model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
+                model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.property_names)
                 formulas = self.questions.about(model) if self.asks_queries else ()
                 rows = [*self._drawn(model, [query for query in formulas if is_statistical(query)])]
             queries = checked(formulas)
@@ -146,17 +146,17 @@ class Verification:
                 alone = replace(self.options, processes=1)  # it is cells that are computed at the same time
                 found = answers(model, self.questions, queries, alone, self.limits, trace=True)
                 rows += map(_row, found)
-            return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))
+            return tuple(sorted(rows, key=lambda row: self.property_names.index(str(row["property"]))))
 
     def _drawn(self, model: LoadedModel, statistical: Sequence[UncheckedQuery]) -> Iterator[Row]:
-        """What random runs answer, in the model as simulations see it."""
+        """The answers of random runs, in the model as simulations see it."""
         if not statistical and self.judge is None:
             return
         seen = with_hybrid_clocks(model, ())
         reader = StatisticalReader(seen)
         for query in statistical:
-            asked = reader.read(query)
-            yield _estimated(estimate(asked.network or seen.network, asked, self.settings))
+            property_names = reader.read(query)
+            yield _estimated(estimate(property_names.network or seen.network, property_names, self.settings))
         if self.judge is not None:
             chosen = {name: value for name, value in seen.network.constants if name in model.overrides}
             for judged in self.judge.judged(seen.network, chosen):
@@ -180,16 +180,16 @@ def verification(
     constant_overrides(dict.fromkeys(names, 0), model.items, DiagnosticCollector())
     named = judge is None or bool(questions.names or questions.typed or questions.files)
     formulas = questions.about(model) if named else ()
-    asked = tuple(q.name for q in formulas if isinstance(q, Query) or is_statistical(q))
-    asked += () if judge is None else judge.names
-    if not asked:
+    property_names = tuple(q.name for q in formulas if isinstance(q, Query) or is_statistical(q))
+    property_names += () if judge is None else judge.names
+    if not property_names:
         raise UsageError(f"{questions.path} has no property to check", "give a query behind the model")
-    return Verification(model, names, questions, asked, options, limits, settings or Settings(), judge)
+    return Verification(model, names, questions, property_names, options, limits, settings or Settings(), judge)
 
 
 @dataclass(frozen=True, slots=True)
 class ComputedCell:
-    """What came of a cell, and how many seconds it took."""
+    """The rows of a cell, and the seconds that it took."""
 
     values: Values
     rows: tuple[Row, ...]
@@ -197,7 +197,7 @@ class ComputedCell:
 
 
 def computed(job: Verification, values: Values) -> ComputedCell:
-    """What a process or a worker does with a cell."""
+    """The computation of a cell in a process or a worker."""
     began = monotonic()
     sys.setrecursionlimit(max(sys.getrecursionlimit(), job.frames))
     rows = job.rows(values)
@@ -205,8 +205,8 @@ def computed(job: Verification, values: Values) -> ComputedCell:
 
 
 def killed(job: Verification, values: Values) -> ComputedCell:
-    """What is known of a cell whose process or worker did not survive it."""
-    return ComputedCell(values, unknown_rows(job.asked, KILLED), 0.0)
+    """The rows of a cell whose process or worker did not survive it."""
+    return ComputedCell(values, unknown_rows(job.property_names, KILLED), 0.0)
 
 
 def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:

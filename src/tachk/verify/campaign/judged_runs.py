@@ -65,7 +65,7 @@ class JudgedRuns:
         return f"{stated}, {self.runs} runs until {self.until}, seed {self.seed}"
 
     def judged(self, network: Network, chosen: Mapping[str, int]) -> Iterator[FormulaCounts]:
-        """What the formulas are on the runs of a cell.
+        """The truth of the formulas on the runs of a cell.
 
         Args:
             chosen: the constants whose values are chosen for the cell. They count in the place of constants of a file
@@ -79,15 +79,15 @@ class JudgedRuns:
         drawing = SimulationOptions(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
         for run in runs.draw(drawing, range(self.runs), RecordedChanges(observed=True)):
             transitions += run.transitions
-            told = truths_on(runs.trace(run), formulas) if len(run.times) else {}
+            results = truths_on(runs.trace(run), formulas) if len(run.times) else {}
             for name, counts in truths.items():
-                counts[told.get(name, Truth.UNDETERMINED)] += 1
+                counts[results.get(name, Truth.UNDETERMINED)] += 1
         for name, counts in truths.items():
             yield FormulaCounts(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
 
 
 def judged_runs(given: str | os.PathLike[str] | None, until: str, runs: int, seed: int) -> JudgedRuns | None:
-    """What a formula or a file of formulas judges in each cell, if there is one.
+    """The formulas that are evaluated in each cell, if there are any.
 
     Raises InputError and UsageError for what cannot be read.
     """

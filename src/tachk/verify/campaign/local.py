@@ -74,7 +74,7 @@ def _received(
     values = worker.cell
     assert values is not None
     try:
-        told: ComputedCell | str = worker.pipe.recv()
+        result: ComputedCell | str = worker.pipe.recv()
     except (EOFError, OSError):
         worker.process.join()
         if worker.process.exitcode == _UNGUARDED:
@@ -91,9 +91,9 @@ def _received(
             left.append(values)
             return None
         return killed(job, values)
-    if isinstance(told, str):
-        raise RuntimeError(f"in cell {values} of {job.names}:\n{told}")
-    return told
+    if isinstance(result, str):
+        raise RuntimeError(f"in cell {values} of {job.names}:\n{result}")
+    return result
 
 
 def _started() -> _Worker:
@@ -127,18 +127,18 @@ def _end(worker: _Worker) -> None:
 
 
 def _work(pipe: Connection) -> None:
-    """What a process does until it is killed. Ctrl-C is for the program that started it."""
+    """The loop of a process until it is killed. Ctrl-C is for the program that started it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with_parent, daemon=True).start()
     job = pipe.recv()
     while True:
         values = pipe.recv()
-        told: ComputedCell | str
+        result: ComputedCell | str
         try:
-            told = computed(job, values)
+            result = computed(job, values)
         except Exception:
-            told = format_exc()
-        pipe.send(told)
+            result = format_exc()
+        pipe.send(result)
 
 
 def _end_with_parent() -> None:

@@ -62,7 +62,7 @@ class GridPart:
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """What a campaign has found.
+    """The results of a campaign.
 
     Attributes:
         cells: how many there are in the part of the grid that is told.

@@ -25,7 +25,7 @@ _FORMAT = "tachk sweep 1"
 _PATIENCE = 10.0
 _ANOTHER = "give another file, or delete this one"
 _KINDS: Mapping[str, Any] = {"TEXT": str | None, "INTEGER": int | None, "REAL": float | None}
-"""What SQLite's types are in Python."""
+"""The Python types of SQLite's types."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +82,10 @@ class Store:
         for values in cells:
             found = self._database.execute(f"select {quoted} from rows where cell = ? order by rowid", (_key(values),))
             for row in found:
-                told = dict(zip(names, row, strict=True))
-                if not all(isinstance(told[name], _KINDS[kind]) for name, kind in COLUMNS.items()):
+                record = dict(zip(names, row, strict=True))
+                if not all(isinstance(record[name], _KINDS[kind]) for name, kind in COLUMNS.items()):
                     raise UsageError(f"{self._path}: a row in this file is damaged", _ANOTHER)
-                yield told
+                yield record
 
 
 @contextmanager

@@ -86,7 +86,7 @@ class FindingKind(StrEnum):
     REDUNDANT = "redundant"
     """One says nothing that the others do not say."""
     VACUOUS = "vacuous"
-    """What one speaks of never happens where all hold."""
+    """A requirement whose trigger never happens where all hold."""
 
 
 @dataclass(frozen=True, slots=True)

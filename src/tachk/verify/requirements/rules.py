@@ -89,7 +89,7 @@ def _whole(formula: Formula) -> Iterator[RequirementRule]:
 
 
 def _each(formula: Formula, trigger: RequirementTrigger) -> Iterator[RequirementRule]:
-    """What is demanded at every instant of a trigger."""
+    """The demand at every instant of a trigger."""
     condition = condition_of(formula)
     match formula:
         case f.Implies(left=left, right=right):

@@ -86,7 +86,7 @@ class World:
         ]
 
     def _allowed(self) -> list[str]:
-        """What a change must not break at once."""
+        """The condition that a change must not break at once."""
         found = []
         for number, rule in enumerate(self.rules):
             now = self._at(rule.trigger, CHOSEN)

@@ -19,7 +19,7 @@ ALONE = 1.0
 """After so many seconds other processes are worth while."""
 
 Answer = Callable[[Search, Limits], dict[int, Verdict]]
-"""What looks for the verdicts of a search, by the numbers of its tasks."""
+"""The function that finds the verdicts of a search, by the numbers of its tasks."""
 
 
 class Shares:

@@ -63,7 +63,7 @@ def noted_interrupts() -> Iterator[Interrupts]:
 
 
 Answer = Callable[[Search, Limits], dict[int, Verdict]]
-"""What looks for the verdicts of a search, by the numbers of its tasks."""
+"""The function that finds the verdicts of a search, by the numbers of its tasks."""
 
 _LONGEST_SLEEP = 0.2
 """Seconds until Ctrl-C is looked at, where the system gave it to a thread other than the one that waits."""
@@ -115,18 +115,18 @@ class SideBySide:
             self._running.append(_begun(search, self._answer, self._limits(search)))
 
     def _hear(self, one: _Running) -> None:
-        told = _received(one)
-        if isinstance(told, Statistics):
+        message = _received(one)
+        if isinstance(message, Statistics):
             progress = current_job().progress
             if progress is not None:
-                progress(told, one.search.names)
+                progress(message, one.search.names)
             return
         self._running.remove(one)
         _end(one)
-        if isinstance(told, Exception):
-            raise told
-        self._verdicts |= told
-        if any(verdict.reason == INTERRUPTED for verdict in told.values()):
+        if isinstance(message, Exception):
+            raise message
+        self._verdicts |= message
+        if any(verdict.reason == INTERRUPTED for verdict in message.values()):
             self._leave_out()
 
     def _leave_out(self) -> None:
@@ -137,16 +137,16 @@ class SideBySide:
 
 
 def _received(one: _Running) -> Statistics | dict[int, Verdict] | Exception:
-    """What a process has to say; verdicts and errors are its last words."""
+    """The message of a process; verdicts and errors are its last ones."""
     try:
-        told: Statistics | dict[int, Verdict] | Exception = one.pipe.recv()
+        message: Statistics | dict[int, Verdict] | Exception = one.pipe.recv()
     except (EOFError, OSError):
         one.process.join()
         return none_begun(one.search.tasks, _ended_by(one.process.exitcode or 0))
-    if isinstance(told, dict):
+    if isinstance(message, dict):
         # The variables of the network are told apart by identity, and a copy of the query has others.
-        return {task.number: replace(told[task.number], query=task.query) for task in one.search.tasks}
-    return told
+        return {task.number: replace(message[task.number], query=task.query) for task in one.search.tasks}
+    return message
 
 
 def _ended_by(status: int) -> str:
@@ -180,7 +180,7 @@ def _end(one: _Running) -> None:
 
 
 def _work(pipe: Connection, parent: int, search: Search, answer: Answer, limits: Limits) -> None:
-    """What a process does."""
+    """The main function of a process."""
     if not ignored():
         signal.signal(signal.SIGINT, _interrupted_once)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

@@ -15,11 +15,11 @@ from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.compiler.lower import lower
 from tachk.engine.exact.concretise import concretise
-from tachk.engine.exchanged import members_in_words
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
+from tachk.engine.reduced_statistics import members_in_words
 from tachk.engine.symmetry.detection import Difference, find_symmetry
-from tachk.engine.symmetry.kinds import AsymmetryReason
+from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.engine.symmetry.tables import tables_of
 from tachk.engine.zone import explore_everything
 from tachk.meaning.discrete import PreparedNetwork, prepare
@@ -64,16 +64,16 @@ def interchange_parts(network: Network) -> tuple[LintAnswer, ...]:
     if not _repeats(network):
         return ()
     symmetry = find_symmetry(network, [])
-    told: list[str] = []
+    lines: list[str] = []
     refused = list(symmetry.differences)
     for each, table in tables_of(network, symmetry):
         if isinstance(table, AsymmetryReason):
-            first, second = (network.processes[team[0]] for team in each.members[:2])
+            first, second = (network.processes[block[0]] for block in each.members[:2])
             refused.append(Difference(first.template, first.name, second.name, table))
         else:
-            told.append(members_in_words(table.slots, table.cyclic, [process.name for process in network.processes]))
-    told += _differences(refused)
-    return (LintAnswer(_QUESTION, "; ".join(told)),) if told else ()
+            lines.append(members_in_words(table.slots, table.cyclic, [process.name for process in network.processes]))
+    lines += _differences(refused)
+    return (LintAnswer(_QUESTION, "; ".join(lines)),) if lines else ()
 
 
 def _repeats(network: Network) -> bool:
@@ -84,8 +84,8 @@ def _repeats(network: Network) -> bool:
 
 def _differences(differences: Sequence[Difference]) -> Iterable[str]:
     for each in differences:
-        place = f" ({each.refusal.span})" if each.refusal.span.text else ""
-        yield f"not all {each.template}: {each.refusal.reason}{place}"
+        place = f" ({each.reason.span})" if each.reason.span.text else ""
+        yield f"not all {each.template}: {each.reason.reason}{place}"
 
 
 _STOPPED = "clocks stop in this model, so the states that were found may not all be real"
@@ -93,7 +93,7 @@ _STOPPED = "clocks stop in this model, so the states that were found may not all
 
 @dataclass(frozen=True, slots=True)
 class Explored:
-    """What the exploration gave.
+    """The result of the exploration.
 
     Attributes:
         bounds: the locations that limit time; None where clocks stop.
@@ -220,7 +220,7 @@ def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[
 
 
 def _so_far(question: str, missing: int, all_: int, reason: str) -> LintAnswer:
-    """What is known of a question where the exploration ended early."""
+    """The answer to a question where the exploration ended early."""
     if not missing:
         return LintAnswer(question, "none")
     return LintAnswer(question, f"not decided: {missing} of {all_} not met so far", undecided=reason)
@@ -276,7 +276,7 @@ def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> Timed
 
 
 def _zeno_part(explored: Explored, options: Options, limits: Limits) -> LintAnswer:
-    """What the model alone tells, and where that is not enough, a search of limited size."""
+    """The findings from the model alone, and where that is not enough, from a search of limited size."""
     network, known, never = explored.model.network, explored.known, explored.never
     try:
         with unhurried(_LEAST_SECONDS):

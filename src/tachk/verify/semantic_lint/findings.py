@@ -1,4 +1,4 @@
-"""What a deep check has found, and what it has not been able to decide."""
+"""Findings of a deep check, and questions that it could not decide."""
 
 from __future__ import annotations
 

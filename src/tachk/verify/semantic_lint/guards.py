@@ -39,7 +39,7 @@ class GuardGoal:
 
 
 def guard_goals(network: Network, known: Known) -> Iterator[GuardGoal]:
-    """What has to be reached so that guards are neither always true nor always false.
+    """The goals to be reached so that guards are neither always true nor always false.
 
     Guards whose value the constants of the model decide are left out, and those that may be run-time errors.
     """
@@ -73,7 +73,7 @@ def _checked(goal: GuardGoal, known: Known) -> Iterator[GuardGoal]:
     yield goal
 
 
-def always_true_findings(network: Network, unmet: list[GuardGoal], asked: list[GuardGoal]) -> tuple[Diagnostic, ...]:
+def always_true_findings(network: Network, unmet: list[GuardGoal], goals: list[GuardGoal]) -> tuple[Diagnostic, ...]:
     """Guards that are true whenever a process of the template is where the edge begins.
 
     Args:
@@ -82,7 +82,7 @@ def always_true_findings(network: Network, unmet: list[GuardGoal], asked: list[G
     """
     never_false = {(goal.process, goal.edge) for goal in unmet if not goal.when}
     # A guard that is never asked in a process of the template, because it is constant there, is not told.
-    reached = {(goal.process, goal.edge) for goal in asked if goal.when} - {
+    reached = {(goal.process, goal.edge) for goal in goals if goal.when} - {
         (goal.process, goal.edge) for goal in unmet if goal.when
     }
     findings = []

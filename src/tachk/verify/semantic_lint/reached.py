@@ -49,11 +49,11 @@ def untaken_edges(network: Network, taken: Places) -> Iterator[tuple[int, int]]:
 
 def unreached_findings(network: Network, taken: Places, known: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """The locations that no process of a template reaches. What is ``known`` already is not told again."""
-    told = [finding.span for finding in known]
+    known_spans = [finding.span for finding in known]
     findings = []
     for process, place in in_no_process(network, set(unreached_locations(network, taken))):
         location = process.locations[place]
-        if not _met(told, (location.span,)):
+        if not _met(known_spans, (location.span,)):
             findings.append(
                 Diagnostic(
                     "W0601",
@@ -74,7 +74,7 @@ def untaken_findings(
         never_true: edges whose guard is false in every state for its integer part alone.
         known: what is known already, and not told again.
     """
-    told = [finding.span for finding in known]
+    known_spans = [finding.span for finding in known]
     untaken = set(untaken_edges(network, taken))
     # An edge is as good as taken where another process of the template does not even reach its source.
     silent = {
@@ -87,13 +87,13 @@ def untaken_findings(
     for process, place in in_no_process(network, silent):
         edge = process.edges[place]
         numbers = [n for n, other in enumerate(network.processes) if other.template == process.template]
-        if any((n, place) in untaken for n in numbers) and not _met(told, edge.spans):
+        if any((n, place) in untaken for n in numbers) and not _met(known_spans, edge.spans):
             findings.append(_of_edge(network, process, edge, all((n, place) in never_true for n in numbers)))
     return tuple(findings)
 
 
 def in_no_process(network: Network, missing: Places) -> Iterator[tuple[Process, int]]:
-    """What is missing in every process of a template, told of the first of them."""
+    """The findings that concern every process of a template, reported of the first of them."""
     instances = Counter(process.template for process in network.processes)
     counts = Counter((network.processes[process].template, place) for process, place in missing)
     first = {process.template: process for process in reversed(network.processes)}
@@ -128,8 +128,10 @@ def _of(network: Network, process: Process) -> str:
     return f", in no process of `{process.template}`" if several else f" of `{process.name}`"
 
 
-def _met(told: Iterable[Span], spans: Iterable[Span]) -> bool:
+def _met(known_spans: Iterable[Span], spans: Iterable[Span]) -> bool:
     """Whether something has been told about a place inside one of the spans."""
     return any(
-        one.source is span.source and one.start < span.end and span.start < one.end for one in told for span in spans
+        one.source is span.source and one.start < span.end and span.start < one.end
+        for one in known_spans
+        for span in spans
     )

@@ -68,7 +68,7 @@ def _limited(bounds: list[TimeBoundedLocation]) -> Expression:
 
 
 def time_lock_finding(model: PreparedNetwork, bounds: list[TimeBoundedLocation], run: TimedTrace) -> Diagnostic:
-    """What keeps time from passing at the end of a run: the first location that does, and the others."""
+    """The invariants that stop time at the end of a run: the first location, and the others."""
     state = run.states[-1].discrete
     values = environment(model, state)
     ending = [
@@ -94,7 +94,7 @@ def time_lock_finding(model: PreparedNetwork, bounds: list[TimeBoundedLocation],
 
 
 def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
-    """What is told beside a time-lock where no run lets time pass without end."""
+    """The note on a time-lock where no run lets time pass without end."""
     return Diagnostic(
         "W0610",
         "every run of the model ends in a time-lock: in none does time pass without end",

@@ -71,7 +71,7 @@ from tachk.verify.plan import Analysis, analysis_of
 
 
 class ParameterBound(StrEnum):
-    """What a constant bounds, and with it which way adds behaviour."""
+    """The bound that a constant gives, and with it the direction that adds behaviour."""
 
     UPPER = "upper"
     """More of it only adds behaviour."""
@@ -104,7 +104,7 @@ class _Other(Exception):
 def bounds_of_parameters(
     network: Network, query: Query, constants: OpenConstants, ranges: Mapping[str, tuple[int, int]]
 ) -> dict[str, ParameterBound | NoBound]:
-    """What each open constant bounds.
+    """The bounds that each open constant gives.
 
     Args:
         network, query: elaborated with the open constants.
@@ -164,13 +164,13 @@ def _in_bounds_only(
     if len(directions) > 1:
         return NoBound("here the formula is true more often with less of it, elsewhere with more", directions[False])
     occurrences = _Occurrences(constants.variables[name], limits)
-    asked = [each for each in (query.predicate, *query.operands) if each is not None]
+    wanted = [each for each in (query.predicate, *query.operands) if each is not None]
     if query.observer is not None:
-        asked += process_expressions(query.observer.process)
+        wanted += process_expressions(query.observer.process)
     try:
         for expression in (e for process in network.processes for e in process_expressions(process)):
             occurrences.refuse(expression, "the model uses it as well as a bound of the property")
-        for expression in asked:
+        for expression in wanted:
             occurrences.refuse(expression, "the property uses it as well as one of its bounds")
     except _Other as other:
         return other.finding

@@ -100,7 +100,7 @@ def proof_again(network: Network, query: Query, proof: Proof) -> tuple[Verdict, 
 
 @dataclass(slots=True)
 class DecidedCells:
-    """What is known about each cell that was looked at.
+    """The evidence about each decided cell.
 
     Attributes:
         questions: one of them.
@@ -126,11 +126,11 @@ class DecidedCells:
     _paths: dict[Cell, tuple[Transition, ...]] = field(default_factory=dict)
     _proofs: dict[Cell, Proof] = field(default_factory=dict)
 
-    def decide(self, asked: PendingCell) -> CellStatus:
+    def decide(self, requested: PendingCell) -> CellStatus:
         """The status of one cell."""
-        values = self._values(asked.cell)
+        values = self._values(requested.cell)
         try:
-            verdict, evidence, proof = self._verdict(asked)
+            verdict, evidence, proof = self._verdict(requested)
         except StoppedError as error:
             known = RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, error.reason)
         except InputError as error:
@@ -141,12 +141,12 @@ class DecidedCells:
             known = RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, INTERRUPTED)
         else:
             self.interrupted |= verdict.reason == INTERRUPTED
-            known = _told(values, verdict, evidence, proof)
+            known = _explained(values, verdict, evidence, proof)
             if verdict.path:
-                self._paths[asked.cell] = verdict.path
+                self._paths[requested.cell] = verdict.path
             if proof is not None:
-                self._proofs[asked.cell] = proof
-        self.found[asked.cell] = known
+                self._proofs[requested.cell] = proof
+        self.found[requested.cell] = known
         return self._status(known)
 
     def may_infer(self, corners: Sequence[Cell]) -> bool:
@@ -184,17 +184,17 @@ class DecidedCells:
         assert isinstance(query, Query)
         return model, query
 
-    def _verdict(self, asked: PendingCell) -> tuple[Verdict, CellEvidence, Proof | None]:
+    def _verdict(self, requested: PendingCell) -> tuple[Verdict, CellEvidence, Proof | None]:
         """Raises what decides nothing: StoppedError, InputError, KeyboardInterrupt; and UnsupportedError."""
         if self.interrupted:
             raise KeyboardInterrupt
         left = self._left()
-        limits = replace(self.limits, seconds=None if left is None else left / asked.left)
+        limits = replace(self.limits, seconds=None if left is None else left / requested.left)
         with limited(limits.seconds):
             with limited(memory=limits.memory_bytes):
-                model, query = self._model(asked.cell)
+                model, query = self._model(requested.cell)
                 if self.reuse and query.target is not None and not model.network.has_priorities:
-                    again = self._again(asked.cell, model.network, query)
+                    again = self._again(requested.cell, model.network, query)
                     if again is not None:
                         return again
             verdict = answers(model, self.questions, [query], self.options, limits, trace=True)[0]
@@ -206,7 +206,7 @@ class DecidedCells:
             return verdict, CellEvidence.SEARCH, proof
 
     def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, CellEvidence, Proof | None] | None:
-        """What the evidence of the nearest cells shows here too; None if it shows nothing."""
+        """The verdict that the evidence of the nearest cells also gives here; None if it gives none."""
         near = _nearest(cell, self._paths)
         if near is not None:
             verdict = retimed(network, query, self._paths[near])
@@ -224,7 +224,7 @@ def _nearest(cell: Cell, others: Iterable[Cell]) -> Cell | None:
     return min(others, key=lambda other: sum(abs(a - b) for a, b in zip(cell, other, strict=True)), default=None)
 
 
-def _told(values: tuple[int, ...], verdict: Verdict, evidence: CellEvidence, proof: Proof | None) -> RegionCell:
+def _explained(values: tuple[int, ...], verdict: Verdict, evidence: CellEvidence, proof: Proof | None) -> RegionCell:
     if verdict.answer is Answer.UNKNOWN:
         return RegionCell(values, Answer.UNKNOWN, CellEvidence.NONE, verdict.reason, verdict)
     return RegionCell(values, verdict.answer, evidence, "", verdict, proof)

@@ -39,7 +39,7 @@ class VariedConstant:
 def parameters_from(
     over: str | Iterable[str | VariedConstant] | Mapping[str, object] | Grid,
 ) -> tuple[VariedConstant, ...]:
-    """What a program gives as parameters: a grid, what `grid_of_values` makes one of, or parameters.
+    """Parameters as a program gives them: a grid, the argument of `grid_of_values`, or parameters.
 
     Raises UsageError for anything else, and for values that are not numbers at equal distances.
     """

@@ -101,7 +101,7 @@ def _only_query(model: LoadedModel, questions: Questions) -> Query:
 def _bounds(
     model: LoadedModel, questions: Questions, parameters: Sequence[VariedConstant]
 ) -> Mapping[str, ParameterBound | NoBound]:
-    """What each parameter bounds; nothing is known where the model cannot be elaborated with open constants."""
+    """The direction in which each parameter bounds; None where the model cannot be elaborated with open constants."""
     names = [parameter.name for parameter in parameters]
     first = {parameter.name: parameter.low for parameter in parameters}
     try:
@@ -129,7 +129,7 @@ def _axis(bound: ParameterBound | NoBound) -> AxisKind:
 
 
 def _cell(cells: DecidedCells, query: Query, place: tuple[int, ...], status: CellStatus) -> RegionCell:
-    """What is known about a cell, by itself or by others."""
+    """The evidence about a cell, its own or that of others."""
     known = cells.found.get(place)
     if known is not None and (known.answer is not Answer.UNKNOWN or status is CellStatus.UNKNOWN):
         return known

@@ -26,7 +26,7 @@ _NUMBERS = 65536
 
 @dataclass(frozen=True, slots=True)
 class ProtocolWord:
-    """What an automaton says: ``kind`` is a place in `KINDS`."""
+    """A message of an automaton: ``kind`` is a place in `KINDS`."""
 
     kind: int
     number: int
@@ -69,7 +69,7 @@ class Translator:
     requests: int = 16
 
     def packet(self, word: ProtocolWord) -> bytes:
-        """What a model says. Raises ValueError for a word that has no packet."""
+        """The packet of a message of a model. Raises ValueError for a word that has no packet."""
         own, other = self.before
         match KINDS[word.kind]:
             case "DATA":
@@ -114,7 +114,7 @@ class Translator:
         return {"request": struct.pack(">H", self.requests % _NUMBERS), "object": target}
 
     def words(self, octets: bytes) -> Iterator[ProtocolWord]:
-        """What a packet of the other side says to a model. Nothing, where the model has no word for it."""
+        """The messages to a model in a packet of the other side. Nothing, where the model has no word for it."""
         own, other = self.before
         for event in submessages_of(octets):
             match event.kind:
@@ -131,7 +131,7 @@ class Translator:
                     SubmessageKind.WRITE_DATA | SubmessageKind.DATA | SubmessageKind.READ_DATA | SubmessageKind.STATUS
                 ) if event.is_reliable:
                     assert event.sequence is not None
-                    yield ProtocolWord(0, _counted(event.sequence - other), _carried(event))
+                    yield ProtocolWord(0, _counted(event.sequence - other), _payload(event))
                 case SubmessageKind.GET_INFO:
                     yield ProtocolWord(3, 0, 0)
                 case _:
@@ -155,7 +155,7 @@ def _counted(number: int) -> int:
     return wrapped - _NUMBERS if wrapped >= _NUMBERS // 2 else wrapped
 
 
-def _carried(event: SubmessageEvent) -> int:
+def _payload(event: SubmessageEvent) -> int:
     match event.kind:
         case SubmessageKind.STATUS:
             return STATUS

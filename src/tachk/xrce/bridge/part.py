@@ -10,8 +10,8 @@ from tachk import _core
 from tachk.base.records import dataclass
 from tachk.engine.simulation.policy import Policy
 from tachk.model.network import Network
-from tachk.simulation.fmi.blueprint import blueprint
 from tachk.simulation.fmi.environment import OUTSIDE, SENT
+from tachk.simulation.fmi.resource_file import resource_file
 from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVariable, open_unit
 
 _NANOSECONDS = 10**9
@@ -46,7 +46,7 @@ class BridgedPart:
         self._places = {variable.name: place for place, variable in enumerate(self._unit.variables)}
         self.hears = self._channels(Role.HEARS)
         self.sends = self._channels(Role.SENDS)
-        self._carried = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
+        self._payload = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
         self._course.set_number(self._places["seed"], FmiType.NATURAL, seed)
         self._course.set_number(self._places["policy"], FmiType.ENUMERATION, list(Policy).index(policy))
         self._course.begin()
@@ -64,7 +64,7 @@ class BridgedPart:
         return -int(-event * _NANOSECONDS // self._unit.second)
 
     def advance(self, until: int) -> Iterator[SentEvent]:
-        """What it sends up to a moment, in nanoseconds, if nobody says anything."""
+        """The outputs up to a moment, in nanoseconds, if there is no input."""
         last = int(until * self._unit.second / _NANOSECONDS)
         while (event := self._course.next_event()) <= last and not self.is_over:
             self._course.wait_until(event)
@@ -79,7 +79,7 @@ class BridgedPart:
             self._course.wait_until(last)
 
     def hear(self, channel: str, values: Mapping[str, int]) -> Iterator[SentEvent]:
-        """What it sends at once when somebody sends over a channel. Raises ValueError for values out of range."""
+        """The outputs at once after an input over a channel. Raises ValueError for values out of range."""
         for name, value in values.items():
             place = self._places.get(OUTSIDE + name)
             if place is not None:
@@ -94,7 +94,7 @@ class BridgedPart:
             now = int(self._course.now * _NANOSECONDS / self._unit.second)
             for channel in self.sends:
                 if self._course.ticks(self._places[f"{channel}!"]):
-                    yield SentEvent(now, channel, {v.name.removeprefix(SENT): self._value(v) for v in self._carried})
+                    yield SentEvent(now, channel, {v.name.removeprefix(SENT): self._value(v) for v in self._payload})
 
     def _value(self, variable: UnitVariable) -> int:
         return self._course.number(self._places[variable.name], variable.kind)
@@ -105,7 +105,7 @@ class BridgedPart:
 
 def _course(unit: CoSimulationUnit) -> _core.Course:
     with NamedTemporaryFile(suffix=".bin", delete=False) as file:
-        file.write(blueprint(unit).content)
+        file.write(resource_file(unit).content)
     try:
         return _core.Course(file.name)
     finally:

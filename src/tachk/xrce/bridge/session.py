@@ -37,14 +37,14 @@ class ClientSession:
         return self._next
 
     def due(self, now: int) -> list[bytes]:
-        """What is to be sent now."""
+        """The packets to be sent now."""
         if self.is_open or now < self._next:
             return []
         self._next = now + _AGAIN
         return [self._objects() if self._created else self._client()]
 
     def arrived(self, octets: bytes, now: int) -> list[bytes]:
-        """What is to be answered to a packet."""
+        """The answers to a packet."""
         reply: list[bytes] = []
         for event in submessages_of(octets):
             if event.kind is SubmessageKind.STATUS_AGENT and not self._created:

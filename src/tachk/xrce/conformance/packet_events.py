@@ -23,7 +23,7 @@ from typing import NamedTuple
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.recordings.conformance.events import Cell, Closing, EventLog, RecordedEvent
-from tachk.xrce.conformance.carried import BEST_EFFORT, MessageContents, UnknownContentError, begins_sample
+from tachk.xrce.conformance.payloads import BEST_EFFORT, MessageContents, UnknownContentError, begins_sample
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.events import SubmessageEvent as Submessage
 from tachk.xrce.packets import CaptureError
@@ -46,7 +46,7 @@ class Objects:
         self._topic: str | None = None
 
     def unspoken(self, one: Transmission) -> Iterator[str]:
-        """What a message has of which the automata do not speak, in words that go on ``this message``."""
+        """The parts of a message that the automata do not model, in words that go on ``this message``."""
         for event in one.events:
             match event.kind:
                 case SubmessageKind.CREATE if event.fields.get("object_kind") in _ENDS:
@@ -84,7 +84,7 @@ _KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
 
 @dataclass(frozen=True, slots=True)
 class _Content:
-    """What a message is for the automata: cells without client and link."""
+    """A message of the automata: cells without client and link."""
 
     kind: str
     number: int
@@ -212,10 +212,10 @@ class _CaptureEventReader:
         return content.kind == BEST_EFFORT
 
     def _contents(self, one: Transmission) -> Iterator[_Content]:
-        """What the automata know of a message: what is in a stream, ACKNACK, HEARTBEAT, a question."""
+        """The content of a message for the automata: entries of a stream, ACKNACK, HEARTBEAT, a request."""
         first = one.events[0]
         if (first.is_reliable or first.is_best_effort) and first.sequence is not None:
-            yield _Content("DATA" if first.is_reliable else BEST_EFFORT, first.sequence, self._carried(one))
+            yield _Content("DATA" if first.is_reliable else BEST_EFFORT, first.sequence, self._payload(one))
             return
         for event in one.events:
             fields = event.fields
@@ -237,7 +237,7 @@ class _CaptureEventReader:
     def _reject(self, one: Transmission, why: str) -> None:
         raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
 
-    def _carried(self, one: Transmission) -> int | None:
+    def _payload(self, one: Transmission) -> int | None:
         try:
             return self.contents.detail(one)
         except UnknownContentError as error:

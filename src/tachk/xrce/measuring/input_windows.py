@@ -20,7 +20,7 @@ from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
 _SIZES: Final = (2, 4, 8, 16, 32)
 _USUAL: Final = 16
-"""What models assume: the Agent has no more under way."""
+"""The assumption of models: the Agent has no more under way."""
 _ASLEEP: Final = 100_000_000
 """Nanoseconds after which a packet without answer is gone, where a client does not answer all of them."""
 
@@ -43,9 +43,9 @@ def input_history(recordings: Iterable[Capture]) -> Iterator[Setting]:
     best = min(wrong.values())
     fitting = [size for size in _SIZES if wrong[size] == best]
     if _USUAL not in fitting:
-        told = wrong[_USUAL] - best
-        how = f"{told} ACKNACKs of clients are those of a window of {fitting[-1]}, and of no window of {_USUAL}"
-        confidence = Confidence.MEASURED if told > 1 else Confidence.ONE_SAMPLE
+        margin = wrong[_USUAL] - best
+        how = f"{margin} ACKNACKs of clients are those of a window of {fitting[-1]}, and of no window of {_USUAL}"
+        confidence = Confidence.MEASURED if margin > 1 else Confidence.ONE_SAMPLE
         yield Setting("INPUT_HISTORY", fitting[-1], False, confidence, how)
 
 

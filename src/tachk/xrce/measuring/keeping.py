@@ -1,4 +1,4 @@
-"""What was written before a client asked for it: how many samples the Agent keeps for a client that asks late."""
+"""Samples written before a client requests them: how many of them the Agent keeps for a late client."""
 
 from __future__ import annotations
 
@@ -36,28 +36,28 @@ class LateReading:
 def late_readings(recording: Capture) -> Iterator[LateReading]:
     """Those of every client, as far as samples can be told apart by their content."""
     for link in range(len(recording.links)):
-        asked = next(
+        request = next(
             (one for one in recording.transmissions if one.link == link and _of(one.events, SubmessageKind.READ_DATA)),
             None,
         )
-        if asked is None:
+        if request is None:
             continue
         before: dict[str, int] = {}
         for one in recording.transmissions:
             for event in _of(one.events, SubmessageKind.WRITE_DATA):
-                if one.to_agent and not one.is_lost and one.arrived < asked.sent:
+                if one.to_agent and not one.is_lost and one.arrived < request.sent:
                     before.setdefault(str(event.fields["sample"]), one.arrived)
         got = {
             str(event.fields["sample"])
             for one in recording.transmissions
-            if one.link == link and not one.to_agent and one.sent >= asked.sent
+            if one.link == link and not one.to_agent and one.sent >= request.sent
             for event in _of(one.events, SubmessageKind.DATA)
         }
         kept = len(got & set(before))
         if kept:
-            waited = (asked.sent - min(before.values())) / _MILLISECOND
-            wanted = _of(asked.events, SubmessageKind.READ_DATA)[0].fields["max_samples"]
-            yield LateReading(len(before), kept, waited, asked.packet, wanted if isinstance(wanted, int) else None)
+            waited = (request.sent - min(before.values())) / _MILLISECOND
+            wanted = _of(request.events, SubmessageKind.READ_DATA)[0].fields["max_samples"]
+            yield LateReading(len(before), kept, waited, request.packet, wanted if isinstance(wanted, int) else None)
 
 
 def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[SubmessageEvent]:

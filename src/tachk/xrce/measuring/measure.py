@@ -60,7 +60,7 @@ class Measurement:
 
 @checked_arguments
 def measure(*files: str | Path, ports: Iterable[int] = ()) -> Measurement:
-    """What captures of DDS-XRCE say of the parameters of clients, Agents and networks.
+    """Parameters of clients, Agents and networks in captures of DDS-XRCE.
 
     Args:
         files: pcap or pcapng captures of the same system; what they show is put together.
@@ -91,7 +91,7 @@ class _Measuring:
         self.of_agents = [(c, recording) for c, recording in found if not c.from_client]
 
     def measured(self, files: tuple[str, ...]) -> Measurement:
-        law, law_told, period, starved = self._client()
+        law, law_known, period, starved = self._client()
         agent, phase = self._agent()
         dead = sleeps.dead_time(self.of_agents, agent.value)
         asleep = [(file, sleep) for file, recording in self.recordings for sleep in sleeps.sleeps(recording)]
@@ -101,7 +101,7 @@ class _Measuring:
         stopped = [(file, stop) for file, recording in self.recordings for stop in self._stops(file, recording, asleep)]
         late = [(file, one) for file, recording in self.recordings for one in keeping.late_readings(recording)]
         quantities = (
-            law_told,
+            law_known,
             period,
             slices,
             inbound,
@@ -116,7 +116,7 @@ class _Measuring:
             faults.stops_quantity(stopped),
             keeping.kept_quantity(late),
         )
-        readings = [asking for _, recording in self.recordings for asking in sleeps.readings(recording)]
+        readings = [request for _, recording in self.recordings for request in sleeps.readings(recording)]
         known = {quantity.name: quantity for quantity in quantities}
         dozing = tuple(sleep for _, sleep in asleep)
         written, pace = self._publisher()
@@ -175,8 +175,8 @@ class _Measuring:
         period = heartbeats.client_period(found, heartbeats.client_law(found)[0])
         usual = period.value or USUAL_PERIOD
         starved = [one for conversation in self.of_clients for one in heartbeats.starvings(conversation, usual)]
-        law, told = heartbeats.law_quantity(found, starved, usual)
-        return law, told, period, starved
+        law, law_found = heartbeats.law_quantity(found, starved, usual)
+        return law, law_found, period, starved
 
     def _agent(self) -> tuple[Quantity, Quantity]:
         rounds = [heartbeats.agent_rounds(conversation) for conversation, _ in self.of_agents]
@@ -312,7 +312,7 @@ def _of(
 
 
 def _run_slices(starved: Sequence[Starving], period: Quantity) -> tuple[Quantity, Quantity]:
-    """What is known of the run calls of the application, and of what starts the timer again from outside."""
+    """The run calls of the application, and the events outside that start the timer again."""
     known = period.value or USUAL_PERIOD
     silent = [one for one in starved if one.gap > 3 * known]
     busy = [one for one in starved if one.gap <= 3 * known and one.length > 3 * known and len(one.traffic) > 2]

@@ -28,7 +28,7 @@ _USUAL_JITTER = 5
 
 @dataclass(frozen=True, slots=True)
 class SettingsEvidence:
-    """What such settings are made of.
+    """The sources of such settings.
 
     Attributes:
         quantities: by their names.

@@ -65,7 +65,7 @@ class LinkDirection:
 
 @dataclass(frozen=True, slots=True)
 class SettingsFindings:
-    """What settings are made of.
+    """The sources of settings.
 
     Attributes:
         quantities: by their names.
@@ -105,8 +105,8 @@ def _client(found: SettingsFindings) -> Iterator[Setting]:
         how = f"not measured; room for the {missing * (missing + 1) // 2} repetitions of {missing} missing messages"
         yield Setting("PLACES", missing * (missing + 3) // 2, False, Confidence.ASSUMED, how)
     if found.law is not None:
-        told = found.quantities["client_heartbeat_law"]
-        yield Setting("HEARTBEAT_LAW", _LAWS[found.law], False, told.confidence, told.how)
+        law_found = found.quantities["client_heartbeat_law"]
+        yield Setting("HEARTBEAT_LAW", _LAWS[found.law], False, law_found.confidence, law_found.how)
     period = found.quantities["client_heartbeat"]
     yield from _time("CLIENT_HEARTBEAT", period)
     yield from _time("PACE", found.pace)
@@ -155,7 +155,7 @@ def _network(found: SettingsFindings) -> Iterator[Setting]:
 
 
 def _subscriber(found: SettingsFindings) -> Iterator[Setting]:
-    limited = [asking for asking in found.readings if asking.samples not in (UNLIMITED, 0)]
+    limited = [request for request in found.readings if request.samples not in (UNLIMITED, 0)]
     kept = found.quantities["kept"]
     if kept.value is not None and kept.confidence is not Confidence.BOUND:
         yield Setting("KEEP", kept.value, False, kept.confidence, kept.how)
@@ -193,7 +193,7 @@ def _reading_late(found: tuple[LateReading, ...]) -> Iterator[Setting]:
 
 def _pulling(limited: list[ReadRequest]) -> Iterator[Setting]:
     """A client that asks again and again sleeps between two READ_DATA."""
-    first = {(asking.link, asking.number): asking.time for asking in reversed(limited)}
+    first = {(request.link, request.number): request.time for request in reversed(limited)}
     times = [time for (link, _), time in reversed(first.items()) if link == limited[0].link]
     yield Setting("SLEEPS", len(times) - 1, False, Confidence.MEASURED, "between two READ_DATA")
     if len(times) > 1:

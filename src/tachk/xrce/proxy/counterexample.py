@@ -56,7 +56,7 @@ def _ports(run: ModelRun, ports: Sequence[int]) -> Mapping[int, int]:
 
 
 class _ClientMessages:
-    """What happens to the messages of one client.
+    """The fates of the messages of one client.
 
     Attributes:
         before: by index, what comes before in any network that obeys the rules so far, as indices.
@@ -101,7 +101,7 @@ class _ClientMessages:
         return drops + waits
 
     def certain(self, index: int) -> set[int]:
-        """What comes before an event in any network."""
+        """The events before an event in any network."""
         happening = self.happenings[index]
         message = happening.message
         causes: list[int] = []
@@ -114,7 +114,7 @@ class _ClientMessages:
         return {found for cause in causes for found in (cause, *self.before[cause])}
 
     def answered(self, index: int) -> list[int]:
-        """What is delivered to a sender directly before it sends."""
+        """The deliveries to a sender directly before it sends."""
         way = self.happenings[index].message.way
         for earlier in range(index - 1, -1, -1):
             one = self.happenings[earlier]
@@ -141,7 +141,7 @@ class _ClientMessages:
         return [RelayRule(deed, self.chosen(message, self.port), self.span, wait=RuleWindow(events=events))]
 
     def needed(self, index: int, message: ModelMessage, before: set[int]) -> list[int]:
-        """What has to be waited for: of everything before the index what is neither certain nor implied."""
+        """The events to wait for: those before the index that are neither certain nor implied."""
         last: dict[tuple[bool, SubmessageKind], int] = {}
         for earlier, one in enumerate(self.happenings[:index]):
             if one.sent and one.message.way is _OTHER[message.way]:

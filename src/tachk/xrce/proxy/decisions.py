@@ -50,7 +50,7 @@ class Departure:
 
 @dataclass(frozen=True, slots=True)
 class RelayDecision:
-    """What follows from an event.
+    """The consequences of an event.
 
     Attributes:
         departures: what leaves now, in this order.
@@ -99,11 +99,11 @@ class Decisions:
 
     @property
     def held(self) -> tuple[Departure, ...]:
-        """What is in the relay."""
+        """The datagrams in the relay."""
         return tuple(one.departure for one in self._held)
 
     def arrived(self, arrival: RelayArrival) -> RelayDecision:
-        """What follows from an arrival."""
+        """The consequences of an arrival."""
         number = self._arrivals
         self._arrivals += 1
         start = self._started.setdefault(arrival.port, arrival.time)
@@ -182,7 +182,7 @@ class Decisions:
         self._places += 1
 
     def due(self, time: int) -> RelayDecision:
-        """What leaves at a time."""
+        """The datagrams that leave at a time."""
         departures: list[Departure] = []
         while ready := [one for one in self._held if one.due <= time and self._may_leave(one)]:
             first = min(ready, key=lambda one: (one.due, one.place))

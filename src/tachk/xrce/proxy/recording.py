@@ -1,4 +1,4 @@
-"""What a relay saw on both of its sides, as a capture: pcap with nanoseconds, UDP and IPv4 in Ethernet frames."""
+"""The traffic on both sides of a relay as a capture: pcap with nanoseconds, UDP and IPv4 in Ethernet frames."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def made_socket() -> socket.socket:
 
 
 def received(at: socket.socket, most: int) -> list[Received]:
-    """What waits in a socket, at most so many datagrams."""
+    """The datagrams that wait in a socket, at most so many."""
     found: list[Received] = []
     since = _since_1970()
     for _ in range(most):
@@ -78,7 +78,7 @@ def _nanoseconds(stamp: bytes) -> int:
 
 
 def _since_1970() -> int:
-    """What `time.time_ns` is ahead of `time.monotonic_ns`; of a few tries the one that was least interrupted."""
+    """The lead of `time.time_ns` over `time.monotonic_ns`; of a few tries the one that was least interrupted."""
     tries = []
     for _ in range(_TRIES):
         before, clock, after = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()

@@ -1,4 +1,4 @@
-"""What a relay does with which packets. A rule in words is what `tachk.xrce.proxy.script` reads."""
+"""Rules of a relay for packets. A rule in words is the input of `tachk.xrce.proxy.script`."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class RuleWindow:
 
 
 class Deed(Enum):
-    """What is done."""
+    """The action of a rule."""
 
     DROP = "drop"
     DELAY = "delay"
@@ -140,7 +140,7 @@ class Deed(Enum):
 
 @dataclass(frozen=True, slots=True)
 class RelayRule:
-    """What is done with which packets.
+    """The rules for packets.
 
     Attributes:
         deed: what.

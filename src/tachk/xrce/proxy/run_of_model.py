@@ -26,7 +26,7 @@ _KINDS: Final = {
     "ACKNACK": (SubmessageKind.ACKNACK, SubmessageKind.ACKNACK),
     "PING": (SubmessageKind.GET_INFO, None),
 }
-"""What the kinds of messages of `models/micro_xrce_dds/protocol.ta` are on the wire: to the Agent, to the client."""
+"""The messages of `models/micro_xrce_dds/protocol.ta` on the wire: to the Agent, to the client."""
 
 REPORT_WITH_RUN = "tachk verify MODEL --property NAME --format json -o TRACE.json makes one"
 """How to get a report that has a run."""
@@ -61,7 +61,7 @@ class Happening:
 
 @dataclass(frozen=True, slots=True)
 class ModelRun:
-    """What happens to messages, in the order of time; ``clients``: how many the model has."""
+    """The fates of messages, in the order of time; ``clients``: how many the model has."""
 
     clients: int
     happenings: tuple[Happening, ...]
@@ -117,7 +117,7 @@ def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, 
 
 
 def _as_read(happening: Happening, readers: Collection[int]) -> Happening:
-    """What a client that gets samples sends are requests for them."""
+    """The messages of a client that gets samples are requests for them."""
     message = happening.message
     if message.client not in readers or message.kind is not SubmessageKind.WRITE_DATA:
         return happening
@@ -133,8 +133,8 @@ class _Reading:
         self.values: dict[str, int] = {}
         self.happenings: list[Happening] = []
         self.counts: dict[tuple[int, PacketDirection, SubmessageKind], int] = {}
-        self.carried: dict[int, dict[ModelMessage, set[str]]] = {}
-        """What is under way in a link, and which processes listened when it was sent."""
+        self.payload: dict[int, dict[ModelMessage, set[str]]] = {}
+        """The messages under way in a link, and the processes that received when they were sent."""
 
     def step(self, transition: Mapping[str, Any], changes: Mapping[str, int]) -> None:
         channel = str(transition["channel"])
@@ -157,7 +157,7 @@ class _Reading:
                 self.delivered(kind, link, senders, changes)
 
     def number(self, name: str, channel: str) -> int:
-        """What a name of a link or a client, or a number, stands for."""
+        """The link, client or number of a name."""
         if not is_whole(name) and name not in self.constants:
             raise UsageError(f"{channel}: {name} is no constant of the model")
         return int(name) if is_whole(name) else self.constants[name]
@@ -172,11 +172,11 @@ class _Reading:
         lost = self.grows("losses", changes)
         self.happenings.append(Happening(message, True, lost))
         if not lost:
-            self.carried.setdefault(link, {})[message] = listeners
+            self.payload.setdefault(link, {})[message] = listeners
 
     def delivered(self, kind: SubmessageKind, link: int, carriers: set[str], changes: Mapping[str, int]) -> None:
         """The message that the carrier has taken first leaves; a model may hide which one carries it."""
-        under_way = self.carried.get(link, {})
+        under_way = self.payload.get(link, {})
         fitting = (one for one in under_way if one.kind is kind and under_way[one] >= carriers)
         message = next(fitting, None)
         if message is None:

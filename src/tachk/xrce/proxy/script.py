@@ -196,8 +196,8 @@ class _Line:
         way = _WAYS[self.take().text] if self.place.text in _WAYS else None
         port = self.port() if self.skip("on") else None
         if number is not None and (kind not in NUMBERED or number > _LAST_NUMBER):
-            told = "a packet" if kind is None else kind.name
-            reason = f"numbers end at {_LAST_NUMBER}" if kind in NUMBERED else f"{told} has no number"
+            packet_name = "a packet" if kind is None else kind.name
+            reason = f"numbers end at {_LAST_NUMBER}" if kind in NUMBERED else f"{packet_name} has no number"
             raise self.wrong(reason, None, number_place, "E0953")
         if kind in ONE_WAY and way not in (None, ONE_WAY[kind]):
             help = "the samples that clients write are WRITE_DATA" if kind is SubmessageKind.DATA else None

@@ -1,4 +1,4 @@
-"""What a datagram says, as far as rules ask for it."""
+"""The content of a datagram, as far as rules need it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What happened on the wire, as people and programs read it."""
+"""Reports of the events on the wire, for people and programs."""

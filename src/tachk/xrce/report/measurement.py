@@ -1,4 +1,4 @@
-"""What was measured in captures: as text, as JSON of docs/schema/measure.schema.json, as options of `tachk verify`."""
+"""Measured parameters: as text, as JSON of docs/schema/measure.schema.json, as options of `tachk verify`."""
 
 from __future__ import annotations
 
@@ -89,8 +89,8 @@ def measurement_to_text(found: Measurement, time: ModelTime) -> str:
     lines += ["", f"settings{f' for {time.model}' if time.model else ''}{scale}:", *_setting_lines(chosen, time)]
     coarse = [one for one in chosen if one.is_time and _is_coarse(one, time)]
     if coarse:
-        told = ", ".join(f"{one.name} is {one.value:g} ms" for one in coarse)
-        lines.append(f"the unit of {time.milliseconds:g} ms is too coarse: {told}")
+        listed = ", ".join(f"{one.name} is {one.value:g} ms" for one in coarse)
+        lines.append(f"the unit of {time.milliseconds:g} ms is too coarse: {listed}")
     left_out = [one.name for one in time.all(found) if one not in chosen]
     if left_out:
         lines.append(f"{time.model} has no constant {', '.join(left_out)}")
@@ -115,9 +115,9 @@ def _quantity_lines(quantity: Quantity, several: bool) -> Iterator[str]:
 def _places(places: Sequence[PacketPlace], several: bool) -> str:
     if not places:
         return ""
-    told = [f"{place.file}:{place.packet}" if several else str(place.packet) for place in places[:_PLACES]]
+    listed = [f"{place.file}:{place.packet}" if several else str(place.packet) for place in places[:_PLACES]]
     more = f" and {len(places) - _PLACES} more" if len(places) > _PLACES else ""
-    return f"packet{'s' if len(places) > 1 else ''} {', '.join(told)}{more}"
+    return f"packet{'s' if len(places) > 1 else ''} {', '.join(listed)}{more}"
 
 
 def _setting_lines(settings: Sequence[Setting], time: ModelTime) -> Iterator[str]:

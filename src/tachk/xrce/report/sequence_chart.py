@@ -30,18 +30,18 @@ def chart_of_capture(recording: Capture, name: str) -> Chart:
         name: of the capture.
     """
     lifelines, clients, agents = _lifelines(recording)
-    told = _CaptureChart(recording.begin)
+    chart_of_capture = _CaptureChart(recording.begin)
     events = []
     for one in recording.transmissions:
         ends = clients[one.link], agents[one.link]
         sender, receiver = ends if one.to_agent else ends[::-1]
-        events.append(told.message(one, sender, receiver))
+        events.append(chart_of_capture.message(one, sender, receiver))
     events.sort(key=lambda message: message.sent)
     phases = tuple(
         Phase(
             clients[sleep.link],
-            Moment(told.milliseconds(sleep.begin)),
-            Moment(told.milliseconds(sleep.end)),
+            Moment(chart_of_capture.milliseconds(sleep.begin)),
+            Moment(chart_of_capture.milliseconds(sleep.end)),
             "silent: asleep or out of reach",
         )
         for sleep in sleeps(recording)
@@ -64,10 +64,10 @@ def _lifelines(recording: Capture) -> tuple[tuple[str, ...], list[int], list[int
     places = {number: place for place, number in enumerate(left)}
     places |= {number: len(left) + len(known) + place for place, number in enumerate(right)}
     agents = [len(left) + known.index(link.agent) for link in recording.links]
-    return tuple(_told_apart(names)), [places[number] for number in range(len(writing))], agents
+    return tuple(_distinguished(names)), [places[number] for number in range(len(writing))], agents
 
 
-def _told_apart(names: Sequence[str]) -> Iterator[str]:
+def _distinguished(names: Sequence[str]) -> Iterator[str]:
     """Several connections of one client get numbers."""
     often = Counter(names)
     seen: Counter[str] = Counter()
@@ -134,8 +134,8 @@ def label_of(events: Sequence[SubmessageEvent]) -> str:
         return "malformed"
     if first.kind is SubmessageKind.ACKNACK and len(events) == 1:
         missing = first.fields["missing"]
-        told = f" missing {ranges(missing)}" if isinstance(missing, list) and missing else ""
-        return f"ACKNACK {first.fields['first']}{told}"
+        chart_of_capture = f" missing {ranges(missing)}" if isinstance(missing, list) and missing else ""
+        return f"ACKNACK {first.fields['first']}{chart_of_capture}"
     if first.kind is SubmessageKind.HEARTBEAT and len(events) == 1:
         return f"HEARTBEAT {first.fields['first']}..{first.fields['last']}"
     kinds = Counter("malformed" if event.kind is None else event.kind.name for event in events)

@@ -73,9 +73,9 @@ def _create(fields: Fields) -> str:
     return f"{words} {_request(fields)}"
 
 
-def _asked(fields: Fields) -> str:
-    asked = [name for name in ("configuration", "activity") if fields[name]]
-    return f"{' and '.join(asked) or 'nothing'} of {fields['object']} {_request(fields)}"
+def _requested(fields: Fields) -> str:
+    requested = [name for name in ("configuration", "activity") if fields[name]]
+    return f"{' and '.join(requested) or 'nothing'} of {fields['object']} {_request(fields)}"
 
 
 def _deleted(fields: Fields) -> str:
@@ -127,7 +127,7 @@ def _fragment(fields: Fields) -> str:
 _WORDS: Mapping[SubmessageKind, Callable[[Fields], str]] = {
     SubmessageKind.CREATE_CLIENT: _client,
     SubmessageKind.CREATE: _create,
-    SubmessageKind.GET_INFO: _asked,
+    SubmessageKind.GET_INFO: _requested,
     SubmessageKind.DELETE: _deleted,
     SubmessageKind.STATUS_AGENT: lambda fields: fields["status"] + _properties(fields),
     SubmessageKind.STATUS: _status,

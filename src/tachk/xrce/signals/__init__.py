@@ -1,1 +1,1 @@
-"""What captures show of clients, streams and samples over time."""
+"""Signals of clients, streams and samples over time in captures."""

@@ -52,7 +52,7 @@ class ChangeLog:
         return bool(self._rows)
 
     def take(self, first: int) -> SignalChanges:
-        """What has been collected; nothing of it is kept.
+        """The collected changes; nothing of them is kept.
 
         Args:
             first: the row that is the first one of the block.

@@ -65,8 +65,8 @@ class Side:
         self.owner = Client("", [self])
         self.session: int | None = None
         self.heard = time
-        self.asked: int | None = None
-        self.asked_by = 0
+        self.owing_since: int | None = None
+        self.owing_packet = 0
         self.asleep = self.disturbed = self.ended = self.forgotten = False
         self.sleep_log = ChangeLog(1)
         self.streams: dict[Way, Stream] = {}
@@ -84,16 +84,16 @@ class Side:
             patience: how long it owes an answer at most.
             answer: how long it takes to answer at most, if its silence has shown already that it sleeps.
         """
-        if self.ended or self.disturbed or (self.asleep and self.asked is None):
+        if self.ended or self.disturbed or (self.asleep and self.owing_since is None):
             return NEVER
         if self.asleep:
-            return (self.asked or 0) + answer
+            return (self.owing_since or 0) + answer
         silent = self.heard + silence
-        return silent if self.asked is None else min(silent, self.asked + patience)
+        return silent if self.owing_since is None else min(silent, self.owing_since + patience)
 
     def woken(self, time: int, row: int) -> None:
         """It has sent something, or is no longer there."""
-        self.heard, self.asked = time, None
+        self.heard, self.owing_since = time, None
         if self.asleep:
             self.asleep = self.disturbed = False
             self.sleep_log.note(row, (0,))
@@ -201,7 +201,7 @@ class Client:
         return all(side.heard < since for side in self.sides)
 
     def transfer(self, stream: Stream) -> Transfer:
-        """What a stream is one end of."""
+        """The other end of a stream."""
         way = stream.way
         if way not in self.transfers:
             near, far = self.sides[0].stream(way).state, self.sides[-1].stream(way).state

@@ -68,7 +68,7 @@ _WRITE_DATA: Final = int(SubmessageKind.WRITE_DATA)
 _DATA: Final = int(SubmessageKind.DATA)
 
 _CARRYING: Final = (_WRITE_DATA, _DATA, _CREATE, _DELETE, _FRAGMENT)
-_TELLING: Final = (*_CARRYING, _ACKNACK, _HEARTBEAT, _CREATE_CLIENT)
+_OF_SAMPLES: Final = (*_CARRYING, _ACKNACK, _HEARTBEAT, _CREATE_CLIENT)
 
 _RELIABLE: Final = int(wire.FIRST_RELIABLE_STREAM)
 
@@ -159,7 +159,7 @@ class Follower:
             return
         times = np.maximum(np.maximum.accumulate(messages.times), self.latest)
         self.latest = int(times[-1])
-        chosen = np.flatnonzero((found.place == 0) | np.isin(found.kind, _TELLING))
+        chosen = np.flatnonzero((found.place == 0) | np.isin(found.kind, _OF_SAMPLES))
         message = found.message[chosen]
         of_message = (times, messages.packets, messages.clients, messages.agents, messages.to_agent)
         of_stream = (found.kind, found.stream, found.sequence, found.first, found.last, found.bitmap, found.subject)
@@ -177,17 +177,17 @@ class Follower:
                     held = side.streams.get((to_agent, stream)) or side.stream((to_agent, stream))
                     number = held.state.message(sequence)
                     self._noted(held)
-                if not to_agent and side.asked is None and (held or kind == _HEARTBEAT):
+                if not to_agent and side.owing_since is None and (held or kind == _HEARTBEAT):
                     if side.asleep or side.sees_arrivals:
-                        side.asked, side.asked_by = time, packet
+                        side.owing_since, side.owing_packet = time, packet
                         self._alarm = min(self._alarm, self._due(side))
             if kind == _ACKNACK:
                 way = not to_agent, subject
                 self._acknack(self._side.streams.get(way) or self._side.stream(way), first, bitmap)
             elif kind == _HEARTBEAT:
-                told = self._side.stream((to_agent, subject))
-                told.state.heartbeat(first, last)
-                self._noted(told)
+                heard_stream = self._side.stream((to_agent, subject))
+                heard_stream.state.heartbeat(first, last)
+                self._noted(heard_stream)
             elif kind == _CREATE_CLIENT:
                 begin = int(found.starts[entry])
                 self._created(self._side, octets[begin + 8 : begin + 12].hex().upper())
@@ -227,7 +227,7 @@ class Follower:
             if side.asleep:
                 self._woken(side, time)
             else:
-                side.heard, side.asked = time, None
+                side.heard, side.owing_since = time, None
 
     def wait(self, time: int) -> None:
         """Nothing has come until this time, in nanoseconds since the epoch."""
@@ -323,8 +323,8 @@ class Follower:
             self._alarm = self._due(side)
             if self._alarm > time:
                 break
-            self._inserted.append((row + count, self._alarm, 0 if side.asked is None else side.asked_by))
-            side.disturbed = side.asked is not None and self._alarm >= side.asked + ANSWER
+            self._inserted.append((row + count, self._alarm, 0 if side.owing_since is None else side.owing_packet))
+            side.disturbed = side.owing_since is not None and self._alarm >= side.owing_since + ANSWER
             if not side.asleep:
                 side.asleep = True
                 side.sleep_log.note(row + count, (1,))
@@ -486,7 +486,7 @@ def _is_session(number: int) -> bool:
 
 
 def _item(found: Submessages, entry: int, kind: int, octets: bytes) -> Item:
-    """What a submessage carries, as far as it says something of samples."""
+    """The samples in a submessage."""
     begin = found.starts.item(entry)
     payload = octets[begin : begin + found.sizes.item(entry)]
     if kind == _FRAGMENT:

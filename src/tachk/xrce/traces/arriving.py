@@ -17,7 +17,7 @@ class Pipe:
         self._pipe = awaited_pipe(descriptor)
 
     def read1(self, size: int, /) -> bytes | None:
-        """What has come; empty at the end, None if nothing has come for a while."""
+        """The bytes that have come; empty at the end, None if nothing has come for a while."""
         check_job()
         return self._pipe.read1(size)
 
@@ -33,7 +33,7 @@ class GrowingFile:
         self._sleep = sleep
 
     def read1(self, size: int, /) -> bytes | None:
-        """What has come; None if nothing has come for a while."""
+        """The bytes that have come; None if nothing has come for a while."""
         check_job()
         octets = self._stream.read(size)
         if not octets:

@@ -48,7 +48,7 @@ class Arriving(Protocol):
     """Where the bytes of the capture come from."""
 
     def read1(self, size: int, /) -> bytes | None:
-        """What has come; empty at the end, None if nothing has come for a while."""
+        """The bytes that have come; empty at the end, None if nothing has come for a while."""
         ...
 
     def close(self) -> None: ...
@@ -109,7 +109,7 @@ class LivePackets:
         self._clock = clock
         self._looked = 0
         self._start: int | None = None
-        self._told = 0
+        self._reported = 0
         self._kept = np.zeros((2, 0), np.int64)
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
@@ -136,7 +136,7 @@ class LivePackets:
                 waited = self._follower.latest
                 if self._start is None and len(block.times):
                     self._start = int(block.times[0])
-                if self._start is not None and (len(block.times) or waited > self._told):
+                if self._start is not None and (len(block.times) or waited > self._reported):
                     yield self._rows(block, wanted, waited)
                 if waited >= self._looked + GONE:
                     self._looked = waited
@@ -171,7 +171,7 @@ class LivePackets:
         if is_later:
             times = np.append(times, waited)
             values = {name: _longer(one, _last(wanted[name])) for name, one in values.items()}
-        self._told = int(times[-1])
+        self._reported = int(times[-1])
         assert self._start is not None
         rows = np.stack([block.times - self._start, block.packets])
         self._kept = np.concatenate([self._kept, rows], axis=1)[:, -_MOST_KEPT:]
@@ -217,7 +217,7 @@ def _last(column: _LiveColumn) -> Values:
 
 
 def _column(name: str) -> _LiveColumn:
-    """What a name stands for. Raises UsageError."""
+    """The device or address of a name. Raises UsageError."""
     if name in PROPERTIES:
         signal, negated = PROPERTIES[name]
         return _LiveColumn(situation=(SITUATION.index(signal), negated))

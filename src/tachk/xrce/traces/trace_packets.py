@@ -189,14 +189,14 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
     if recorded.problem and not is_cut_off:
         raise UsageError(f"{path}: {recorded.problem}", f"tachk decode {path} tells what comes before")
     if not len(recorded.times):
-        asked = ", ".join(map(str, ports or (DEFAULT_PORT,)))
-        raise UsageError(f"{path} has no packet to or from port {asked}", "give the port of the Agent with --port")
+        listed = ", ".join(map(str, ports or (DEFAULT_PORT,)))
+        raise UsageError(f"{path} has no packet to or from port {listed}", "give the port of the Agent with --port")
     warnings = (cut_off_warning(str(path), recorded.problem),) if is_cut_off else ()
     return PacketRecording(str(path), recorded, dict(_signals(recorded, again)), warnings=warnings)
 
 
 class _Again:
-    """What is read of a capture where somebody asks for it."""
+    """The parts of a capture that are read on demand."""
 
     def __init__(self, path: Path, ports: Sequence[int], serial: bool = False) -> None:
         self._path, self._ports, self._serial = path, ports, serial
@@ -208,7 +208,7 @@ class _Again:
             return read_recorded(stream, self._ports, signals)
 
     def transmissions(self) -> Capture:
-        """What a lossy hop did to messages."""
+        """The effects of a lossy hop on messages."""
         return read_transmissions(self._path, self._ports)
 
     @cached_property

@@ -191,12 +191,12 @@ def is_run(
 
     With ``ordered`` outputs of a machine that were recorded before an input of it happen before that.
     """
-    queues: dict[tuple[str, int], list[Event]] = {}
+    streams: dict[tuple[str, int], list[Event]] = {}
     for event in events:
         if ordered and event.label == "in":
-            event = replace(event, needed=len(queues.get(("out", event.machine), ())))
-        queues.setdefault((event.label, event.machine), []).append(event)
-    names = sorted(queues)
+            event = replace(event, needed=len(streams.get(("out", event.machine), ())))
+        streams.setdefault((event.label, event.machine), []).append(event)
+    names = sorted(streams)
     quiet = max(end - late, 0)
 
     def window(event: Event) -> tuple[int, int]:
@@ -210,28 +210,28 @@ def is_run(
         pending = list(present)
         while pending:
             places, counts = pending.pop()
-            for after in _steps(machines, places, counts, now, names, queues, window, quiet, hidden):
+            for after in _steps(machines, places, counts, now, names, streams, window, quiet, hidden):
                 if after not in present:
                     present.add(after)
                     pending.append(after)
-        whole = tuple(len(queues[name]) for name in names)
+        whole = tuple(len(streams[name]) for name in names)
         if now >= quiet and any(counts == whole for _, counts in present):
             return True
-        following = set()
+        product = set()
         for places, counts in present:
             later = _later(machines, places)
             overdue = any(
-                counts[n] < len(queues[name]) and window(queues[name][counts[n]])[1] <= now
+                counts[n] < len(streams[name]) and window(streams[name][counts[n]])[1] <= now
                 for n, name in enumerate(names)
             )
             if later is not None and not overdue:
-                following.add((later, counts))
-        present, now = following, now + 1
+                product.add((later, counts))
+        present, now = product, now + 1
         if not present:
             return False
 
 
-def _steps(machines, places, counts, now, names, queues, window, quiet, hidden):  # type: ignore[no-untyped-def]
+def _steps(machines, places, counts, now, names, streams, window, quiet, hidden):  # type: ignore[no-untyped-def]
     for n, machine in enumerate(machines):
         for _, after in _moves(machine, places[n], ""):
             yield _with(places, n, after), counts
@@ -239,7 +239,7 @@ def _steps(machines, places, counts, now, names, queues, window, quiet, hidden):
             for after in _hears(machine, places[n], key):
                 yield _with(places, n, after), counts
         for edge, after in _moves(machine, places[n], "out"):
-            found = _next(("out", n), names, queues, counts)
+            found = _next(("out", n), names, streams, counts)
             if found is None:
                 if now >= quiet:
                     yield _with(places, n, after), counts
@@ -248,7 +248,7 @@ def _steps(machines, places, counts, now, names, queues, window, quiet, hidden):
             low, high = window(event)
             if low <= now <= high and (event.key, event.number) == (edge.key, edge.number):
                 yield _with(places, n, after), _counted(counts, number)
-        found = None if hidden else _next(("in", n), names, queues, counts)
+        found = None if hidden else _next(("in", n), names, streams, counts)
         if found is not None:
             number, event = found
             low, high = window(event)
@@ -258,11 +258,11 @@ def _steps(machines, places, counts, now, names, queues, window, quiet, hidden):
                     yield _with(places, n, after), _counted(counts, number)
 
 
-def _next(name, names, queues, counts):  # type: ignore[no-untyped-def]
+def _next(name, names, streams, counts):  # type: ignore[no-untyped-def]
     if name not in names:
         return None
     number = names.index(name)
-    return (number, queues[name][counts[number]]) if counts[number] < len(queues[name]) else None
+    return (number, streams[name][counts[number]]) if counts[number] < len(streams[name]) else None
 
 
 def _counted(counts: tuple[int, ...], number: int) -> tuple[int, ...]:

@@ -12,8 +12,8 @@ from click.testing import CliRunner
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.recordings.conformance.asking import constants_of, with_log
 from tachk.recordings.conformance.conform import conform
+from tachk.recordings.conformance.conform_file import constants_of, with_log
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
@@ -120,9 +120,9 @@ def test_on_the_command_line(tmp_path: Path, said: str, status: int) -> None:
     file = tmp_path / "app.csv"
     file.write_text("\n".join(rows) + "\n", encoding="utf-8")
     settings = ("HISTORY=8", "CLIENT_JITTER=60", "AGENT_JITTER=60", "EXACT_BITMAPS=true")
-    asked = ["conform", str(MODEL), str(CAPTURE), *(word for each in settings for word in ("-D", each))]
-    asked += ["--tolerance", "30ms", "--late", "60ms", "--application", str(file), "--max-states", "3000"]
-    found = CliRunner().invoke(app, asked)
+    question = ["conform", str(MODEL), str(CAPTURE), *(word for each in settings for word in ("-D", each))]
+    question += ["--tolerance", "30ms", "--late", "60ms", "--application", str(file), "--max-states", "3000"]
+    found = CliRunner().invoke(app, question)
     assert found.exit_code == status, found.output
 
 

@@ -110,9 +110,10 @@ def test_what_the_model_allows() -> None:
     assert found.accepted is False
     assert found.refusal is not None
     assert found.recording.events[found.refusal.event or 0].place == "line 4"
-    assert [(offer.cells, offer.earliest, offer.latest) for offer in found.refusal.offers] == [
-        ((("on", 0), ("level", 0)), 55, 108)
-    ]
+    assert [
+        (enabled_event.cells, enabled_event.earliest, enabled_event.latest)
+        for enabled_event in found.refusal.enabled_events
+    ] == [((("on", 0), ("level", 0)), 55, 108)]
 
 
 def test_offers_have_the_words_of_the_recording(tmp_path: Path) -> None:
@@ -283,7 +284,10 @@ def test_what_is_outside_need_not_be_ready(tmp_path: Path) -> None:
     ("name", "left_out"),
     [
         ("tachk.recordings.conformance.conform._earliest", "where the recording leaves the model"),
-        ("tachk.recordings.conformance.asking.smallest_edit", "whether an edit of the recording would make it a run"),
+        (
+            "tachk.recordings.conformance.conform_file.smallest_edit",
+            "whether an edit of the recording would make it a run",
+        ),
     ],
 )
 def test_time_is_over_before_it_is_explained(monkeypatch: pytest.MonkeyPatch, name: str, left_out: str) -> None:

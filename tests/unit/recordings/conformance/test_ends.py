@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 import tachk
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 
 MODEL = """

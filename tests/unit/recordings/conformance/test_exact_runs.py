@@ -17,10 +17,10 @@ from tachk.model.run import Transition
 from tachk.model.types import ClockType
 from tachk.recordings.conformance import conform as conformance
 from tachk.recordings.conformance import conform as exact_runs
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform, moments_of_trace, run_by_reference
-from tachk.recordings.conformance.followers import Following
-from tachk.recordings.conformance.refusal import FinalState, end_by_reference, end_of
+from tachk.recordings.conformance.conform_file import constants_of
+from tachk.recordings.conformance.rejection import FinalState, end_by_reference, end_of
+from tachk.recordings.conformance.trace_product import TraceProduct
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[4]
@@ -42,7 +42,7 @@ def test_core_and_reference_make_the_same_run_of_a_capture(monkeypatch: pytest.M
     found = held("client_2_0")
     assert found.accepted
     for run in found.runs:
-        assert run.moments == moments_of_trace(run_by_reference(run.following, run.path), len(run.path))
+        assert run.moments == moments_of_trace(run_by_reference(run.product, run.path), len(run.path))
 
 
 def test_long_run_is_not_made_by_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,10 +68,10 @@ def test_core_and_reference_end_a_run_in_the_same_state(monkeypatch: pytest.Monk
     found: list[tuple[FinalState, FinalState]] = []
 
     def both(
-        following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
+        product: TraceProduct, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
     ) -> FinalState:
-        end = end_of(following, program, path, actions)
-        found.append((end, end_by_reference(following, path)))
+        end = end_of(product, program, path, actions)
+        found.append((end, end_by_reference(product, path)))
         return end
 
     monkeypatch.setattr(conformance, "end_of", both)

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 import tachk
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.coverage import Covered, coverage
 from tachk.xrce.conformance.packet_events import read_capture
 

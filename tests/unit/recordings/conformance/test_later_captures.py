@@ -16,8 +16,8 @@ import pytest
 import tachk
 from tachk.api.monitoring import monitor
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.recordings.conformance.asking import constants_of, with_log
 from tachk.recordings.conformance.conform import conform
+from tachk.recordings.conformance.conform_file import constants_of, with_log
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.traces.node_signal import Truth

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
 from tachk.xrce.conformance.packet_events import read_capture
 

@@ -10,8 +10,8 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import read_events
 from tests.support.seeds import seeds
 from tests.unit.recordings.conformance.small_models import (

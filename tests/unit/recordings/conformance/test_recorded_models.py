@@ -9,8 +9,8 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.formats.loading.recorded_models import recorded_model
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.report.conformance.text import conformance_to_text
 from tachk.xrce.conformance.packet_events import read_capture
 
@@ -76,13 +76,13 @@ CAPTURES = [("f3a_stale_acknack_tail_loss", "packet 126"), ("f6a_late_dup_create
 def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capture: str, place: str) -> None:
     recording = read_capture(SHARED / f"{capture}.pcap")
 
-    def ask(name: str) -> Conformance:
+    def conforms_within(name: str) -> Conformance:
         loaded = recorded_model(tachk.load(MODELS / name).loaded, str(MODELS / name), ())
         assert loaded.recording is not None
         return conform(loaded.network, loaded.recording, recording, constants_of(loaded), run=False)
 
-    assert ask("client_3_0.ta").accepted
-    found = ask("spec.ta")
+    assert conforms_within("client_3_0.ta").accepted
+    found = conforms_within("spec.ta")
     assert found.accepted is False
     assert found.refusal is not None and found.refusal.event is not None
     assert recording.events[found.refusal.event].place == place

@@ -16,11 +16,11 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.recordings.conformance.asking import constants_of
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
 from tachk.recordings.conformance.events import EventLog, RecordedEvent
-from tachk.recordings.conformance.nearby import smallest_edit
+from tachk.recordings.conformance.nearest_log import smallest_edit
 from tachk.xrce.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[4]
@@ -183,14 +183,20 @@ def test_the_smallest_edit_undoes_a_change(
     mapping, names = model.loaded.recording, constants_of(model.loaded)
     assert mapping is not None
 
-    def ask(recording: EventLog, explain: bool) -> Conformance:
+    def conforms_within(recording: EventLog, explain: bool) -> Conformance:
         two_ms = Fraction(2), Fraction(2)
         return conform(model.network, mapping, recording, names, *two_ms, limits=limits(), run=False, explain=explain)
 
-    found = ask(changed, True)
+    found = conforms_within(changed, True)
     assert found.refusal is not None and found.refusal.event is not None
     search = smallest_edit(
-        model.network, mapping, changed, names, found, limits(), lambda other: ask(other, False).accepted is True
+        model.network,
+        mapping,
+        changed,
+        names,
+        found,
+        limits(),
+        lambda other: conforms_within(other, False).accepted is True,
     )
     edit = search.edit
     assert edit is not None and edit.what == what

@@ -15,8 +15,8 @@ from tachk.engine.simulation.policy import Policy
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationOptions
 from tachk.model.network import Network
 from tachk.simulation.columns import all_columns
-from tachk.simulation.fmi.blueprint import blueprint
 from tachk.simulation.fmi.description import FmiVersion
+from tachk.simulation.fmi.resource_file import resource_file
 from tachk.simulation.fmi.unit import CoSimulationUnit, Role, open_unit
 from tests.support.simulated.cosimulated import extract, lasting, native_rows
 from tests.support.simulated.coupled import Values, coupled, not_a_run
@@ -121,7 +121,7 @@ def agent(unit: CoSimulationUnit, folder: Path) -> FMU3Slave:
     extracted = extract(unit, FmiVersion.THREE, folder)
     assert validate_fmu(extracted) == []
     slave = FMU3Slave(
-        guid=blueprint(unit).token, unzipDirectory=extracted, modelIdentifier=unit.name, instanceName="agent"
+        guid=resource_file(unit).token, unzipDirectory=extracted, modelIdentifier=unit.name, instanceName="agent"
     )
     slave.instantiate(eventModeUsed=True, earlyReturnAllowed=True, logMessage=lambda *told: None)
     slave.enterInitializationMode()
@@ -169,7 +169,7 @@ def test_in_version_2_messages_are_counted(link: Network, tmp_path: Path) -> Non
     extracted = extract(unit, FmiVersion.TWO, tmp_path)
     assert validate_fmu(extracted) == []
     slave = FMU2Slave(
-        guid=blueprint(unit).token, unzipDirectory=extracted, modelIdentifier=unit.name, instanceName="agent"
+        guid=resource_file(unit).token, unzipDirectory=extracted, modelIdentifier=unit.name, instanceName="agent"
     )
     slave.instantiate()
     slave.setupExperiment()

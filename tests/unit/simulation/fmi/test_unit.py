@@ -16,8 +16,8 @@ import tachk
 from tachk.base.span import Source
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT
 from tachk.formats.loading.load import load_model
-from tachk.simulation.fmi.blueprint import blueprint
 from tachk.simulation.fmi.description import FmiVersion
+from tachk.simulation.fmi.resource_file import resource_file
 from tachk.simulation.fmi.unit import CoSimulationUnit, closed_unit, identifier, ticks_of_a_second
 from tests.support.simulated.cosimulated import extract
 
@@ -56,7 +56,7 @@ def running(unit: CoSimulationUnit, tmp_path: Path) -> Iterator[FMU3Slave]:
 
 def instance(unit: CoSimulationUnit, folder: Path, early: bool = True) -> FMU3Slave:
     slave = FMU3Slave(
-        guid=blueprint(unit).token,
+        guid=resource_file(unit).token,
         unzipDirectory=extract(unit, FmiVersion.THREE, folder),
         modelIdentifier=unit.name,
         instanceName="unit",
@@ -232,7 +232,7 @@ def test_a_description_of_another_network_is_refused(unit: CoSimulationUnit, tmp
 
 def test_states_and_errors_in_version_2(unit: CoSimulationUnit, tmp_path: Path) -> None:
     slave = FMU2Slave(
-        guid=blueprint(unit).token,
+        guid=resource_file(unit).token,
         unzipDirectory=extract(unit, FmiVersion.TWO, tmp_path),
         modelIdentifier=unit.name,
         instanceName="unit",

@@ -112,7 +112,7 @@ class _Scene:
                 return
 
     def _boxes(self, at: int, ends: set[int]) -> list[Box]:
-        """What an edge must not meet."""
+        """The shapes that an edge must not meet."""
         labels = [box.grown(1) for number, box in enumerate(self.labels) if box is not None and number != at]
         return [*self.texts, *labels, *(circle for node, circle in enumerate(self.circles) if node not in ends)]
 

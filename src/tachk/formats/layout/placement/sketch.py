@@ -1,4 +1,4 @@
-"""What is to be drawn of a template, reduced to numbers and sizes, and a drawing of that."""
+"""A template for drawing, reduced to numbers and sizes, and a drawing of it."""
 
 from __future__ import annotations
 

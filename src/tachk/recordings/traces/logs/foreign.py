@@ -1,4 +1,4 @@
-"""What is the same for all files that other libraries read."""
+"""The common part of all readers that use other libraries."""
 
 from __future__ import annotations
 

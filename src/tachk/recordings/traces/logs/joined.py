@@ -53,9 +53,9 @@ class JoinedRecording:
         for name in columns or ():
             if name not in self.places and name not in arrivals:
                 raise no_such_column(name, self.columns, self.name)
-        asked = [*(self.places[name] for name in wanted), *chain.from_iterable(arrivals.values())]
+        requested = [*(self.places[name] for name in wanted), *chain.from_iterable(arrivals.values())]
         traces = [
-            recording.read([own for number, own in asked if number == place])
+            recording.read([own for number, own in requested if number == place])
             for place, recording in enumerate(self.recordings)
         ]
         factors = [self._factor(trace) for trace in traces]
@@ -169,7 +169,7 @@ def with_decimals(recording: TraceSource, decimals: int | None) -> TraceSource:
 
 
 def _rounding(recording: TraceSource, decimals: int) -> TraceSource:
-    """What reads times as text rounds them before they are counted, for they may have more digits than can be."""
+    """The rounding of times as text before they are counted, for they may have more digits than can be."""
     from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
 
     match recording:

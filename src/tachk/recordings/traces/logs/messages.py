@@ -82,7 +82,7 @@ Topics = TypeVar("Topics", bound=Collection[str])
 
 
 class WithSummary(ABC, Generic[Topics]):
-    """What a file says of itself, read once."""
+    """The metadata of a file, read once."""
 
     @abstractmethod
     def _read_summary(self) -> tuple[Topics, int | None]:
@@ -217,7 +217,7 @@ def flattened(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _getters(name: str, columns: Iterable[str]) -> dict[str, Callable[[Any], Any]]:
-    """What finds the value of each column in a message; None where it has none."""
+    """The functions that find the value of each column in a message; None where it has none."""
     return {
         column: _getter(column[len(name) :]) if topic_of(column) is None else _arrival(name, column)
         for column in columns

@@ -17,7 +17,7 @@ Value = int | float | str
 
 
 def named_values(recording: TraceSource) -> Mapping[str, Value]:
-    """What the names mean. Raises UsageError for a file that cannot be read."""
+    """The names of values in a file. Raises UsageError for a file that cannot be read."""
     owned: dict[str, Mapping[str, Value]] = {}
     for part in _parts(recording):
         if isinstance(part, MessageRecording):

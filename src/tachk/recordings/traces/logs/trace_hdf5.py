@@ -49,8 +49,8 @@ class Hdf5Table:
     def read(self, columns: Collection[str] | None = None) -> Trace:
         arrivals = arriving(columns or (), self.columns)
         parts = [part for parts in arrivals.values() for part in parts]
-        asked = self.columns if columns is None else (*columns, *parts)
-        wanted = tuple(dict.fromkeys(name for name in asked if name not in arrivals))
+        requested = self.columns if columns is None else (*columns, *parts)
+        wanted = tuple(dict.fromkeys(name for name in requested if name not in arrivals))
         for name in wanted:
             if name not in self.places:
                 raise no_such_column(name, self.columns, self.name)
@@ -136,9 +136,9 @@ def _places(key: str, item: Any) -> Iterator[tuple[str, _DataSetPlace]]:
 
 
 def _unit_of(item: Any) -> str:
-    """What an attribute of a time says, such as ``ms``, or the ``seconds since 1970-01-01`` of netCDF."""
-    told = next((item.attrs[key] for key in ("units", "unit", "Units", "Unit") if key in item.attrs), "")
-    text = told.decode("utf-8", "replace") if isinstance(told, bytes) else str(told)
+    """The unit and origin in an attribute of a time: ``ms``, or ``seconds since 1970-01-01`` of netCDF."""
+    stated = next((item.attrs[key] for key in ("units", "unit", "Units", "Unit") if key in item.attrs), "")
+    text = stated.decode("utf-8", "replace") if isinstance(stated, bytes) else str(stated)
     return text.partition(" since ")[0].strip()
 
 

@@ -286,7 +286,7 @@ def _decoder(channel: Any, schema: Any, what: str) -> Callable[[bytes], Any]:
 
 
 def _typestore(schema: Any) -> tuple[Any, str]:
-    """What rosbags knows of the type of a schema, and the name of the type."""
+    """The type of a schema as rosbags knows it, and its name."""
     try:
         from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
     except ModuleNotFoundError:
@@ -324,8 +324,8 @@ def _fields(message: Any) -> dict[str, Any]:
 
 
 def _is_repeated(field: Any) -> bool:
-    told = getattr(field, "is_repeated", None)  # a property of protobuf 6
-    return bool(field.label == field.LABEL_REPEATED if told is None else told)
+    stated = getattr(field, "is_repeated", None)  # a property of protobuf 6
+    return bool(field.label == field.LABEL_REPEATED if stated is None else stated)
 
 
 def _field(field: Any, value: Any) -> Any:

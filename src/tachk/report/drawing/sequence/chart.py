@@ -1,4 +1,4 @@
-"""What a sequence chart shows, from a capture or from a run of a model."""
+"""The content of a sequence chart, from a capture or from a run of a model."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tachk.base.records import dataclass
 
 
 class Category(StrEnum):
-    """What a message is for; it has a colour of its own."""
+    """The purpose of a message; it has a colour of its own."""
 
     DATA = "data"
     ANSWER = "answer"

@@ -205,7 +205,7 @@ def _lane(event: Message | Note) -> int | None:
 
 
 def _shown(event: Message | Note) -> str:
-    """What stands at an event."""
+    """The marks at an event."""
     if isinstance(event, Note):
         return _cut(event.text)
     said = event.label

@@ -172,7 +172,7 @@ def _label(label: ChartLabel) -> Iterator[str]:
 
 
 def _entries(layout: ChartLayout) -> Iterator[tuple[str, str]]:
-    """What needs an explanation in this chart: the class of a line and words."""
+    """The entries of the legend of this chart: the class of a line and words."""
     messages = layout.chart.messages
     if any(message.is_repeated and not message.is_lost for message in messages):
         yield "line data repeated", "sent again"

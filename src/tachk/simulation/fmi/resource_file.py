@@ -1,4 +1,4 @@
-"""The file from which the library of a unit knows its network: 64-bit numbers, which `src/core/fmi/blueprint.cpp`
+"""The file from which the library of a unit knows its network: 64-bit numbers, which `src/core/fmi/resource_file.cpp`
 reads."""
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _MAGIC = int.from_bytes(b"tachk.1\n", "little")
 
 
 @dataclass(frozen=True, slots=True)
-class Blueprint:
+class ResourceFile:
     """Attributes:
     token: what the description names, so that both stay together.
     """
@@ -25,7 +25,7 @@ class Blueprint:
     token: str
 
 
-def blueprint(unit: CoSimulationUnit) -> Blueprint:
+def resource_file(unit: CoSimulationUnit) -> ResourceFile:
     """The file of a unit."""
     variables = [number for each in unit.variables for number in (each.role, each.kind, each.number, each.target)]
     numbers = [unit.second.denominator, unit.second.numerator, unit.nudge]
@@ -34,4 +34,4 @@ def blueprint(unit: CoSimulationUnit) -> Blueprint:
     body = struct.pack(f"<{len(numbers)}q", *numbers)
     fingerprint = hashlib.sha256(body).digest()[:16]
     words = struct.unpack(">2q", fingerprint)
-    return Blueprint(struct.pack("<3q", _MAGIC, *words) + body, fingerprint.hex())
+    return ResourceFile(struct.pack("<3q", _MAGIC, *words) + body, fingerprint.hex())

@@ -10,12 +10,12 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance.components import are_independent, components_of, separated
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
+from tachk.recordings.conformance.event_streams import make_streams
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.parts import can_be_apart, parts_of, set_apart
-from tachk.recordings.conformance.queues import make_queues
 from tachk.xrce.conformance.packet_events import read_capture
 from tests.support.seeds import seeds
 
@@ -97,8 +97,8 @@ def test_verdicts_are_those_of_the_whole(seed: int, tmp_path: Path) -> None:
     for _ in range(12):
         model = _ball(random)
         file.write_text(_rally(random), encoding="utf-8")
-        whole, parts = _whole_and_parts(model, read_events(file, None), random.randrange(3), random.randrange(3))
-        assert whole.accepted is parts.accepted, file.read_text(encoding="utf-8")
+        whole, components = _whole_and_parts(model, read_events(file, None), random.randrange(3), random.randrange(3))
+        assert whole.accepted is components.accepted, file.read_text(encoding="utf-8")
         answers.append(whole.accepted)
     assert set(answers) == {True, False}
 
@@ -107,16 +107,16 @@ def test_what_is_shared_joins_parts(tmp_path: Path) -> None:
     file = tmp_path / "rally.csv"
     file.write_text(_rally(Random(1)), encoding="utf-8")
 
-    def parts(model: tachk.Model) -> int:
+    def components(model: tachk.Model) -> int:
         mapping, recording = model.loaded.recording, read_events(file, None)
         assert mapping is not None
         names = constants_of(model.loaded)
-        queues = make_queues(model.network, mapping, recording, names, Fraction(1), Fraction(1))
-        return len(parts_of(model.network, mapping, queues))
+        streams = make_streams(model.network, mapping, recording, names, Fraction(1), Fraction(1))
+        return len(components_of(model.network, mapping, streams))
 
-    assert parts(_ball(Random(1), shared=1)) == 2
-    assert parts(_ball(Random(1), shared=0)) == 1
-    assert parts(_ball(Random(1), shared="which")) == 1
+    assert components(_ball(Random(1), shared=1)) == 2
+    assert components(_ball(Random(1), shared=0)) == 1
+    assert components(_ball(Random(1), shared="which")) == 1
 
 
 def test_clients_and_agent_are_apart() -> None:
@@ -124,21 +124,21 @@ def test_clients_and_agent_are_apart() -> None:
     capture = sorted((ROOT / "tests/data/captures").glob("*.pcap"))[0]
     mapping, recording = model.loaded.recording, read_capture(capture)
     assert mapping is not None
-    queues = make_queues(model.network, mapping, recording, constants_of(model.loaded), Fraction(5), Fraction(20))
-    parts = parts_of(model.network, mapping, queues)
-    assert sorted(len(part.processes) for part in parts) == [5, 5, 12]
-    cut = set_apart(queues, parts)
+    streams = make_streams(model.network, mapping, recording, constants_of(model.loaded), Fraction(5), Fraction(20))
+    components = components_of(model.network, mapping, streams)
+    assert sorted(len(component.processes) for component in components) == [5, 5, 12]
+    cut = separated(streams, components)
     assert cut is not None
-    part_of = {number: part for part in parts for number in part.queues}
+    part_of = {number: component for component in components for number in component.streams}
     across = [
-        (cut.queues[other].latest[count - 1], queue.earliest[place])
-        for number, queue in enumerate(cut.queues)
-        for place, needs in enumerate(queue.needed)
+        (cut.streams[other].latest[count - 1], stream.earliest[place])
+        for number, stream in enumerate(cut.streams)
+        for place, needs in enumerate(stream.needed)
         for other, count in needs
         if part_of[other] is not part_of[number]
     ]
     assert across and all(sent <= arrived for sent, arrived in across)
-    assert can_be_apart(model.network, range(len(model.network.processes)), queues)
+    assert are_independent(model.network, range(len(model.network.processes)), streams)
 
 
 def test_parts_that_have_runs_only_apart_are_no_run_of_the_whole(tmp_path: Path) -> None:

@@ -19,14 +19,14 @@ from tachk.engine.outcome import INTERRUPTED, Status
 from tachk.engine.zone import explore
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
+from tachk.recordings.conformance.components import restricted
 from tachk.recordings.conformance.conform import Conformance, Reached
 from tachk.recordings.conformance.edits import Edit, edited, edits
+from tachk.recordings.conformance.event_streams import Constants, EventStreams, make_streams
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.followers import Following, follow
-from tachk.recordings.conformance.parts import restricted
-from tachk.recordings.conformance.queues import Constants, Queues, make_queues
-from tachk.recordings.conformance.refusal import FinalState, end_of
+from tachk.recordings.conformance.rejection import FinalState, end_of
 from tachk.recordings.conformance.resumed import resumed
+from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 _BEFORE = 60
 """So many events before the one that does not fit the parts go on from where they were."""
@@ -43,7 +43,7 @@ _STATES_OF_EDGE = 5
 
 @dataclass(frozen=True, slots=True)
 class EditSearch:
-    """What a search for an edit has come to.
+    """The result of a search for an edit.
 
     Attributes:
         edit: the first that makes the recording a run.
@@ -90,10 +90,10 @@ def smallest_edit(
     refusal = found.refusal
     if refusal is None or refusal.event is None:
         return EditSearch(None)
-    near = Near(network, mapping, recording, constants, found, limits)
-    origin, scale = found.queues.origin, found.queues.scale
+    near = NearestLogSearch(network, mapping, recording, constants, found, limits)
+    origin, scale = found.streams.origin, found.streams.scale
     place = near.numbers.index(refusal.event)
-    likely = list(edits(near.recording, place, refusal.offers, origin, scale))
+    likely = list(edits(near.recording, place, refusal.enabled_events, origin, scale))
     for number, edit in enumerate(likely):
         if work is not None and near.work >= work:
             return EditSearch(None, len(likely) - number)
@@ -104,7 +104,7 @@ def smallest_edit(
     return EditSearch(None)
 
 
-class Near:
+class NearestLogSearch:
     """Attributes:
     numbers: of the events of the recording that are near.
     recording: these events.
@@ -132,31 +132,31 @@ class Near:
         happened = set(range(base)).difference(*(missing for _, missing in begun))
         top = _top(recording, found.refusal.event)
         self.numbers = [number for number in range(top) if number not in happened]
-        self.recording = replace(_cut(recording, self.numbers, top), start=found.queues.origin)
+        self.recording = replace(_cut(recording, self.numbers, top), start=found.streams.origin)
 
     def accepts(self, recording: EventLog) -> bool:
         """Whether each part of the model has a run along these events."""
-        queues = make_queues(self.network, self.mapping, recording, self.constants, *self.exact)
-        return all(self._part(start, known, queues) for start, known in zip(self.starts, self.known, strict=True))
+        streams = make_streams(self.network, self.mapping, recording, self.constants, *self.exact)
+        return all(self._part(start, known, streams) for start, known in zip(self.starts, self.known, strict=True))
 
-    def _part(self, start: _Start, known: dict[object, bool], queues: Queues) -> bool:
-        part = start.reached.part
-        own = restricted(queues, part)
-        key = tuple((q.values, q.earliest, q.latest, q.needed, q.optional, q.quiet_until) for q in own.queues)
+    def _part(self, start: _Start, known: dict[object, bool], streams: EventStreams) -> bool:
+        component = start.reached.component
+        own = restricted(streams, component)
+        key = tuple((q.values, q.earliest, q.latest, q.needed, q.optional, q.quiet_until) for q in own.streams)
         if key not in known:
-            following = follow(self.network, self.mapping, own, part.processes)
-            later = following if start.end is None else resumed(following, start.reached.following, start.end)
+            product = trace_product(self.network, self.mapping, own, component.processes)
+            later = product if start.end is None else resumed(product, start.reached.product, start.end)
             known[key] = later is None or self._reaches(later)
         return known[key]
 
-    def _reaches(self, following: Following) -> bool:
+    def _reaches(self, product: TraceProduct) -> bool:
         check_job()
         limits = self.limits.of_states(_STATES)
-        program, goals = lower(following.network, [following.done], following.tables)
+        program, goals = lower(product.network, [product.done], product.tables)
         outcome = explore(program, goals, Options(order=SearchOrder.DFS), limits)
         if outcome.reason == INTERRUPTED:
             raise KeyboardInterrupt
-        self.work += sum(len(process.edges) for process in following.network.processes)
+        self.work += sum(len(process.edges) for process in product.network.processes)
         self.work += outcome.statistics.states_explored // _STATES_OF_EDGE
         return outcome.goals[0].status is Status.REACHED
 
@@ -164,23 +164,26 @@ class Near:
 def _start(reached: Reached, base: int) -> tuple[_Start, set[int]]:
     """Where a part goes on: before it has done any event from a number on. And the events with smaller numbers that it
     has not done by then."""
-    queues = reached.queues.queues
-    counts = [0] * len(queues)
+    streams = reached.streams.streams
+    counts = [0] * len(streams)
     length = 0
     for transition in reached.path:
-        queue = reached.following.queue_of(transition)
-        if queue is not None and counts[queue] < len(queues[queue].events):
-            if queues[queue].events[counts[queue]] >= base:
+        stream = reached.product.stream_of(transition)
+        if stream is not None and counts[stream] < len(streams[stream].events):
+            if streams[stream].events[counts[stream]] >= base:
                 break
-            counts[queue] += 1
+            counts[stream] += 1
         length += 1
     missing = {
-        number for queue, count in zip(queues, counts, strict=True) for number in queue.events[count:] if number < base
+        number
+        for stream, count in zip(streams, counts, strict=True)
+        for number in stream.events[count:]
+        if number < base
     }
     if not length:
         return _Start(reached, None), missing
     path, actions = reached.path[:length], reached.actions[:length]
-    return _Start(reached, end_of(reached.following, reached.program, path, actions)), missing
+    return _Start(reached, end_of(reached.product, reached.program, path, actions)), missing
 
 
 def _top(recording: EventLog, event: int) -> int:

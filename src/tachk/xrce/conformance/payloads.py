@@ -1,4 +1,4 @@
-"""What messages of streams carry, as the automata call it: see `models/micro_xrce_dds/protocol.ta`."""
+"""Payloads of messages of streams, in the words of the automata: see `models/micro_xrce_dds/protocol.ta`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 65536
 _UNLIMITED = 65535
 _SAMPLES = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
-"""What is answered by a STATUS."""
+"""The submessages that a STATUS answers."""
 _MOST_CREATED = 15
 _MOST_READ = _READ - _READ_BEST_EFFORT
 _NOBODY = Endpoint("", 0)
@@ -29,7 +29,7 @@ class UnknownContentError(Exception):
 
 
 class MessageContents:
-    """What messages carry. Samples are numbered by the order in which they first appear, and known by their bytes.
+    """Payloads of messages. Samples are numbered by the order in which they first appear, and known by their bytes.
 
     Pieces of a larger message are put together: the last one carries what the whole does.
     """
@@ -39,7 +39,7 @@ class MessageContents:
         self._pieces: dict[tuple[int, bool], dict[int, tuple[str, bool]]] = {}
 
     def detail(self, one: Transmission) -> int | None:
-        """What a message of a stream carries; None where nobody can know. Raises UnknownContentError."""
+        """The payload of a message of a stream; None where it is unknown. Raises UnknownContentError."""
         found = self._whole(one)
         if found is None:
             return None
@@ -59,7 +59,7 @@ class MessageContents:
         if answered:
             return -answered
         if read:
-            return _asked(read[0])
+            return _requests(read[0])
         if samples:
             return self._batch([str(event.fields["sample"]) for event in samples])
         return (
@@ -88,7 +88,7 @@ class MessageContents:
         return whole
 
 
-def _asked(read: SubmessageEvent) -> int:
+def _requests(read: SubmessageEvent) -> int:
     """READ_DATA, by how many samples it asks for, and on which kind of stream. Raises UnknownContentError."""
     count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
     reliable = stream >= FIRST_RELIABLE_STREAM

@@ -1,6 +1,6 @@
-"""Which numbers of a network mean the same kind of thing: a unification of everything that is compared or stored.
+"""Index types of the numbers of a network, found by unification of everything that is compared or stored.
 
-Two numbers are of one kind where one is compared with the other for equality, assigned to it, or used as an index where
+Two numbers are of one type where one is compared with the other for equality, assigned to it, or used as an index where
 the other is. Numbers that are ordered, added or multiplied are *plain*: they cannot be names. ``e + 1`` is of the kind
 of ``e``, shifted by one; ``(e + 1) % N`` is of the kind of ``e`` if that lies in [0, N - 1], and its numbers can only
 be moved round together. Ip & Dill, "Better verification through symmetry", FMSD 9 (1996), call such names scalar sets;
@@ -37,7 +37,7 @@ class AsymmetryReason:
 
 @dataclass(frozen=True, slots=True)
 class ArrayTree:
-    """The kinds of an array: of its index and of its elements."""
+    """The index types of an array: of its index and of its elements."""
 
     index: int
     element: Tree
@@ -49,12 +49,12 @@ class RecordTree:
 
 
 Tree = int | ArrayTree | RecordTree
-"""The kinds of the parts of a value; a single number has one kind, named by the number of a node."""
+"""The index types of the parts of a value; a single number has one index type, named by the number of a node."""
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Numbers of a kind that are limited: the cells of a variable, the indices of an array, what a bound variable
+    """Numbers of a index type that are limited: the cells of a variable, the indices of an array, what a bound variable
     goes through."""
 
     node: int
@@ -64,8 +64,8 @@ class Range:
 
 
 @dataclass(slots=True)
-class Kinds:
-    """The kinds found so far.
+class IndexTypes:
+    """The index types found so far.
 
     Attributes:
         ranges: the limits of numbers.
@@ -80,22 +80,24 @@ class Kinds:
     _shift: list[int] = field(default_factory=list)
     _plain: dict[int, AsymmetryReason] = field(default_factory=dict)
 
-    def copy(self) -> Kinds:
-        """The same kinds, of which more may be found."""
-        return Kinds([*self.ranges], [*self.defaults], [*self.cycles], [*self._parent], [*self._shift], {**self._plain})
+    def copy(self) -> IndexTypes:
+        """A copy that may be unified further."""
+        return IndexTypes(
+            [*self.ranges], [*self.defaults], [*self.cycles], [*self._parent], [*self._shift], {**self._plain}
+        )
 
     def roots(self) -> list[int]:
-        """The nodes that stand for kinds."""
+        """The nodes that stand for index types."""
         return [node for node, parent in enumerate(self._parent) if node == parent]
 
     def fresh(self) -> int:
-        """A kind of its own."""
+        """A fresh index type."""
         self._parent.append(len(self._parent))
         self._shift.append(0)
         return len(self._parent) - 1
 
     def find(self, node: int) -> tuple[int, int]:
-        """The node that stands for the kind, and by how much numbers at this node are larger than there."""
+        """The node that stands for the index type, and by how much numbers at this node are larger than there."""
         shift = 0
         path = []
         while self._parent[node] != node:
@@ -109,8 +111,8 @@ class Kinds:
             total -= own
         return node, shift
 
-    def unite(self, left: int, right: int, shift: int = 0, span: Span = NOWHERE) -> None:
-        """Numbers at the left node are those at the right one plus a shift. The older node stands for both kinds, so
+    def unify(self, left: int, right: int, shift: int = 0, span: Span = NOWHERE) -> None:
+        """Numbers at the left node are those at the right one plus a shift. The older node stands for both types, so
         that what is known by it stays so."""
         (one, above), (other, over) = self.find(left), self.find(right)
         if one == other:
@@ -124,31 +126,31 @@ class Kinds:
         if one in self._plain:
             self._plain.setdefault(other, self._plain.pop(one))
 
-    def unite_trees(self, left: Tree, right: Tree, span: Span = NOWHERE) -> None:
+    def unify_trees(self, left: Tree, right: Tree, span: Span = NOWHERE) -> None:
         match left, right:
             case int(), int():
-                self.unite(left, right, 0, span)
+                self.unify(left, right, 0, span)
             case ArrayTree(index, element), ArrayTree(other, of_other):
-                self.unite(index, other, 0, span)
-                self.unite_trees(element, of_other, span)
+                self.unify(index, other, 0, span)
+                self.unify_trees(element, of_other, span)
             case RecordTree(fields), RecordTree(others):
                 for (_, one), (_, another) in zip(fields, others, strict=True):
-                    self.unite_trees(one, another, span)
+                    self.unify_trees(one, another, span)
             case _:
                 for node in (*_nodes(left), *_nodes(right)):
                     self.make_plain(node, "is used in an unusual way", span)
 
     def make_plain(self, tree: Tree, reason: str, span: Span = NOWHERE) -> None:
-        """Numbers of this kind are more than names."""
+        """Numbers of this index type are more than names."""
         for node in _nodes(tree):
             self._plain.setdefault(self.find(node)[0], AsymmetryReason(reason, span))
 
     def plain(self, root: int) -> AsymmetryReason | None:
-        """Why numbers of a kind are more than names; None if they are not."""
+        """Why numbers of a index type are more than names; None if they are not."""
         return self._plain.get(root)
 
     def tree(self, type_: Type, span: Span = NOWHERE, limited: bool = True) -> Tree:
-        """Fresh kinds for the parts of a type."""
+        """Fresh index types for the parts of a type."""
         match type_:
             case ArrayType(element):
                 index = self.fresh()

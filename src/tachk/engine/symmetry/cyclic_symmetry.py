@@ -1,8 +1,8 @@
-"""Processes in a circle: all of them can be moved on at the same time, though no two can be exchanged.
+"""Cyclic symmetry: a rotation moves each process to the place of the next one, though no two can be exchanged.
 
-Instances of a template in their order, or every second one and so on, are candidates for a rotation. What must be moved
-together with them is read off where the texts of neighbours differ; `tachk.engine.symmetry.automorphism` proves that
-the rotation maps the network, and what is asked of it, onto itself.
+Instances of a template in their order, or every second one and so on, are candidates for a rotation. The variables and
+numbers that move with them are those in which the texts of neighbours differ; `tachk.engine.symmetry.automorphism`
+proves that the rotation maps the network and its predicates onto themselves.
 """
 
 from __future__ import annotations
@@ -13,57 +13,57 @@ from typing import TypeVar
 
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming
-from tachk.engine.symmetry.correspondence import corresponding
-from tachk.engine.symmetry.kinds import AsymmetryReason
-from tachk.engine.symmetry.terms import KindedNumber, Shift
+from tachk.engine.symmetry.index_types import AsymmetryReason
+from tachk.engine.symmetry.matching import corresponding
+from tachk.engine.symmetry.terms import IndexValue, Shift
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, ScalarType
 
-Team = tuple[int, ...]
-"""The numbers of processes that are moved together."""
+Block = tuple[int, ...]
+"""The numbers of processes that are only moved together, such as a cell and its arbiter; often a single one."""
 
 T = TypeVar("T", bound=Hashable)
 
 
 @dataclass(frozen=True, slots=True)
-class Ring:
-    """Teams in a circle.
+class CyclicOrbit:
+    """Blocks that a cyclic group of automorphisms rotates.
 
     Attributes:
-        members: in the order of the circle.
+        members: the blocks in the order of the rotation.
         rotation: moves each to the place of the next one. Whatever it moves returns after as many rotations as there
             are members, and not before.
     """
 
-    members: tuple[Team, ...]
+    members: tuple[Block, ...]
     rotation: Renaming
 
 
-def find_ring(reading: NetworkTerms, families: Sequence[Sequence[int]]) -> Ring | AsymmetryReason:
-    """The largest ring in which equally many processes of some families stand, or why the whole of them is none."""
+def find_cyclic_orbit(terms: NetworkTerms, families: Sequence[Sequence[int]]) -> CyclicOrbit | AsymmetryReason:
+    """The largest cyclic orbit with equally many processes of each family, or the reason why there is none."""
     size = len(families[0])
     reason: AsymmetryReason | None = None
     for step in range(1, size // 2 + 1):
         if size % step != 0:
             continue
-        rotation = _rotation(reading, families, step)
+        rotation = _rotation(terms, families, step)
         if isinstance(rotation, Renaming):
-            refusal = reading.objection(rotation)
-            if refusal is None:
-                teams = [
+            objection = terms.objection(rotation)
+            if objection is None:
+                blocks = [
                     tuple(number for family in families for number in family[at : at + step])
                     for at in range(0, size, step)
                 ]
-                return Ring(tuple(teams), rotation)
+                return CyclicOrbit(tuple(blocks), rotation)
         else:
-            refusal = rotation
-        reason = reason or refusal
+            objection = rotation
+        reason = reason or objection
     return reason or AsymmetryReason("there is only one of them")
 
 
-def _rotation(reading: NetworkTerms, families: Sequence[Sequence[int]], step: int) -> Renaming | AsymmetryReason:
-    """What moves each process of a family to the place of the one that comes some steps behind it."""
+def _rotation(terms: NetworkTerms, families: Sequence[Sequence[int]], step: int) -> Renaming | AsymmetryReason:
+    """The renaming that moves each process of a family to the place of the process `step` places later."""
     processes = {
         number: family[(place + step) % len(family)] for family in families for place, number in enumerate(family)
     }
@@ -71,11 +71,11 @@ def _rotation(reading: NetworkTerms, families: Sequence[Sequence[int]], step: in
     values: dict[int, dict[int, int]] = {}
 
     def goes_to(node: int, value: int, image: int) -> bool:
-        root, shift = reading.kinds.find(node)
+        root, shift = terms.index_types.find(node)
         return values.setdefault(root, {}).setdefault(value - shift, image - shift) == image - shift
 
-    for token, another, span in corresponding(reading, processes):
-        if isinstance(token, KindedNumber) and isinstance(another, KindedNumber):
+    for token, another, span in corresponding(terms, processes):
+        if isinstance(token, IndexValue) and isinstance(another, IndexValue):
             if not goes_to(token.node, token.value, another.value):
                 return AsymmetryReason("their numbers do not correspond one to one", span)
         elif isinstance(token, Variable) and isinstance(another, Variable):
@@ -84,10 +84,10 @@ def _rotation(reading: NetworkTerms, families: Sequence[Sequence[int]], step: in
         elif isinstance(token, Shift) and token != another:
             return AsymmetryReason("they compute with their numbers", span)
     for variable, image in variables.items():
-        node = reading.reader.tree_of(variable)
+        node = terms.reader.tree_of(variable)
         if isinstance(node, int) and isinstance(variable.type, IntType | ScalarType):
             (before,), (after,) = (each.initial or default_cells(each.type) for each in (variable, image))
-            if not goes_to(node, before, after) and reading.is_constant(variable):
+            if not goes_to(node, before, after) and terms.is_constant(variable):
                 return AsymmetryReason(f"`{variable.name}` and `{image.name}` have different numbers", image.span)
     moved = {one: other for one, other in variables.items() if one is not other}
     moved_values = {root: {one: other for one, other in of.items() if one != other} for root, of in values.items()}
@@ -99,12 +99,12 @@ def _rotation(reading: NetworkTerms, families: Sequence[Sequence[int]], step: in
 
 
 def _returns_after(turns: int, moves: Mapping[T, T]) -> bool:
-    """Whether whatever is moved comes back after so many turns, and not before."""
+    """True if every orbit of the permutation has exactly `turns` elements."""
     return set(moves) == set(moves.values()) and all(len(orbit) == turns for orbit in orbits(moves))
 
 
 def orbits(moves: Mapping[T, T]) -> Iterator[list[T]]:
-    """What a permutation moves, each thing followed by its image; things come in the order of the mapping."""
+    """The orbits of a permutation, each element followed by its image, in the order of the mapping."""
     seen: set[T] = set()
     for first in moves:
         if first in seen:
@@ -117,7 +117,7 @@ def orbits(moves: Mapping[T, T]) -> Iterator[list[T]]:
 
 
 def subsets(items: Sequence[T]) -> Iterator[tuple[T, ...]]:
-    """All of them, then pairs, then single ones."""
+    """The subsets that are tried as families: all items, then pairs, then single items."""
     yield tuple(items)
     if len(items) > 2:
         yield from combinations(items, 2)

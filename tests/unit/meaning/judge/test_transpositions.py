@@ -13,7 +13,7 @@ from tachk.engine.options import Limits
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.automorphism import Automorphisms
 from tachk.meaning.judge.certificate import CertificateHeader, MalformedCertificateError
-from tachk.meaning.judge.exchanges import ExchangeGroup, MalformedGroupError
+from tachk.meaning.judge.transpositions import MalformedGroupError, SymmetryGroup
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.verify.certificates import Checker, check_proof
@@ -248,7 +248,7 @@ def text_of(changes: dict[str, str]) -> str:
 
 def group_of(
     model: PreparedNetwork, members: tuple[str, ...], named: str = "", names: tuple[int, ...] = ()
-) -> ExchangeGroup:
+) -> SymmetryGroup:
     """A group by the names of what belongs to its members, and of what may hold names of them."""
     processes, layout = [process.name for process in model.network.processes], model.layout
     numbers = {name: len(processes) + cell for cell, name in enumerate(layout.names)}
@@ -256,7 +256,7 @@ def group_of(
     clocks = {layout.names[cell]: 1 + number for number, cell in enumerate(layout.clock_cells)}
     channels = {layout.names[cell]: number for number, cell in enumerate(layout.channel_cells)}
     own = [member.split() for member in members]
-    return ExchangeGroup(
+    return SymmetryGroup(
         tuple(tuple(numbers[name] for name in each if name not in {*clocks, *channels}) for each in own),
         tuple(tuple(clocks[name] for name in each if name in clocks) for each in own),
         tuple(tuple(channels[name] for name in each if name in channels) for each in own),
@@ -288,9 +288,9 @@ def test_all_that_belongs_to_a_member_must_move_with_it(gone: str) -> None:
 
 def test_edges_may_hear_corresponding_channels_only() -> None:
     """Which ones an edge may hear decides where its guard is asked, which may be an error."""
-    hears = {"of_a": "to M { sync d[1]?; }", "of_b": "to M { sync d[a - a + 2]?; }"}
+    receives = {"of_a": "to M { sync d[1]?; }", "of_b": "to M { sync d[a - a + 2]?; }"}
     sends = "to M { select k : int[0, 2]; sync d[k]!; }"
-    text = text_of({"channels": "chan ua, ub, d[3];", **hears, "of_c": sends})
+    text = text_of({"channels": "chan ua, ub, d[3];", **receives, "of_c": sends})
     members = BOTH[0] + " d[1]", BOTH[1] + " d[2]"
     for index, reason in (("a - a + 2", WITHIN + "M"), ("2", None)):
         model = prepare(tachk.loads(text.replace("a - a + 2", index)).network)
@@ -437,7 +437,7 @@ def mutated(header: CertificateHeader, random: Random) -> CertificateHeader:
 
     where, number = random.choice(places(groups))
     where[number] = max(where[number] + random.choice((-2, -1, 1, 2)), 0)
-    return replace(header, groups=tuple(map(ExchangeGroup.from_json, groups)))
+    return replace(header, groups=tuple(map(SymmetryGroup.from_json, groups)))
 
 
 def test_no_mutation_of_exchanges_proves_what_is_wrong() -> None:
@@ -473,6 +473,6 @@ def test_what_is_no_group_is_a_damaged_header(wrong: dict[str, object]) -> None:
     network, query = fischer()
     (group,) = proved(network, query).header.groups
     read = json.loads(json.dumps(group.to_json()))
-    assert ExchangeGroup.from_json(read) == group
+    assert SymmetryGroup.from_json(read) == group
     with pytest.raises((TypeError, ValueError)):
-        ExchangeGroup.from_json({**read, **wrong})
+        SymmetryGroup.from_json({**read, **wrong})

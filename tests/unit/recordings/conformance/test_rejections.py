@@ -34,10 +34,10 @@ recording { visible call as call(); visible on as on(); tolerance 1; }
 """A step with `call` keeps listeners out, each by a disjunction."""
 
 
-def refused(tmp_path: Path, clock: str, listeners: int) -> Conformance:
+def refused(tmp_path: Path, clock: str, enabled_receivers: int) -> Conformance:
     file = tmp_path / "events.csv"
     file.write_text("time,event\n2,call\n30,on\n", encoding="utf-8")
-    found = tachk.conform(tachk.loads(LISTENERS.replace("CLOCK", clock), N=listeners), file)
+    found = tachk.conform(tachk.loads(LISTENERS.replace("CLOCK", clock), N=enabled_receivers), file)
     assert found.accepted is False
     jsonschema.validate(conformance_to_json([found], "listeners.ta"), SCHEMA)
     return found
@@ -46,12 +46,12 @@ def refused(tmp_path: Path, clock: str, listeners: int) -> Conformance:
 def test_disjunctions_over_one_clock_are_understood(tmp_path: Path) -> None:
     """Without pruning these are 3^7 conjunctions."""
     refusal = refused(tmp_path, "x", 7).refusal
-    assert refusal is not None and refusal.offers_whole
-    assert ("call", 10) in [(offer.name, offer.earliest) for offer in refusal.offers]
+    assert refusal is not None and refusal.enabled_complete
+    assert ("call", 10) in [(enabled_event.name, enabled_event.earliest) for enabled_event in refusal.enabled_events]
 
 
 def test_what_is_not_understood_is_told(tmp_path: Path) -> None:
     """With a clock of each listener they are 2^40 zones."""
     found = refused(tmp_path, "y", 40)
-    assert found.refusal is not None and not found.refusal.offers_whole
+    assert found.refusal is not None and not found.refusal.enabled_complete
     assert "there may be other events that the model allows" in conformance_to_text(found, "listeners.ta")

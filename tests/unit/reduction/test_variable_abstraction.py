@@ -9,8 +9,8 @@ from tachk.base.resources import data_root
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Status
-from tachk.engine.symmetry.forgotten import with_less_known
 from tachk.engine.symmetry.tables import with_symmetry
+from tachk.engine.symmetry.variable_abstraction import with_abstracted_variables
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
@@ -54,7 +54,7 @@ def coarser(text: str, query: str = QUERY) -> tuple[str, ...]:
     model = tachk.loads(text)
     (verdict,) = model.verify(query, limits=Limits(states=1), trace=False)
     assert verdict.query.target is not None
-    found = with_less_known(model.network, [verdict.query.target])
+    found = with_abstracted_variables(model.network, [verdict.query.target])
     return () if found is None else tuple(variable.name for variable in found.variables)
 
 
@@ -102,7 +102,7 @@ def test_what_is_kept_allows_all_that_was_possible(edge: str) -> None:
     queries = [QUERY, "E<> P(3).R && P(1).R && P(2).Q", "E<> P(1).R && y > 4"]
     for verdict in model.verify(*queries, trace=False):
         assert verdict.query.target is not None
-        found = with_less_known(model.network, [verdict.query.target])
+        found = with_abstracted_variables(model.network, [verdict.query.target])
         (goal,) = explore(*lower(found.network if found else model.network, [verdict.query.target])).goals
         assert (goal.status is Status.REACHED) >= (verdict.answer.value == "holds")
 
@@ -112,7 +112,7 @@ def test_an_edge_that_no_name_allows_is_not_left_out_where_its_guard_may_fail() 
     model = tachk.loads(text)
     (verdict,) = model.verify(QUERY)
     assert verdict.fault is not None and verdict.query.target is not None
-    found = with_less_known(model.network, [verdict.query.target])
+    found = with_abstracted_variables(model.network, [verdict.query.target])
     assert found is not None
     assert explore(*lower(found.network, [verdict.query.target])).fault is not None
 
@@ -136,7 +136,7 @@ def test_stations_that_are_told_by_number_are_as_few_as_those_told_in_any_order(
         (verdict,) = model.verify(property="collision_noticed")
         target = verdict.query.target
         assert target is not None
-        found = with_less_known(model.network, [target])
+        found = with_abstracted_variables(model.network, [target])
         network = model.network if found is None else found.network
         program, goals = lower(network, [target])
         outcome = explore(with_symmetry(program, network, [target]), goals)
@@ -178,7 +178,7 @@ def test_what_is_unreachable_with_less_known_is_unreachable() -> None:
         model = tachk.loads(case.text)
         for verdict in model.verify(*case.queries, limits=Limits(states=2000), options=Options().off("symmetry")):
             assert verdict.query.target is not None
-            found = with_less_known(model.network, [verdict.query.target])
+            found = with_abstracted_variables(model.network, [verdict.query.target])
             if found is None or verdict.reason == "state limit":
                 continue
             coarse += 1

@@ -24,8 +24,8 @@ from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.model.run import DiscreteState, Transition
 from tachk.model.types import cell_count
-from tachk.recordings.conformance.followers import Following, follow
-from tachk.recordings.conformance.queues import Queues, around
+from tachk.recordings.conformance.event_streams import EventStreams, around
+from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 _STATES = 200
 """At most so many states behind the longest run are looked at."""
@@ -55,7 +55,7 @@ class AllowedEvents:
     whole: there are no others.
     """
 
-    offers: tuple[PossibleEvent, ...]
+    enabled_events: tuple[PossibleEvent, ...]
     whole: bool
 
 
@@ -75,7 +75,7 @@ class FinalState:
 
 
 def end_of(
-    following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
+    product: TraceProduct, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
 ) -> FinalState:
     """The state in which a path ends; found by the core, or by the reference where the core cannot tell.
 
@@ -84,51 +84,51 @@ def end_of(
         actions: the path by the numbers of the edges of the program.
     """
     found = end_of_path(program, actions)
-    return end_by_reference(following, path) if found is None else _end_in_slots(following, *found)
+    return end_by_reference(product, path) if found is None else _end_in_slots(product, *found)
 
 
-def _end_in_slots(following: Following, slots: tuple[int, ...], bounds: tuple[int, ...]) -> FinalState:
-    place = processes = len(following.network.processes)
+def _end_in_slots(product: TraceProduct, slots: tuple[int, ...], bounds: tuple[int, ...]) -> FinalState:
+    place = processes = len(product.network.processes)
     values = {}
-    for variable in following.network.all_variables():
-        if variable not in following.tables:
+    for variable in product.network.all_variables():
+        if variable not in product.tables:
             count = cell_count(variable.type)
             values[variable] = slots[place : place + count]
             place += count
     return FinalState(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
 
 
-def end_by_reference(following: Following, path: Sequence[Transition]) -> FinalState:
+def end_by_reference(product: TraceProduct, path: Sequence[Transition]) -> FinalState:
     """The same by the meaning of the network."""
-    model = prepare(following.network)
+    model = prepare(product.network)
     discrete, zones = _end(model, path)
     layout = model.layout
     values = {v: discrete.values[n : n + cell_count(v.type)] for v, n in layout.first.items()}
     return FinalState(discrete.locations, values, tuple(zones))
 
 
-def offers(
+def enabled_events(
     network: Network,
     mapping: RecordingMap,
-    following: Following,
-    queues: Queues,
+    product: TraceProduct,
+    streams: EventStreams,
     happened: Sequence[int],
     end: FinalState,
 ) -> AllowedEvents:
-    """What the model could do behind a run.
+    """The events that the model allows after a run.
 
     Of the recording only what is next matters, so that a long one takes no longer than a short one.
 
     Args:
         network, mapping: of which the other network was made.
-        happened: how many events of each queue have happened.
+        happened: how many events of each stream have happened.
     """
-    near = around(queues, happened)
-    following = follow(network, mapping, near, following.kept)
-    lenient, said = following.lenient(near)
+    near = around(streams, happened)
+    product = trace_product(network, mapping, near, product.kept)
+    lenient, said = product.lenient(near)
     model = replace(prepare(lenient), most_cases=_CASES)
-    start, zones = _start(model, following, happened, end), list(end.zones)
-    clock = model.layout.initial[model.layout.first[following.now]]
+    start, zones = _start(model, product, happened, end), list(end.zones)
+    clock = model.layout.initial[model.layout.first[product.now]]
     found: dict[tuple[int, tuple[tuple[str, int], ...]], tuple[int, int]] = {}
     pending: list[tuple[DiscreteState, list[Zone]]] = [(start, zones)]
     seen: dict[DiscreteState, list[Zone]] = {}
@@ -151,29 +151,29 @@ def offers(
             after = symbolic.fire(here, fresh, move)
             if not after or move.target is None:
                 continue
-            queue = following.queue_of(move.transition)
-            if queue is None:
+            stream = product.stream_of(move.transition)
+            if stream is None:
                 pending.append((move.target, after))
                 continue
-            if not queues.queues[queue].outputs:
+            if not streams.streams[stream].outputs:
                 continue
-            key = (queue, tuple(_cells(model, move.target, said[queue])))
+            key = (stream, tuple(_cells(model, move.target, said[stream])))
             for zone in after:
                 window = (-dbm.bound_value(zone[0, clock]), zone[clock, 0])
                 before = found.get(key, window)
                 found[key] = (min(window[0], before[0]), max(window[1], before[1]))
     allowed = tuple(
-        PossibleEvent(queues.queues[queue].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
-        for (queue, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
+        PossibleEvent(streams.streams[n].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
+        for (n, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
     )
     return AllowedEvents(allowed, whole and not pending)
 
 
-def state_text(following: Following, end: FinalState) -> str:
+def state_text(product: TraceProduct, end: FinalState) -> str:
     """The locations of the processes of the model."""
-    processes = zip(following.network.processes, end.locations, strict=True)
+    processes = zip(product.network.processes, end.locations, strict=True)
     named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
-    return ", ".join(named[-len(following.kept) :] if following.kept else [])
+    return ", ".join(named[-len(product.kept) :] if product.kept else [])
 
 
 def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteState, list[Zone]]:
@@ -197,13 +197,13 @@ def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteSt
     return states[-1], [] if zone is None else [zone]
 
 
-def _start(model: PreparedNetwork, following: Following, happened: Sequence[int], end: FinalState) -> DiscreteState:
-    """The state of the network that knows of each queue only what is near."""
+def _start(model: PreparedNetwork, product: TraceProduct, happened: Sequence[int], end: FinalState) -> DiscreteState:
+    """The state of the network that knows of each stream only what is near."""
     values = list(model.layout.initial)
     for variable, first in model.layout.first.items():
-        if variable in end.values and variable not in following.tables:
+        if variable in end.values and variable not in product.tables:
             values[first : first + cell_count(variable.type)] = end.values[variable]
-    for position, count in zip(following.positions, happened, strict=True):
+    for position, count in zip(product.positions, happened, strict=True):
         values[model.layout.first[position]] = min(count, 1)
     return DiscreteState(end.locations, tuple(values))
 

@@ -39,7 +39,7 @@ def ring_sizes(edge: str = "", other: str = "", *queries: str, text: str = TEXT)
     targets = [verdict.query.target for verdict in model.verify(*queries, trace=False)] if queries else []
     symmetry = find_symmetry(model.network, [target for target in targets if target is not None])
     assert not symmetry.groups
-    return [len(ring.members) for ring in symmetry.rings]
+    return [len(cycle.members) for cycle in symmetry.cycles]
 
 
 @pytest.mark.parametrize(
@@ -116,8 +116,8 @@ def test_a_query_leaves_the_rotations_that_keep_it(query: str, sizes: list[int])
 
 def test_several_templates_go_round_together() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "dining_philosophers.ta", N=5)
-    (ring,) = find_symmetry(model.network, []).rings
-    assert ring.members == ((0, 5), (1, 6), (2, 7), (3, 8), (4, 9))
+    (cycle,) = find_symmetry(model.network, []).cycles
+    assert cycle.members == ((0, 5), (1, 6), (2, 7), (3, 8), (4, 9))
     (part,) = (part for part in model.check().parts if part.question == "interchangeable processes")
     assert part.answer == "Philosopher(0) with Fork(0) to Philosopher(4) with Fork(4) (5) in a ring"
 
@@ -130,8 +130,8 @@ def test_a_ring_of_a_prime_number_divides_what_is_stored() -> None:
         (verdict,) = model.verify(property="neighbours", options=options)
         assert verdict.answer.value == "holds"
         stored.append(verdict.statistics.states_stored)
-    alike = 3  # all think, all hold a fork and all put it back at the same time
-    assert 5 * (stored[0] - alike) <= stored[1] <= 5 * stored[0]
+    similar = 3  # all think, all hold a fork and all put it back at the same time
+    assert 5 * (stored[0] - similar) <= stored[1] <= 5 * stored[0]
 
 
 def test_what_belongs_to_two_of_them_goes_round_but_is_not_exchanged() -> None:

@@ -17,7 +17,7 @@ class MalformedGroupError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class ExchangeGroup:
+class SymmetryGroup:
     """Members any two of which are exchanged, or (cyclic) all of which are moved on together.
 
     A *slot* is a number of a discrete state: the locations of the processes come first, then the cells.
@@ -75,7 +75,7 @@ class ExchangeGroup:
         }
 
     @classmethod
-    def from_json(cls, given: Mapping[str, Any]) -> ExchangeGroup:
+    def from_json(cls, given: Mapping[str, Any]) -> SymmetryGroup:
         """The inverse of `to_json`. Raises TypeError, KeyError and ValueError for something else."""
         parts = [given[name] for name in ("slots", "clocks", "channels", "names", "tables")]
         slots, clocks, channels, names, tables = (tuple(tuple(map(_whole, own)) for own in part) for part in parts)
@@ -116,8 +116,8 @@ class StatePermutation:
         return value if moved is None else moved.get(value, value)
 
 
-def exchange(group: ExchangeGroup, places: Sequence[int]) -> StatePermutation:
-    """What it means for a state that each member comes to a place."""
+def group_element(group: SymmetryGroup, places: Sequence[int]) -> StatePermutation:
+    """The permutation of states that moves each member to a place."""
     slots, clocks, channels = (
         {own: parts[places[member]][role] for member in range(group.size) for role, own in enumerate(parts[member])}
         for parts in (group.slots, group.clocks, group.channels)

@@ -19,11 +19,11 @@ from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
 from tachk.recordings.captures import capture_reader, capture_readers
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
-from tachk.recordings.conformance.nearby import SHORT_WORK, smallest_edit
+from tachk.recordings.conformance.nearest_log import SHORT_WORK, smallest_edit
 from tachk.recordings.conformance.question import ExplanationDetail, Question
-from tachk.recordings.conformance.queues import Constants
 
 _DURATION = re.compile(r"\s*(\d{1,20}(?:\.\d{1,20})?)\s*([a-zµμ]*)\s*", re.IGNORECASE)
 LARGEST = 2**14
@@ -45,19 +45,19 @@ def duration(text: str, time_unit: str) -> Fraction:
     return Fraction(found[1]) * length / own
 
 
-def least(ask: Callable[[Fraction], Conformance]) -> Conformance:
+def least(conforms_within: Callable[[Fraction], Conformance]) -> Conformance:
     """What is found with the least whole tolerance that does not refute; what is found with the largest one, if all
     refute or one is undecided. A larger tolerance allows all that a smaller one does."""
-    found = ask(Fraction(0))
+    found = conforms_within(Fraction(0))
     low, high = 0, 0
     while found.accepted is False and high < LARGEST:
         low, high = high, max(2 * high, 1)
-        found = ask(Fraction(high))
+        found = conforms_within(Fraction(high))
     if not found.accepted:
         return found
     while high - low > 1:
         middle = (low + high) // 2
-        tried = ask(Fraction(middle))
+        tried = conforms_within(Fraction(middle))
         if tried.accepted:
             high, found = middle, tried
         else:
@@ -146,32 +146,32 @@ _STATES_OF_EVENT = 20
 an edit."""
 
 
-def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
+def conform_file(loaded: LoadedModel, name: str, recording: str, question: Question, limits: Limits) -> Conformance:
     """As `tachk.api.model.conform`. Raises UsageError, UnsupportedError, StoppedError."""
     with limited(limits.seconds):
-        return _conform_file(loaded, name, recording, asked, limits)
+        return _conform_file(loaded, name, recording, question, limits)
 
 
-def _conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
+def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Question, limits: Limits) -> Conformance:
     network, mapping = loaded.network, loaded.recording
     if mapping is None:
         raise UsageError(
             f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
         )
 
-    events = _read(Path(recording), asked)
+    events = _read(Path(recording), question)
     constants = constants_of(loaded)
     for reader in capture_readers():
         reader.check_room(events, constants)
-    lateness = None if asked.late is None else duration(asked.late, network.time_unit)
+    lateness = None if question.late is None else duration(question.late, network.time_unit)
 
-    def ask(allowed: Fraction | None) -> Conformance:
-        explain = asked.explanation is not ExplanationDetail.NONE
+    def conforms_within(allowed: Fraction | None) -> Conformance:
+        explain = question.explanation is not ExplanationDetail.NONE
         return conform(network, mapping, events, constants, allowed, lateness, limits=limits, explain=explain)
 
-    if asked.tolerance == AUTO:
-        return least(ask)
-    found = ask(None if asked.tolerance is None else duration(asked.tolerance, network.time_unit))
+    if question.tolerance == AUTO:
+        return least(conforms_within)
+    found = conforms_within(None if question.tolerance is None else duration(question.tolerance, network.time_unit))
     if found.accepted is not False or found.refusal is None or found.refusal.event is None:
         return found
 
@@ -182,23 +182,23 @@ def _conform_file(loaded: LoadedModel, name: str, recording: str, asked: Questio
         return tried.accepted is True
 
     try:
-        work = None if asked.explanation is ExplanationDetail.FULL else SHORT_WORK
+        work = None if question.explanation is ExplanationDetail.FULL else SHORT_WORK
         search = smallest_edit(network, mapping, events, constants, found, limits, accepts, work)
         return replace(found, edit=search.edit, untried=search.untried)
     except StoppedError:
         return replace(found, left_out="whether an edit of the recording would make it a run")
 
 
-def _read(path: Path, asked: Question) -> EventLog:
+def _read(path: Path, question: Question) -> EventLog:
     """A capture of packets, or a file of events; with the logs of applications."""
     reader = capture_reader(path)
     if reader is None:
-        recording = read_events(path, asked.unit)
-    elif asked.unit is not None:
+        recording = read_events(path, question.unit)
+    elif question.unit is not None:
         raise UsageError("a capture has its own times: it takes no unit")
     else:
-        recording = reader.read_events(path, asked.ports)
-    for log in asked.applications:
+        recording = reader.read_events(path, question.ports)
+    for log in question.applications:
         recording = with_log(recording, read_events(Path(log)))
     return recording
 

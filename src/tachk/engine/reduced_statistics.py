@@ -1,4 +1,4 @@
-"""What a search has done to have fewer states, in words."""
+"""The reductions of a search in words."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ def members_in_words(slots: Sequence[Sequence[int]], cyclic: bool, processes: Se
         cyclic: the members are only moved on.
     """
     members = [" with ".join(processes[slot] for slot in own if slot < len(processes)) for own in slots]
-    told = ", ".join(members) if len(members) <= _MOST else f"{members[0]} to {members[-1]} ({len(members)})"
-    return f"{told} in a ring" if cyclic else told
+    listed = ", ".join(members) if len(members) <= _MOST else f"{members[0]} to {members[-1]} ({len(members)})"
+    return f"{listed} in a ring" if cyclic else listed
 
 
-def with_exchanges(statistics: Statistics, program: Program) -> Statistics:
+def with_orbits(statistics: Statistics, program: Program) -> Statistics:
     """The statistics of a search for a program, with what was exchanged in it."""
     names = [slot.name for slot in program.slots[: len(program.locations)]]
     return replace(

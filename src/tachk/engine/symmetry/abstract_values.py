@@ -1,7 +1,7 @@
-"""What may be kept of a variable that counts through the numbers of processes, and the edges that use it then.
+"""Abstract values of a variable that counts through the numbers of processes, and the edges that use them.
 
-An edge that depends on the variable has a copy for each of its values, which is possible where what is kept allows that
-value. So it can still do what it could, and maybe more.
+An edge that depends on the variable gets a copy for each concrete value; the copy is enabled where the abstract value
+allows this concrete value. So every transition remains possible, and others may be added.
 """
 
 from __future__ import annotations
@@ -42,18 +42,18 @@ from tachk.model.types import ArrayType, BoolType, IntType, ScalarType, VoidType
 from tachk.transform.cone_of_influence import mentioned
 
 _MOST_COPIES = 10_000
-"""An edge has at most so many copies."""
+"""The largest number of copies of an edge."""
 
 
-class NotKeptError(Exception):
-    """An edge that what is kept of a variable cannot follow."""
+class NotAbstractableError(Exception):
+    """Raised for an edge that the abstraction of a variable cannot express."""
 
 
-class _Kept:
-    """What is kept of a variable.
+class _AbstractValue:
+    """An abstraction of the values of a variable.
 
     Attributes:
-        instead: the variable that holds it.
+        instead: the variable that holds the abstract value.
     """
 
     instead: Variable
@@ -68,7 +68,7 @@ class _Kept:
         return tuple(self.instead if each is self._variable else each for each in variables)
 
     def edges(self, edges: Iterable[Edge]) -> Iterator[Edge]:
-        """What becomes of the edges of a process. Raises NotKeptError."""
+        """The edges of a process in the abstracted network. Raises NotAbstractableError."""
         for edge in edges:
             if uses(edge, self._variable):
                 yield from dict.fromkeys(self._copies(edge))
@@ -92,7 +92,7 @@ class _Kept:
             case Assign(Reference(variable), new, _, operator) if variable is self._variable:
                 given = fold(new, self._with(before, known))
                 if not isinstance(given, Constant):
-                    raise NotKeptError
+                    raise NotAbstractableError
                 after: int | None = given.value
                 if operator is not None:
                     after = None if before is None else apply_binary(operator, before, given.value)
@@ -100,10 +100,10 @@ class _Kept:
                 after = None if before is None else before + delta
             case _:
                 if self._variable in written_variables([update]):
-                    raise NotKeptError
+                    raise NotAbstractableError
                 return None
         if after is None or after not in self._range:
-            raise NotKeptError
+            raise NotAbstractableError
         return after
 
     def _one_copy(
@@ -145,8 +145,8 @@ class _Kept:
         )
 
 
-class WhetherItNames(_Kept):
-    """Whether it is a name, and which other value it has if not."""
+class IsName(_AbstractValue):
+    """The abstraction that forgets which name the value is; values that name no process are kept."""
 
     def __init__(self, variable: Variable, names: range, known: Known) -> None:
         super().__init__(variable, names, known)
@@ -158,7 +158,7 @@ class WhetherItNames(_Kept):
         values: list[int | None] = [*self._range] if _reads(edge, self._variable) else [None]
         chosen = [range(low, high + 1) for low, high in map(_bounds, edge.selects)]
         if len(values) * prod(map(len, chosen)) > _MOST_COPIES:
-            raise NotKeptError
+            raise NotAbstractableError
         for value in values:
             for selected in product(*chosen):
                 bound = dict(zip(edge.selects, selected, strict=True))
@@ -175,8 +175,9 @@ class WhetherItNames(_Kept):
         return Assign(Reference(self.instead), Constant(self._codes[after]), self.instead.type)
 
 
-class BehindIt(_Kept):
-    """Which names are smaller: any name that is not one of them may be its value, that behind all names once all are.
+class PassedNames(_AbstractValue):
+    """The abstraction that keeps the set of names already passed: the value may be any other name, or the number behind
+    all names once all are passed.
 
     Only for a variable that goes from each name to the next, and back to the first.
     """
@@ -184,7 +185,7 @@ class BehindIt(_Kept):
     def __init__(self, variable: Variable, names: range, known: Known) -> None:
         super().__init__(variable, names, known)
         if self._range[0] != names[0] or self._range[-1] > names[-1] + 1:
-            raise NotKeptError
+            raise NotAbstractableError
         type_ = ArrayType(BoolType(), IntType(names[0], names[-1]))
         behind = tuple(int(name < self._begin) for name in names)
         self.instead = replace(variable, name=f"behind {variable.name}", type=type_, initial=behind)
@@ -213,7 +214,7 @@ class BehindIt(_Kept):
 
     def _change(self, _: int | None, after: int) -> Expression:
         if after != self._names[0]:
-            raise NotKeptError
+            raise NotAbstractableError
         return self._clear
 
     def _copy_for_a_name(self, edge: Edge) -> Edge | None:
@@ -229,7 +230,7 @@ class BehindIt(_Kept):
             elif truths == {False} and all(map(cannot_fail, left)):
                 return None
             elif truths != {True}:
-                raise NotKeptError
+                raise NotAbstractableError
         guard = reduce(both, left, negation(self._is_behind(Reference(chosen))))
         synchronisation = edge.synchronisation
         if synchronisation is not None:
@@ -248,7 +249,7 @@ class BehindIt(_Kept):
         for update in updates:
             afters = [self._after(update, name, self._known) for name in self._names]
             if (changed and self._mentioned(update)) or len({after is None for after in afters}) > 1:
-                raise NotKeptError
+                raise NotAbstractableError
             if afters[0] is None:
                 yield substituted(update, {self._variable: Reference(chosen)})
                 continue
@@ -258,7 +259,7 @@ class BehindIt(_Kept):
             elif set(afters) == {self._names[0]}:
                 yield self._clear
             else:
-                raise NotKeptError
+                raise NotAbstractableError
 
 
 def uses(edge: Edge, variable: Variable) -> bool:

@@ -2,7 +2,7 @@
 
 A link whose place the recording takes joins its two ends no longer: a client and the Agent then have no variable, no
 channel and no location test in common, and any run of the one goes with any run of the other. What is left between them
-is that an arrival comes after what was sent. `set_apart` makes that certain by cutting the windows of the two so that
+is that an arrival comes after what was sent. `separated` makes that certain by cutting the windows of the two so that
 they do not overlap; then the runs of the parts, put together by their times, are a run of the whole.
 """
 
@@ -27,49 +27,49 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ChannelType, element_type
-from tachk.recordings.conformance.queue_processes import cases, channel_of_queue
-from tachk.recordings.conformance.queues import Queue, Queues, channel_variable
+from tachk.recordings.conformance.event_streams import EventStream, EventStreams, channel_variable
+from tachk.recordings.conformance.trace_automata import cases, channel_of_stream
 
 _Element = tuple[Variable, int | None]
 """A variable or channel, or its element with a constant first index."""
 _Thing = _Element | tuple[str, int]
-"""Such an element, or the process or queue with a number."""
+"""Such an element, or the process or stream with a number."""
 
 
 @dataclass(frozen=True, slots=True)
 class IndependentComponent:
     """Attributes:
     processes: numbers of processes in the network.
-    queues: numbers of queues.
+    streams: numbers of streams.
     """
 
     processes: tuple[int, ...]
-    queues: tuple[int, ...]
+    streams: tuple[int, ...]
 
 
-def parts_of(network: Network, mapping: RecordingMap, queues: Queues) -> tuple[IndependentComponent, ...]:
+def components_of(network: Network, mapping: RecordingMap, streams: EventStreams) -> tuple[IndependentComponent, ...]:
     """The finest division of what is left of the network in parts that share nothing but the time."""
     kept = [number for number in range(len(network.processes)) if number not in mapping.replaced]
-    shared = _shareable(network, [network.processes[number] for number in kept], queues)
+    shared = _shareable(network, [network.processes[number] for number in kept], streams)
     groups = _Groups()
     for number in kept:
         groups.join(("process", number), _things_of(shared, network.processes[number]))
-    for number, queue in enumerate(queues.queues):
-        groups.join(("queue", number), _things_of_queue(shared, queue))
+    for number, stream in enumerate(streams.streams):
+        groups.join(("stream", number), _things_of_stream(shared, stream))
     found: dict[_Thing, tuple[list[int], list[int]]] = {}
     for number in kept:
         found.setdefault(groups.first(("process", number)), ([], []))[0].append(number)
-    for number in range(len(queues.queues)):
-        found.setdefault(groups.first(("queue", number)), ([], []))[1].append(number)
+    for number in range(len(streams.streams)):
+        found.setdefault(groups.first(("stream", number)), ([], []))[1].append(number)
     return tuple(IndependentComponent(tuple(processes), tuple(own)) for processes, own in found.values())
 
 
-def can_be_apart(network: Network, processes: Iterable[int], queues: Queues) -> bool:
+def are_independent(network: Network, processes: Iterable[int], streams: EventStreams) -> bool:
     """Whether no event from outside can come in the midst of what a process does in committed locations.
 
     Other parts may have to act before such an event, and in the whole network they could not.
     """
-    channels = {channel_variable(queue.visible.channel) for queue in queues.queues if not queue.outputs}
+    channels = {channel_variable(stream.visible.channel) for stream in streams.streams if not stream.outputs}
     edges = ((network.processes[number], edge) for number in processes for edge in network.processes[number].edges)
     return not any(
         process.locations[edge.source].committed
@@ -80,47 +80,47 @@ def can_be_apart(network: Network, processes: Iterable[int], queues: Queues) -> 
     )
 
 
-def restricted(queues: Queues, part: IndependentComponent) -> Queues:
-    """The queues of a part. That an event of another part must have come before is forgotten."""
-    place = {number: new for new, number in enumerate(part.queues)}
-    own = (queues.queues[number] for number in part.queues)
+def restricted(streams: EventStreams, component: IndependentComponent) -> EventStreams:
+    """The streams of a component, without the demands that events of other components come before."""
+    place = {number: new for new, number in enumerate(component.streams)}
+    own = (streams.streams[number] for number in component.streams)
     return replace(
-        queues,
-        queues=tuple(
+        streams,
+        streams=tuple(
             replace(
-                queue,
-                needed=tuple(tuple((place[q], count) for q, count in needs if q in place) for needs in queue.needed),
+                stream,
+                needed=tuple(tuple((place[q], count) for q, count in needs if q in place) for needs in stream.needed),
             )
-            for queue in own
+            for stream in own
         ),
     )
 
 
-def set_apart(queues: Queues, parts: Iterable[IndependentComponent], delay: int = 0) -> Queues | None:
-    """The queues with narrower windows, in which no event comes earlier than an event of another part that it needs.
+def separated(streams: EventStreams, components: Iterable[IndependentComponent], delay: int = 0) -> EventStreams | None:
+    """The streams with narrower windows, in which no event comes earlier than an event of another part that it needs.
 
     Windows that overlap are cut so much later than the needed event was recorded. Two such events may then still
     happen at the same time, so each also waits for what its own part has sent at that time and was recorded before:
     then the events of a time can be put in an order in which each comes after what it needs. None where there is no
     room for that.
     """
-    part_of = {number: n for n, part in enumerate(parts) for number in part.queues}
-    earliest = [list(queue.earliest) for queue in queues.queues]
-    latest = [list(queue.latest) for queue in queues.queues]
-    needed = [list(queue.needed) for queue in queues.queues]
+    part_of = {number: n for n, component in enumerate(components) for number in component.streams}
+    earliest = [list(stream.earliest) for stream in streams.streams]
+    latest = [list(stream.latest) for stream in streams.streams]
+    needed = [list(stream.needed) for stream in streams.streams]
     cuts: dict[int, list[_WindowCut]] = defaultdict(list)
-    for number, queue in enumerate(queues.queues):
-        for place, needs in enumerate(queue.needed):
+    for number, stream in enumerate(streams.streams):
+        for place, needs in enumerate(stream.needed):
             for other, count in needs:
                 if part_of[other] == part_of[number]:
                     continue
                 low = max(earliest[other][count - 1], earliest[number][place])
                 high = min(latest[other][count - 1], latest[number][place])
                 if low <= high:
-                    time = min(max(queues.queues[other].recorded[count - 1] + delay, low), high)
+                    time = min(max(streams.streams[other].recorded[count - 1] + delay, low), high)
                     latest[other][count - 1] = time
                     earliest[number][place] = time
-                    order = queues.queues[other].events[count - 1]
+                    order = streams.streams[other].events[count - 1]
                     cuts[time].append(_WindowCut(order, (other, count), (number, place)))
                 elif latest[other][count - 1] > earliest[number][place]:
                     return None
@@ -132,10 +132,10 @@ def set_apart(queues: Queues, parts: Iterable[IndependentComponent], delay: int 
     for lows, highs in zip(earliest, latest, strict=True):
         lows[:] = accumulate(lows, max)
         highs[:] = reversed(list(accumulate(reversed(highs), min)))
-    narrowed = zip(queues.queues, earliest, latest, needed, strict=True)
+    narrowed = zip(streams.streams, earliest, latest, needed, strict=True)
     return replace(
-        queues,
-        queues=tuple(
+        streams,
+        streams=tuple(
             replace(q, earliest=tuple(lows), latest=tuple(highs), needed=tuple(needs))
             for q, lows, highs, needs in narrowed
         ),
@@ -150,7 +150,7 @@ class _WindowCut(NamedTuple):
     arrival: tuple[int, int]
 
 
-# ---- what processes and queues touch --------------------------------------------------------------------------------
+# ---- what processes and streams touch --------------------------------------------------------------------------------
 
 
 class _Groups:
@@ -165,7 +165,7 @@ class _Groups:
             thing = self.above[thing]
         return thing
 
-    def _unite(self, one: _Thing, other: _Thing) -> None:
+    def _unify(self, one: _Thing, other: _Thing) -> None:
         one, other = self.first(one), self.first(other)
         if one != other:
             self.above[other] = one
@@ -176,11 +176,11 @@ class _Groups:
             known.add(index)
             if None in known:
                 for each in known:
-                    self._unite((variable, None), (variable, each))
+                    self._unify((variable, None), (variable, each))
 
     def join(self, what: tuple[str, int], things: Iterable[_Thing]) -> None:
         for thing in things:
-            self._unite(what, thing)
+            self._unify(what, thing)
             if isinstance(thing[0], Variable):
                 self._touch([(thing[0], thing[1])])
 
@@ -192,10 +192,10 @@ def _things_of(shared: Container[Variable], process: Process) -> Iterator[_Thing
     yield from (("process", node.process) for node in nodes if isinstance(node, LocationTest))
 
 
-def _things_of_queue(shared: Container[Variable], queue: Queue) -> Iterator[_Thing]:
-    for indices in cases(queue):
-        yield from _things(shared, [channel_of_queue(queue, indices)])
-    yield from _things(shared, [expression for _, expression in queue.visible.columns])
+def _things_of_stream(shared: Container[Variable], stream: EventStream) -> Iterator[_Thing]:
+    for indices in cases(stream):
+        yield from _things(shared, [channel_of_stream(stream, indices)])
+    yield from _things(shared, [expression for _, expression in stream.visible.columns])
 
 
 def _variables(expression: Expression) -> Iterator[Variable]:
@@ -216,11 +216,11 @@ def _things(shared: Container[Variable], expressions: Iterable[Expression]) -> I
                 yield from _things(shared, children(expression))
 
 
-def _shareable(network: Network, processes: Iterable[Process], queues: Queues) -> frozenset[Variable]:
+def _shareable(network: Network, processes: Iterable[Process], streams: EventStreams) -> frozenset[Variable]:
     """The channels, and the variables that are part of the state and may change."""
     changed = written_variables([e for process in processes for e in process_expressions(process)])
-    for queue in queues.queues:
-        changed |= {variable for _, column in queue.visible.columns for variable in _variables(column)}
+    for stream in streams.streams:
+        changed |= {variable for _, column in stream.visible.columns for variable in _variables(column)}
     return frozenset(
         variable
         for variable in network.all_variables()

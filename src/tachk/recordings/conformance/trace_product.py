@@ -1,12 +1,12 @@
-"""The network of a model and of processes that follow a recording.
+"""The product of a model with the trace automata of a recording.
 
-What the recording takes the place of is left out. For each queue there is a process with one location and a counter of
-the events that have happened. Of events that the model does it is the receiver: a step with an event that is not the
-next recorded one would break its invariant, so it is no step. Events from outside it sends. A clock that nothing resets
-is the time of the recording; the invariant keeps each event between its times, since time cannot pass the latest time
-of the next one, and is never before the earliest time of the last one.
+The processes of the environment that the recording replaces are left out. Each event stream becomes a process with one
+location and a counter of the events that have happened. It receives the outputs of the model: its invariant forbids a
+step with any event but the next recorded one. It sends the inputs of the model. A clock that nothing resets is the time
+of the recording; the invariant keeps each event in its window, since time cannot pass the latest time of the next event
+and is never before the earliest time of the last one.
 
-So the runs of this network that come to the end are the runs of the model that the recording shows.
+The runs of this network that reach the end are the runs of the model that the recording shows.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from tachk.model.recording import RecordingMap
 from tachk.model.run import Transition
 from tachk.model.traversal import process_expressions
 from tachk.model.types import ArrayType, ChannelType, IntType, element_type
-from tachk.recordings.conformance.queue_processes import QueueProcess, is_broadcast, patient, speaking
-from tachk.recordings.conformance.queues import Queues, channel_variable, index_range
+from tachk.recordings.conformance.event_streams import EventStreams, channel_variable, index_range
+from tachk.recordings.conformance.trace_automata import TraceAutomaton, is_broadcast, with_any_output, without_deadlines
 from tachk.transform.cone_of_influence import mentioned
 from tachk.transform.transformation import Exactness, Transformation
 
@@ -34,18 +34,18 @@ _ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 
 
 @dataclass(frozen=True, slots=True)
-class Following(Transformation):
-    """The product of a part of a model with a recording: a process for what is hidden, if there is any, those that
-    follow the recording, and those of the model that are left, in their order. The search tries first what the last of
-    them do.
+class TraceProduct(Transformation):
+    """The product of a part of a model with a recording. Its processes are one for hidden events, if there are any, the
+    trace automata, and the processes of the model that are left, in their order. The search tries the steps of the last
+    processes first.
 
     Attributes:
-        kept: the numbers in the model of those that are left.
-        first: the number of the first process that follows the recording.
+        kept: the numbers in the model of the processes that are left.
+        first: the number of the first trace automaton.
         now: the clock that nothing resets.
-        positions: for each queue, how many of its events have happened.
+        positions: for each stream, how many of its events have happened.
         tables: the constant arrays that hold the recording.
-        done: all events have happened, and it is so late that silence is known.
+        done: the condition that all events have happened and the recorded silence is over.
     """
 
     kept: tuple[int, ...]
@@ -57,7 +57,7 @@ class Following(Transformation):
     progress: Expression
 
     def lift_transition(self, transition: Transition) -> Transition | None:
-        """What the processes of the model do in a transition; None if none takes part."""
+        """The part of the transition that processes of the model take; None if none takes part."""
         behind = len(self.network.processes) - len(self.kept)
         own = tuple(
             replace(participant, process=self.kept[participant.process - behind])
@@ -69,45 +69,45 @@ class Following(Transformation):
     def _acts(self, process: int) -> bool:
         return process in self.kept
 
-    def queue_of(self, transition: Transition) -> int | None:
-        """The queue whose event a transition is; None if it is none."""
+    def stream_of(self, transition: Transition) -> int | None:
+        """The stream whose event the transition is; None if it is an internal transition of the model."""
         for participant in transition.participants:
             number = participant.process - self.first
             if 0 <= number < len(self.positions):
                 return number
         return None
 
-    def lenient(self, queues: Queues) -> tuple[Network, tuple[tuple[tuple[str, Variable], ...], ...]]:
-        """The network in which the model may do any event, and for each queue the variables that then hold what it
-        says."""
+    def lenient(self, streams: EventStreams) -> tuple[Network, tuple[tuple[tuple[str, Variable], ...], ...]]:
+        """The network in which the model may produce any event, and for each stream the variables that then hold the
+        values of the event."""
         processes = list(self.network.processes)
         variables: list[Variable] = []
         said: list[tuple[tuple[str, Variable], ...]] = []
-        for number, queue in enumerate(queues.queues):
+        for number, stream in enumerate(streams.streams):
             own = tuple(
                 (name, Variable(f"said[{number}].{name}", _ANYTHING, VariableKind.GLOBAL, (0,)))
-                for name, _ in queue.visible.columns
+                for name, _ in stream.visible.columns
             )
             said.append(own)
             place = self.first + number
-            if queue.outputs:
-                processes[place] = speaking(processes[place], queue, dict(own))
+            if stream.outputs:
+                processes[place] = with_any_output(processes[place], stream, dict(own))
                 variables += [variable for _, variable in own]
             else:
-                processes[place] = patient(processes[place], queue, self.positions[number])
+                processes[place] = without_deadlines(processes[place], stream, self.positions[number])
         return replace(
             self.network, processes=tuple(processes), variables=(*self.network.variables, *variables)
         ), tuple(said)
 
 
-def follow(
-    network: Network, mapping: RecordingMap, queues: Queues, kept: tuple[int, ...], to_the_end: bool = False
-) -> Following:
-    """The network that follows a recording.
+def trace_product(
+    network: Network, mapping: RecordingMap, streams: EventStreams, kept: tuple[int, ...], to_the_end: bool = False
+) -> TraceProduct:
+    """The product of a network with a recording.
 
     Args:
         kept: the numbers of the processes that are left.
-        to_the_end: it is done only when no event of the recording can happen any more.
+        to_the_end: the product is done only when no event of the recording can happen any more.
 
     Raises UsageError for what the model does not allow to be followed.
     """
@@ -116,22 +116,22 @@ def follow(
     processes = tuple(network.processes[n] for n in kept)
     builder = NetworkBuilder("recording.", VariableKind.GLOBAL)
     now = builder.clock("now")
-    positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(queues.queues)]
-    _check_hearable(queues, processes)
-    following = [QueueProcess(builder, queues, n, now, positions) for n in range(len(queues.queues))]
-    followers = [each.build() for each in following]
+    positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(streams.streams)]
+    _check_hearable(streams, processes)
+    product = [TraceAutomaton(builder, streams, n, now, positions) for n in range(len(streams.streams))]
+    automata = [each.build() for each in product]
     hidden = _outsider(builder, mapping, processes)
-    released = _released(mapping, queues, processes)
-    done = now >= (queues.horizon - 1 if to_the_end else queues.quiet_until)
+    released = _released(mapping, streams, processes)
+    done = now >= (streams.horizon - 1 if to_the_end else streams.quiet_until)
     progress: Term | int = 0
-    for position, queue, each in zip(positions, queues.queues, following, strict=True):
-        done = done & (position == len(queue.events) if each.ended is None else each.ended)
+    for position, stream, each in zip(positions, streams.streams, product, strict=True):
+        done = done & (position == len(stream.events) if each.ended is None else each.ended)
         progress = position + progress
-    made = [*hidden, *followers]
+    made = [*hidden, *automata]
     whole = replace(
         network,
         processes=tuple(_with_channels(p, released) for p in (*made, *processes)),
-        variables=(*(released.get(v, v) for v in _mentioned(network, processes, queues)), *builder.variables),
+        variables=(*(released.get(v, v) for v in _mentioned(network, processes, streams)), *builder.variables),
         signals=(),
         hidden=(*network.hidden, *(p.name for p in made)),
     )
@@ -141,22 +141,22 @@ def follow(
     tables = frozenset(v for v in builder.variables if isinstance(v.type, ArrayType))
     clock = now.expression.variable
     nothing = Exactness.NOTHING
-    return Following(network, whole, nothing, kept, len(hidden), clock, variables, tables, done.expression, total)
+    return TraceProduct(network, whole, nothing, kept, len(hidden), clock, variables, tables, done.expression, total)
 
 
-def _mentioned(network: Network, processes: Sequence[Process], queues: Queues) -> Iterator[Variable]:
-    """The variables of the network that these processes and queues speak of."""
-    columns = [column for queue in queues.queues for _, column in queue.visible.columns]
-    channels = [queue.visible.channel for queue in queues.queues]
+def _mentioned(network: Network, processes: Sequence[Process], streams: EventStreams) -> Iterator[Variable]:
+    """The variables of the network that these processes and streams mention."""
+    columns = [column for stream in streams.streams for _, column in stream.visible.columns]
+    channels = [stream.visible.channel for stream in streams.streams]
     _, found = mentioned([*(e for p in processes for e in process_expressions(p)), *columns, *channels])
     return (variable for variable in network.variables if variable in found)
 
 
-def _check_hearable(queues: Queues, processes: Sequence[Process]) -> None:
+def _check_hearable(streams: EventStreams, processes: Sequence[Process]) -> None:
     """Raises UsageError where the model itself receives what the recording would have to receive."""
-    for queue in queues.queues:
-        if queue.outputs and not is_broadcast(queue):
-            variable = channel_variable(queue.visible.channel)
+    for stream in streams.streams:
+        if stream.outputs and not is_broadcast(stream):
+            variable = channel_variable(stream.visible.channel)
             if any(s.direction is Direction.RECEIVE for s in _synchronisations(variable, processes)):
                 raise UsageError(
                     f"`{variable.name}` joins two processes that are both left in the model",
@@ -191,12 +191,12 @@ def _outsider(builder: NetworkBuilder, mapping: RecordingMap, processes: Sequenc
         for each in _elements(channel):
             if Direction.RECEIVE in directions:
                 process.edge(here, here, send=Term(each))
-            elif Direction.SEND in directions and not _is_heard_by_nobody(channel):
+            elif Direction.SEND in directions and not _is_received_by_nobody(channel):
                 process.edge(here, here, receive=Term(each))
     return [process.build()]
 
 
-def _is_heard_by_nobody(channel: Expression) -> bool:
+def _is_received_by_nobody(channel: Expression) -> bool:
     """Whether it can be sent on without a receiver."""
     type_ = element_type(channel.type)
     return isinstance(type_, ChannelType) and type_.broadcast
@@ -210,10 +210,10 @@ def _elements(channel: Expression) -> Iterator[Expression]:
         yield from _elements(Index(channel, Constant(number), channel.type.element))
 
 
-def _released(mapping: RecordingMap, queues: Queues, processes: Sequence[Process]) -> dict[Variable, Variable]:
+def _released(mapping: RecordingMap, streams: EventStreams, processes: Sequence[Process]) -> dict[Variable, Variable]:
     """Urgent channels on which the outside takes part, and what they are without urgency: it need not be ready."""
     found: dict[Variable, Variable] = {}
-    joined = [queue.visible.channel for queue in queues.queues] + list(mapping.hidden)
+    joined = [stream.visible.channel for stream in streams.streams] + list(mapping.hidden)
     for channel in joined:
         variable = channel_variable(channel)
         type_ = element_type(variable.type)

@@ -40,12 +40,12 @@ system P1, P2, P3, R1, R2, R3;
 """
 
 
-def teams(text: str) -> list[tuple[tuple[int, ...], ...]]:
+def blocks(text: str) -> list[tuple[tuple[int, ...], ...]]:
     return [group.members for group in find_symmetry(tachk.loads(text).network, []).groups]
 
 
 def test_edges_and_updates_may_come_in_any_order() -> None:
-    assert teams(REGISTERS) == [((0, 3), (1, 4), (2, 5))]
+    assert blocks(REGISTERS) == [((0, 3), (1, 4), (2, 5))]
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_edges_and_updates_may_come_in_any_order() -> None:
 )
 def test_what_tells_one_process_apart_leaves_two_at_most(old: str, new: str) -> None:
     assert REGISTERS.count(old) == 1
-    assert all(len(members) < 3 for members in teams(REGISTERS.replace(old, new)))
+    assert all(len(members) < 3 for members in blocks(REGISTERS.replace(old, new)))
 
 
 TWO = """
@@ -72,7 +72,7 @@ system P1, P2;
 
 
 @pytest.mark.parametrize(
-    ("one", "other", "alike"),
+    ("one", "other", "similar"),
     [
         ("a = 1, x1 = 0", "x2 = 0, b = 1", True),
         ("x1 = 1, x1 = 0", "x2 = 1, x2 = 0", True),
@@ -86,15 +86,15 @@ system P1, P2;
         ("a = 1, c = 2, a = 3", "b = 1, b = 3, d = 2", False),
     ],
 )
-def test_updates_keep_their_order_where_it_could_be_noticed(one: str, other: str, alike: bool) -> None:
-    assert bool(teams(TWO % (one, other))) is alike
+def test_updates_keep_their_order_where_it_could_be_noticed(one: str, other: str, similar: bool) -> None:
+    assert bool(blocks(TWO % (one, other))) is similar
 
 
 def test_an_invariant_of_a_clock_that_another_process_resets_tells_them_apart() -> None:
     text = TWO % ("x1 = 0", "x2 = 0")
     one, other = "process P1() { init location A { ", "process P2() { init location A { "
-    assert teams(text.replace(one, one + "invariant x1 <= 2; ").replace(other, other + "invariant x2 <= 2; "))
-    assert not teams(text.replace(one, one + "invariant x1 <= 2; ").replace(other, other + "invariant x1 <= 2; "))
+    assert blocks(text.replace(one, one + "invariant x1 <= 2; ").replace(other, other + "invariant x2 <= 2; "))
+    assert not blocks(text.replace(one, one + "invariant x1 <= 2; ").replace(other, other + "invariant x1 <= 2; "))
 
 
 CHANNELS = """
@@ -142,4 +142,4 @@ process C() {
 }
 system P1, P2, C;
 """
-    assert not teams(text)
+    assert not blocks(text)

@@ -1,10 +1,10 @@
-"""Variables that count through processes by number, with less known of them: then the processes are interchangeable.
+"""Abstraction of variables that count through processes, so that these processes become interchangeable.
 
-A bus that tells stations 1, 2, 3, ... of a collision tells them apart, though it hardly matters who is told first. Of
-such a variable a coarser network keeps less (`tachk.engine.symmetry.kept`): every run of the network, its run-time
-errors included, is one of the coarser network, so that what is unreachable there is unreachable. What is reachable
-there need not be. This is existential abstraction (Clarke, Grumberg, Long, Model checking and abstraction, TOPLAS
-16(5), 1994); that it is worth it is found out by looking for interchangeable processes again.
+A bus that notifies the stations 1, 2, 3, ... of a collision breaks their symmetry, though the order hardly matters. The
+abstracted network keeps less of the counting variable (`tachk.engine.symmetry.abstract_values`). It over-approximates:
+every run of the network, its run-time errors included, is a run of the abstracted one, so that a target that is
+unreachable there is unreachable. This is existential abstraction (Clarke, Grumberg, Long, Model checking and
+abstraction, TOPLAS 16(5), 1994). It is kept only if it yields more interchangeable processes.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tachk.analysis.fold import Known, known_values, network_expressions
 from tachk.base.operators import BinaryOperator, OperandGroup
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.engine.symmetry.kept import BehindIt, NotKeptError, WhetherItNames, uses
+from tachk.engine.symmetry.abstract_values import IsName, NotAbstractableError, PassedNames, uses
 from tachk.engine.symmetry.process_numbers import most_alike, numbers_of_processes
 from tachk.model.expressions import Assign, Binary, Expression, Increment, Reference, Variable, VariableKind
 from tachk.model.network import Network
@@ -25,24 +25,24 @@ from tachk.model.types import ChannelType, IntType
 from tachk.transform.cone_of_influence import every_action_counts, mentioned
 
 _NOBODY = 2
-"""So many values of a variable that names processes may be those of none."""
+"""A variable that names processes has at most so many values that name none."""
 
 
 @dataclass(frozen=True, slots=True)
-class Coarser:
-    """A network that can do all that another one can, and maybe more.
+class AbstractedNetwork:
+    """An over-approximation of a network.
 
     Attributes:
-        variables: those of which it knows less.
+        variables: the abstracted variables.
     """
 
     network: Network
     variables: tuple[Variable, ...]
 
 
-def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser | None:
-    """A coarser network in which more processes are interchangeable, if there is one; none where every action counts:
-    where a target speaks of ``deadlock`` or of nothing, and where there are priorities."""
+def with_abstracted_variables(network: Network, targets: Sequence[Expression]) -> AbstractedNetwork | None:
+    """An over-approximation with more interchangeable processes; None if there is none, and where every action counts:
+    where a target mentions ``deadlock`` or nothing, and where there are priorities."""
     if every_action_counts(network, targets):
         return None
     candidates = _candidates(network, targets)
@@ -51,7 +51,7 @@ def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser 
     from tachk.engine.symmetry.detection import find_symmetry  # of no use to most networks
 
     symmetry = find_symmetry(network, targets)
-    if not symmetry.apart:
+    if not symmetry.asymmetries:
         return None
     before = sum(len(group.members) for group in symmetry.groups)
     for names, variables in candidates:
@@ -65,12 +65,12 @@ def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser 
 
 
 def _candidates(network: Network, targets: Sequence[Expression]) -> Sequence[tuple[range, Sequence[Variable]]]:
-    """Numbers of processes, many of them first, each with the variables that may count through them. What is cheap to
-    find out is asked first: in most networks there are none."""
-    known, asked = known_values(network, []), mentioned(targets)[1]
+    """Ranges of process numbers, the longest first, each with the variables that may count through them. Cheap tests
+    come first, as most networks have no such variables."""
+    known, observed = known_values(network, []), mentioned(targets)[1]
     most = most_alike(network) + _NOBODY
     counting = [v for v in _counting(network) if v not in known.values and 2 <= _values(v) <= most]
-    forgettable = {v for v in counting if v not in asked and _is_used_by_one_edge_at_a_time(network, v)}
+    forgettable = {v for v in counting if v not in observed and _is_used_by_one_edge_at_a_time(network, v)}
     if not forgettable:
         return []
     found = []
@@ -82,32 +82,32 @@ def _candidates(network: Network, targets: Sequence[Expression]) -> Sequence[tup
     return sorted(found, key=lambda each: (-len(each[0]), each[0].start))
 
 
-def _without_order(network: Network, names: range, variables: Sequence[Variable]) -> Coarser | None:
+def _without_order(network: Network, names: range, variables: Sequence[Variable]) -> AbstractedNetwork | None:
     known = known_values(network, [])
     for variable in variables:
-        rest = _forgotten(network, variable, names, known)
+        rest = _abstracted(network, variable, names, known)
         if rest is None:
             return None
         network = rest
-    return Coarser(network, tuple(variables))
+    return AbstractedNetwork(network, tuple(variables))
 
 
 def _values(variable: Variable) -> int:
-    """How many values a variable that may name processes has; 0 if it cannot name any."""
+    """The number of values of a variable that may name processes; 0 if it cannot name any."""
     if not isinstance(variable.type, IntType) or variable.declared_meta or variable.carries is not None:
         return 0
     return variable.type.high - variable.type.low + 1
 
 
 def _may_name(variable: Variable, names: range) -> bool:
-    """Whether the values of a variable are the numbers of processes, and few others that are nobody's."""
+    """True if the values of a variable are the numbers of processes and at most `_NOBODY` others."""
     assert isinstance(variable.type, IntType)
     low, high = variable.type.low, variable.type.high
     return low <= names[0] and names[-1] <= high and _values(variable) <= len(names) + _NOBODY
 
 
 def _counting(network: Network) -> list[Variable]:
-    """The variables that something counts with, or compares by their order."""
+    """The variables that occur in arithmetic or in comparisons of order."""
     found: dict[Variable, None] = {}
     for outer in network_expressions(network):
         for node in walk(outer):
@@ -125,27 +125,31 @@ def _counting(network: Network) -> list[Variable]:
     return [v for v in found if v.kind in (VariableKind.GLOBAL, VariableKind.LOCAL)]
 
 
-def _forgotten(network: Network, variable: Variable, names: range, known: Known) -> Network | None:
-    """The network with as much kept of the variable as can be."""
+def _abstracted(network: Network, variable: Variable, names: range, known: Known) -> Network | None:
+    """The network with the most precise abstraction of the variable that is possible; None if there is none."""
     if not _is_used_by_one_edge_at_a_time(network, variable):
         return None
-    for kind in (BehindIt, WhetherItNames):
+    for abstraction_class in (PassedNames, IsName):
         try:
-            kept = kind(variable, names, known)
+            abstraction = abstraction_class(variable, names, known)
             processes = tuple(
-                replace(process, edges=tuple(kept.edges(process.edges)), variables=kept.among(process.variables))
+                replace(
+                    process,
+                    edges=tuple(abstraction.edges(process.edges)),
+                    variables=abstraction.among(process.variables),
+                )
                 for process in network.processes
             )
-        except NotKeptError:
+        except NotAbstractableError:
             continue
-        coarser = replace(network, processes=processes, variables=kept.among(network.variables), signals=())
+        coarser = replace(network, processes=processes, variables=abstraction.among(network.variables), signals=())
         return None if variable in mentioned(list(network_expressions(coarser)))[1] else coarser
     return None
 
 
 def _is_used_by_one_edge_at_a_time(network: Network, variable: Variable) -> bool:
-    """Whether no two edges that are taken together depend on the variable, nor one that others wait for or that takes
-    part as soon as it is possible."""
+    """True if no two edges that are taken together depend on the variable, and no urgent or receiving broadcast edge
+    does."""
     sends: set[Variable] = set()
     receives: set[Variable] = set()
     for process in network.processes:

@@ -1,11 +1,11 @@
-"""Which synchronisations of a model recorded events are, and when they may have happened.
+"""Event streams: recorded events as synchronisations of a model, each with its window of time.
 
-Nobody records in one order what happens in several places, so events are in queues: within a queue they happen in their
-recorded order, across queues as their times allow.
+Events of different places are not recorded in one order. So they form streams: events of one stream happen in their
+recorded order, events of different streams as their times allow.
 
-An event of the model that is recorded at t has happened in [t - late, t + tolerance]: what leaves a program is seen a
-little later. An event from outside that is recorded at t happens to the model in [t - tolerance, t + late]. Times are
-rounded outwards to whole units of the model.
+An output of the model that is recorded at t happened in [t - late, t + tolerance], as an output is seen a little later.
+An input that is recorded at t happens to the model in [t - tolerance, t + late]. Times are rounded outwards to whole
+units of the model.
 """
 
 from __future__ import annotations
@@ -29,28 +29,29 @@ from tachk.model.types import ArrayType, IntType, ScalarType
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 
 _SHOWN = 30
-"""So many characters of a cell are shown."""
+"""Messages show at most so many characters of a cell."""
 
 Constants = Callable[[str], int | None]
 """The value of a constant of the model, by its name."""
 
 
 @dataclass(frozen=True, slots=True)
-class Queue:
+class EventStream:
     """Events that happen in their recorded order.
 
     Attributes:
-        visible: what they are.
-        outputs: the model does them; otherwise they come from outside.
+        visible: the declaration of the events.
+        outputs: True for outputs of the model, False for inputs.
         common: the values of the indices that its events have in common.
         events: the numbers of its events in the recording.
-        values: for each event what its columns say; None where a cell is empty.
-        earliest, latest: for each event between which times it happens; neither decreases.
-        recorded: for each event when it was recorded.
-        needed: for each event, how many events of other queues must have happened before: pairs (queue, how many).
+        values: the values in the columns of each event; None where a cell is empty.
+        earliest, latest: the window of each event; neither decreases.
+        recorded: the time at which each event was recorded.
+        needed: for each event the numbers of events of other streams that must have happened before: pairs (stream,
+            count).
         optional: for each event, whether it may be left out.
-        quiet_until: what happens until then has been recorded.
-        ends_itself: the recording ends with an event of the same sender, before which it has finished what it did.
+        quiet_until: the time up to which the recording is complete.
+        ends_itself: the recording ends with an event of the same sender, before which it has finished its work.
     """
 
     visible: VisibleEvents
@@ -68,13 +69,13 @@ class Queue:
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """The name of the stream in messages."""
         common = ", ".join(f"{variable.name} = {value}" for variable, value in self.common.items())
         return f"{self.visible.event}({common})" if common else self.visible.event
 
 
 @dataclass(frozen=True, slots=True)
-class Queues:
+class EventStreams:
     """Attributes:
     quiet_until: what happens until then has been recorded.
     horizon: no event happens later.
@@ -84,7 +85,7 @@ class Queues:
     names: by column, what recordings call values.
     """
 
-    queues: tuple[Queue, ...]
+    streams: tuple[EventStream, ...]
     quiet_until: int
     horizon: int
     other: int
@@ -93,15 +94,15 @@ class Queues:
     names: Mapping[str, Mapping[int, str]]
 
 
-def make_queues(
+def make_streams(
     network: Network,
     mapping: RecordingMap,
     recording: EventLog,
     constants: Constants,
     tolerance: Fraction,
     late: Fraction,
-) -> Queues:
-    """The queues of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
+) -> EventStreams:
+    """The streams of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
     for its clocks."""
     scale = _scale(network, recording)
     first = recording.events[0].time if recording.events else Fraction(0)
@@ -114,7 +115,7 @@ def make_queues(
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
     clock = _RecordingClock.of(recording, origin, scale, (tolerance, late))
-    queues = []
+    streams = []
     for (visible, common, found), outputs in zip(entries, outgoing, strict=True):
         events = [recording.events[number] for number, _ in found]
         seen = outputs or any(event.inferred for event in events)
@@ -123,8 +124,8 @@ def make_queues(
         closing = _closing(recording, visible, common)
         end = recording.end if closing is None else min(closing.time, recording.end)
         pairs = zip(found, events, strict=True)
-        queues.append(
-            Queue(
+        streams.append(
+            EventStream(
                 visible,
                 outputs,
                 common,
@@ -139,21 +140,21 @@ def make_queues(
                 outputs and closing is not None and closing.by_sender,
             )
         )
-    quiet = max([queue.quiet_until for queue in queues], default=0)
-    horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
+    quiet = max([stream.quiet_until for stream in streams], default=0)
+    horizon = max([quiet, *(stream.latest[-1] for stream in streams if stream.latest)]) + 1
     if horizon > CONSTANT_HIGH:
         last = f"the last event of {recording.source}, {recording.events[-1].place}," if recording.events else "the end"
         raise UsageError(
             f"{last} may happen more than {CONSTANT_HIGH} units of the model after its start, beyond its clocks",
             "cut the recording, give the model a larger time unit, or allow less lateness",
         )
-    return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale, reader.names)
+    return EventStreams(tuple(streams), quiet, horizon, reader.other, origin, scale, reader.names)
 
 
 def _passed(
     recording: EventLog, place: Mapping[int, tuple[int, int]], outgoing: Sequence[bool]
 ) -> dict[int, tuple[tuple[int, int], ...]]:
-    """For each event from outside how many events of the model passed the same place before it, by queue.
+    """For each event from outside how many events of the model passed the same place before it, by stream.
 
     One observer has seen both: what was sent before it passed has happened before what came later reached its receiver.
     """
@@ -162,36 +163,36 @@ def _passed(
     for number, event in enumerate(recording.events):
         if event.passes is None or number not in place:
             continue
-        queue, position = place[number]
-        if outgoing[queue]:
-            sent.setdefault(event.passes, {})[queue] = position + 1
+        stream, position = place[number]
+        if outgoing[stream]:
+            sent.setdefault(event.passes, {})[stream] = position + 1
         elif event.passes in sent:
             found[number] = tuple(sent[event.passes].items())
     return found
 
 
-def around(queues: Queues, happened: Sequence[int]) -> Queues:
-    """Of each queue the last event that has happened, if there is one, and the next one."""
+def around(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
+    """Of each stream the last event that has happened, if there is one, and the next one."""
     bases = [max(count - 1, 0) for count in happened]
     near = []
-    for queue, base, count in zip(queues.queues, bases, happened, strict=True):
-        part = slice(base, count + 1)
+    for stream, base, count in zip(streams.streams, bases, happened, strict=True):
+        component = slice(base, count + 1)
         near.append(
             replace(
-                queue,
-                events=queue.events[part],
-                values=queue.values[part],
-                earliest=queue.earliest[part],
-                latest=queue.latest[part],
-                recorded=queue.recorded[part],
+                stream,
+                events=stream.events[component],
+                values=stream.values[component],
+                earliest=stream.earliest[component],
+                latest=stream.latest[component],
+                recorded=stream.recorded[component],
                 needed=tuple(
                     tuple((other, number - bases[other]) for other, number in needs if number > bases[other])
-                    for needs in queue.needed[part]
+                    for needs in stream.needed[component]
                 ),
-                optional=queue.optional[part],
+                optional=stream.optional[component],
             )
         )
-    return replace(queues, queues=tuple(near))
+    return replace(streams, streams=tuple(near))
 
 
 def _scale(network: Network, recording: EventLog) -> Fraction:
@@ -208,7 +209,7 @@ def _scale(network: Network, recording: EventLog) -> Fraction:
 
 
 def _closing(recording: EventLog, visible: VisibleEvents, common: Mapping[Variable, int]) -> Closing | None:
-    """The first closing that ends the recording of a queue."""
+    """The first closing that ends the recording of a stream."""
     found = [
         closing
         for name, expression in visible.columns
@@ -219,7 +220,7 @@ def _closing(recording: EventLog, visible: VisibleEvents, common: Mapping[Variab
 
 
 def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | None:
-    """The value that a column has for all events of a queue; None if there is none."""
+    """The value that a column has for all events of a stream; None if there is none."""
     found = substitute(expression, {variable: Constant(value) for variable, value in common.items()}, set())
     return found.value if isinstance(found, Constant) else None
 
@@ -234,7 +235,7 @@ class _RecordingClock:
         origin: the start of the model.
     """
 
-    parts: int
+    subdivision: int
     factor: Fraction
     origin: int
 
@@ -242,8 +243,10 @@ class _RecordingClock:
     def of(recording: EventLog, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _RecordingClock:
         """In which all times of a recording, and others in units of the model, are whole."""
         different = {event.time.denominator for event in recording.events}
-        parts = lcm(lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others))
-        return _RecordingClock(parts, scale * parts, int(origin * scale * parts))
+        subdivision = lcm(
+            lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others)
+        )
+        return _RecordingClock(subdivision, scale * subdivision, int(origin * scale * subdivision))
 
     def ticks(self, times: Iterable[Fraction]) -> list[int]:
         """The parts at times of the recording."""
@@ -253,21 +256,21 @@ class _RecordingClock:
 
     def floors(self, ticks: Iterable[int], shift: Fraction) -> list[int]:
         """In units of the model, so much later, rounded down."""
-        by, parts = int(shift * self.parts), self.parts
-        return [(time + by) // parts for time in ticks]
+        by, subdivision = int(shift * self.subdivision), self.subdivision
+        return [(time + by) // subdivision for time in ticks]
 
     def ceilings(self, ticks: Iterable[int], shift: Fraction) -> list[int]:
         """The same, rounded up."""
-        by, parts = int(shift * self.parts), self.parts
-        return [-((-time - by) // parts) for time in ticks]
+        by, subdivision = int(shift * self.subdivision), self.subdivision
+        return [-((-time - by) // subdivision) for time in ticks]
 
 
 def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tuple[int, int], ...]:
-    """That an event of a queue has happened, if it is in one."""
+    """That an event of a stream has happened, if it is in one."""
     if after is None or after not in place:
         return ()
-    queue, position = place[after]
-    return ((queue, position + 1),)
+    stream, position = place[after]
+    return ((stream, position + 1),)
 
 
 def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:
@@ -301,7 +304,7 @@ _Entry = tuple[VisibleEvents, dict[Variable, int], list[tuple[int, _Values]]]
 
 @dataclass(frozen=True, slots=True)
 class _ColumnClause:
-    """What the events of a clause may say in a column.
+    """The possible values of a column in the events of a clause.
 
     Attributes:
         wanted: only this number, or nothing.
@@ -329,7 +332,7 @@ class _ColumnClause:
 @dataclass(frozen=True, slots=True)
 class _RecordingClause:
     """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, and the
-    places of those that tell what a queue has in common."""
+    places of those that tell what a stream has in common."""
 
     number: int
     names: tuple[str, ...]
@@ -353,7 +356,7 @@ def _clause_of(number: int, visible: VisibleEvents) -> _RecordingClause:
 
 
 class _EventStreamReader:
-    """Sorts the events of a recording into queues."""
+    """Sorts the events of a recording into streams."""
 
     def __init__(self, mapping: RecordingMap, recording: EventLog, constants: Constants) -> None:
         self.mapping = mapping

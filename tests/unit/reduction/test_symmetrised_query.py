@@ -6,7 +6,7 @@ import pytest
 
 import tachk
 from tachk import Limits, Options
-from tachk.engine.symmetry.asked_of_all import MOST_IMAGES, asked_of_all
+from tachk.engine.symmetry.symmetrised_query import MOST_IMAGES, symmetrised_query
 from tests.support.strategies import with_states
 
 
@@ -30,7 +30,7 @@ system P;
 """
 
 
-def asked(*queries: str, text: str = TEXT % 0) -> tuple[list[str], list[bool], list[int]]:
+def symmetrised(*queries: str, text: str = TEXT % 0) -> tuple[list[str], list[bool], list[int]]:
     """The answers, whether they come from a question to all processes, and how many of these were exchanged."""
     verdicts = list(tachk.loads(text).verify(*queries))
     plain = tachk.loads(text).verify(*queries, options=Options().off("symmetry"))
@@ -55,8 +55,8 @@ def asked(*queries: str, text: str = TEXT % 0) -> tuple[list[str], list[bool], l
     ],
 )
 def test_unreachable_for_all_is_unreachable(query: str) -> None:
-    assert asked(query) == (["fails"], [True], [4])
-    assert asked(query.replace("E<> ", "A[] !(") + ")")[0] == ["holds"]
+    assert symmetrised(query) == (["fails"], [True], [4])
+    assert symmetrised(query.replace("E<> ", "A[] !(") + ")")[0] == ["holds"]
 
 
 def test_what_is_reached_is_looked_for_as_it_was_asked() -> None:
@@ -69,7 +69,7 @@ def test_what_is_reached_is_looked_for_as_it_was_asked() -> None:
 
 def test_questions_about_each_process_share_a_search() -> None:
     queries = [f"A[] P({number}).M imply owner == {number}" for number in range(1, 5)]
-    answers, of_all, exchanged = asked(*queries)
+    answers, of_all, exchanged = symmetrised(*queries)
     assert answers == ["holds"] * 4
     assert of_all == [True] * 4
     assert exchanged == [4] * 4
@@ -77,18 +77,18 @@ def test_questions_about_each_process_share_a_search() -> None:
 
 def test_one_alternative_is_enough() -> None:
     later = "P(3).L && P(3).x == 0 && P(4).x > 2"
-    assert asked(f"E<> P(1).M && P(2).M || {later}")[0] == ["holds"]
-    assert asked(f"E<> {later} || P(1).M && P(2).M")[0] == ["holds"]
+    assert symmetrised(f"E<> P(1).M && P(2).M || {later}")[0] == ["holds"]
+    assert symmetrised(f"E<> {later} || P(1).M && P(2).M")[0] == ["holds"]
 
 
 def test_one_that_cannot_be_asked_of_all_does_not_keep_the_others_from_it() -> None:
-    answers, of_all, _ = asked("E<> P(1).M && P(2).M", "E<> P(1).M && owner > 1")
+    answers, of_all, _ = symmetrised("E<> P(1).M && P(2).M", "E<> P(1).M && owner > 1")
     assert answers == ["fails", "fails"]
     assert of_all == [True, False]
 
 
 def test_one_that_is_reached_does_not_keep_the_others_from_it() -> None:
-    answers, of_all, _ = asked("E<> P(1).M && P(2).M", "E<> P(1).M && P(1).x > 7", "E<> owner == 2 && P(1).M")
+    answers, of_all, _ = symmetrised("E<> P(1).M && P(2).M", "E<> P(1).M && P(1).x > 7", "E<> owner == 2 && P(1).M")
     assert answers == ["fails", "holds", "fails"]
     assert of_all == [True, False, True]
 
@@ -105,14 +105,14 @@ system P;
 
 
 def test_the_initial_state_may_prefer_one_of_them() -> None:
-    assert asked("E<> P(2).M", "E<> P(1).M", text=FIRST_ONLY)[0] == ["fails", "holds"]
-    assert asked("E<> P(2).M && owner == 0", text=FIRST_ONLY)[:2] == (["fails"], [True])
+    assert symmetrised("E<> P(2).M", "E<> P(1).M", text=FIRST_ONLY)[0] == ["fails", "holds"]
+    assert symmetrised("E<> P(2).M && owner == 0", text=FIRST_ONLY)[:2] == (["fails"], [True])
 
 
 def test_what_holds_for_no_reason_is_told_also_where_there_would_be_one_for_others() -> None:
     (verdict,) = tachk.loads(FIRST_ONLY).verify("A[] P(2).M imply owner != 0")
     assert verdict.notes == ("holds only because `P(2).M` is never true",)
-    assert asked("A[] P(2).M imply owner != 0")[:2] == (["holds"], [True])
+    assert symmetrised("A[] P(2).M imply owner != 0")[:2] == (["holds"], [True])
 
 
 def test_many_images_are_not_asked_for() -> None:
@@ -125,9 +125,9 @@ def test_many_images_are_not_asked_for() -> None:
 
 def test_where_few_states_are_enough_it_is_asked_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     with_states(monkeypatch, "few-states", 100)
-    assert asked("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [False, False]
+    assert symmetrised("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [False, False]
     with_states(monkeypatch, "few-states", 3)
-    assert asked("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [True, False]
+    assert symmetrised("E<> P(1).M && P(2).M", "E<> P(1).M")[1] == [True, False]
 
 
 def test_limits_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,5 +140,5 @@ def test_questions_that_name_nobody_stay_as_they_are() -> None:
     model = tachk.loads(TEXT % 0)
     (verdict,) = model.verify("E<> exists (i : id_t) P(i).M && owner != i")
     assert verdict.query.target is not None
-    assert asked_of_all(model.network, [verdict.query.target], []) is None
+    assert symmetrised_query(model.network, [verdict.query.target], []) is None
     assert not verdict.statistics.asked_of_all

@@ -14,17 +14,17 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Options
 from tachk.engine.zone import explore
 from tachk.model.expressions import LocationTest
-from tachk.recordings.conformance import nearby
-from tachk.recordings.conformance.asking import constants_of
+from tachk.recordings.conformance import nearest_log
+from tachk.recordings.conformance.components import restricted
 from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import edited, edits
+from tachk.recordings.conformance.event_streams import make_streams
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.followers import follow
-from tachk.recordings.conformance.parts import restricted
-from tachk.recordings.conformance.queues import make_queues
-from tachk.recordings.conformance.refusal import end_of
+from tachk.recordings.conformance.rejection import end_of
 from tachk.recordings.conformance.resumed import resumed
+from tachk.recordings.conformance.trace_product import trace_product
 from tests.unit.recordings.conformance.small_models import (
     Event,
     csv_of,
@@ -38,10 +38,10 @@ from tests.unit.recordings.conformance.small_models import (
 ROOT = Path(__file__).parents[4]
 
 
-def _near(model: tachk.Model, recording: EventLog, found: Conformance) -> nearby.Near:
+def _near(model: tachk.Model, recording: EventLog, found: Conformance) -> nearest_log.NearestLogSearch:
     assert model.loaded.recording is not None
     names = constants_of(model.loaded)
-    return nearby.Near(model.network, model.loaded.recording, recording, names, found, tachk.Limits())
+    return nearest_log.NearestLogSearch(model.network, model.loaded.recording, recording, names, found, tachk.Limits())
 
 
 def _events(recording: EventLog) -> list[Event]:
@@ -51,14 +51,16 @@ def _events(recording: EventLog) -> list[Event]:
     ]
 
 
-def _clocks_go_on(near: nearby.Near) -> None:
+def _clocks_go_on(near: nearest_log.NearestLogSearch) -> None:
     """Where the processes wake, the clocks have just the values with which the run came there."""
-    queues = make_queues(near.network, near.mapping, near.recording, near.constants, *near.exact)
+    streams = make_streams(near.network, near.mapping, near.recording, near.constants, *near.exact)
     for start in near.starts:
         if start.end is not None:
-            part, before = start.reached.part, start.reached.following
+            component, before = start.reached.component, start.reached.product
             later = resumed(
-                follow(near.network, near.mapping, restricted(queues, part), part.processes), before, start.end
+                trace_product(near.network, near.mapping, restricted(streams, component), component.processes),
+                before,
+                start.end,
             )
             assert later is not None
             setter = later.network.processes[-1]
@@ -71,7 +73,7 @@ def _clocks_go_on(near: nearby.Near) -> None:
 
 def test_what_is_found_near_is_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a second definition of what a run is; and most of the edits that make one are found."""
-    monkeypatch.setattr(nearby, "_BEFORE", 3)
+    monkeypatch.setattr(nearest_log, "_BEFORE", 3)
     random, file, one = Random(0), tmp_path / "events.csv", Fraction(1)
     said = {(near, truth): 0 for near in (True, False) for truth in (True, False)}
     begun_later = 0
@@ -92,7 +94,7 @@ def test_what_is_found_near_is_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyP
         begun_later += any(start.end is not None for start in near.starts)
         _clocks_go_on(near)
         place = near.numbers.index(found.refusal.event)
-        for edit in list(edits(near.recording, place, found.refusal.offers, Fraction(0), one))[:10]:
+        for edit in list(edits(near.recording, place, found.refusal.enabled_events, Fraction(0), one))[:10]:
             whole = edited(recording, replace(edit, event=near.numbers[edit.event]), one)
             if all(0 <= event.time <= end for event in whole.events):
                 truth = is_run(machines, _events(whole), end, 1, 1, False)
@@ -110,7 +112,9 @@ def test_the_whole_recording_decides() -> None:
     recording = read_events(ROOT / "examples/dimmer/too_soon.csv", None)
     found = conform(model.network, mapping, recording, names)
     first, none = (
-        nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits(), lambda _, said=said: said)
+        nearest_log.smallest_edit(
+            model.network, mapping, recording, names, found, tachk.Limits(), lambda _, said=said: said
+        )
         for said in (True, False)
     )
     assert first.edit is not None and first.edit.what == "lost" and not first.untried
@@ -123,17 +127,17 @@ def test_a_short_search_for_an_edit_says_how_many_were_not_tried() -> None:
     assert mapping is not None
     recording = read_events(ROOT / "examples/dimmer/too_soon.csv", None)
     found = conform(model.network, mapping, recording, names)
-    asked: list[int] = []
+    question: list[int] = []
 
-    def search(work: int | None) -> nearby.Found:
-        asked.append(0)
+    def search(work: int | None) -> nearest_log.Found:
+        question.append(0)
 
         def refuse(_: EventLog) -> bool:
-            asked[-1] += 1
+            question[-1] += 1
             return False
 
-        return nearby.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits(), refuse, work)
+        return nearest_log.smallest_edit(model.network, mapping, recording, names, found, tachk.Limits(), refuse, work)
 
     none_tried, few_tried, all_tried = search(0), search(30), search(None)
     assert none_tried.untried > few_tried.untried > all_tried.untried == 0
-    assert asked[0] == 0 < asked[1] < asked[2]
+    assert question[0] == 0 < question[1] < question[2]

@@ -1,8 +1,8 @@
-"""Which processes may become each other, by what they mention: colours that are divided until nothing changes.
+"""Colour refinement: colours of processes are divided by the things that they mention until nothing changes.
 
-Processes begin with colours, and so do the things that they mention. A thing gets the colour of the places where it is
-mentioned, then a process that of what it mentions, and so on (one-dimensional Weisfeiler-Leman refinement; McKay,
-Piperno, "Practical graph isomorphism, II", J. Symbolic Computation 60, 2014).
+Processes and the things that they mention begin with colours. In each round a thing is divided by the places where it
+is mentioned, then a process by the colours of the things it mentions (one-dimensional Weisfeiler-Leman refinement;
+McKay, Piperno, "Practical graph isomorphism, II", J. Symbolic Computation 60, 2014).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TypeVar
 Thing = TypeVar("Thing", bound=Hashable)
 
 Line = tuple[Hashable, Sequence[tuple[Hashable, Thing]]]
-"""What a line of the text of a process is like, and the things that it mentions, each with where it does."""
+"""The shape of a line in the text of a process, and the things that it mentions, each with its place."""
 
 
 def refined(
@@ -23,13 +23,13 @@ def refined(
     colours: Mapping[Thing, int],
     process_of: Callable[[Thing], int | None],
 ) -> list[int]:
-    """The colours of processes at the end; all of them are different, or further division changes nothing.
+    """The stable colours of processes: all of them differ, or another round divides nothing.
 
     Args:
         lines: of each process.
         processes: the colours of processes at the beginning.
         colours: those of all things.
-        process_of: the process that a thing is, if it is one.
+        process_of: the number of the process if the thing is a process.
     """
     while len(set(processes)) < len(processes):
         places: dict[Thing, Counter[Hashable]] = {thing: Counter() for thing in colours}
@@ -54,7 +54,7 @@ def refined(
 
 
 def numbered(things: Iterable[Hashable]) -> list[int]:
-    """The same number for those that are equal."""
+    """Numbers for things: equal things have the same one."""
     found: dict[Hashable, int] = {}
     return [found.setdefault(thing, len(found)) for thing in things]
 

@@ -1,9 +1,9 @@
-"""A quick look at a network: which processes cannot become each other, by the variables that their edges mention.
+"""A coarse partition of the processes of a network: processes of different colours are not interchangeable.
 
-Colours of processes, variables and elements of arrays are divided (`tachk.engine.symmetry.refinement`), but nothing
-is asked of the order in which things stand. Then processes of one colour are divided by the numbers that are more than
-names in their own texts. So most networks without interchangeable processes are recognised before anything is read in
-full. What is asked of one process is looked for once in networks that share it.
+Colour refinement (`tachk.engine.symmetry.colour_refinement`) divides the processes by the variables and elements of
+arrays that their edges mention, whatever their order. Then the numbers in their own texts that are more than names
+divide the processes of one colour. The partition is cheap: it recognises most networks without interchangeable
+processes before they are read in full. Results for a process are shared by the networks that contain it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tachk.analysis.fold import Known, fold, fold_place, known_values
 from tachk.analysis.never_taken import never_taken
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.alone import text_alone
-from tachk.engine.symmetry.refinement import Line, numbered, refined
+from tachk.engine.symmetry.colour_refinement import Line, numbered, refined
 from tachk.model.expressions import Call, Constant, Expression, Function, Index, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.remembered import by_network, by_part
@@ -24,7 +24,7 @@ from tachk.model.traversal import statement_expressions, walk
 
 
 @dataclass(frozen=True, slots=True)
-class NetworkSketch:
+class CoarsePartition:
     """Attributes:
     known: the constants of the network.
     never: the edges that are never taken, by process and number.
@@ -47,20 +47,20 @@ class NetworkSketch:
 
 
 _Mention = tuple[Variable, int | None]
-"""Of a variable; of an array also the element, by its index where that is a constant."""
+"""A variable; of an array also the element, by its index if this is a constant."""
 _Mentions = tuple[Line[_Mention], ...]
-"""Locations and edges, with what each of them mentions, wherever it does."""
+"""Locations and edges with the variables that each of them mentions."""
 
 
 @by_network
-def sketch_of(network: Network) -> NetworkSketch:
+def coarse_partition(network: Network) -> CoarsePartition:
     known = known_values(network, ())
     never = never_taken(network)
     lines: list[_Mentions] = []
     for number, process in enumerate(network.processes):
         edges = enumerate(_edges(process, known))
         lines.append((*_locations(process, known), *(line for place, line in edges if (number, place) not in never)))
-    return _divided(network, NetworkSketch(known, never, _refined(network, lines)))
+    return _divided(network, CoarsePartition(known, never, _refined(network, lines)))
 
 
 def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
@@ -79,21 +79,21 @@ def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
     return refined(lines, processes, colours, lambda _: None)
 
 
-def _divided(network: Network, sketch: NetworkSketch) -> NetworkSketch:
-    """Colours divided by what processes do on their own, where that tells the first two of a colour apart."""
+def _divided(network: Network, partition: CoarsePartition) -> CoarsePartition:
+    """The partition refined by the text of each process on its own, where the first two of a colour differ in it."""
 
     def alone(number: int) -> Hashable:
-        return text_alone(network.processes[number], sketch.edges_taken(network, number), sketch.known)
+        return text_alone(network.processes[number], partition.edges_taken(network, number), partition.known)
 
     members: dict[int, list[int]] = {}
-    for number, colour in enumerate(sketch.colours):
+    for number, colour in enumerate(partition.colours):
         members.setdefault(colour, []).append(number)
     texts: dict[int, Hashable] = {}
-    for alike in members.values():
-        if len(alike) > 1 and alone(alike[0]) != alone(alike[1]):
-            texts |= {number: alone(number) for number in alike}
-    colours = numbered((colour, texts.get(number)) for number, colour in enumerate(sketch.colours))
-    return replace(sketch, colours=colours)
+    for similar in members.values():
+        if len(similar) > 1 and alone(similar[0]) != alone(similar[1]):
+            texts |= {number: alone(number) for number in similar}
+    colours = numbered((colour, texts.get(number)) for number, colour in enumerate(partition.colours))
+    return replace(partition, colours=colours)
 
 
 @by_part
@@ -129,7 +129,7 @@ def _of_edge(edge: Edge, known: Known) -> Iterator[Expression]:
 
 
 def _mentioned(expressions: Iterable[Expression], known: Known) -> tuple[_Mention, ...]:
-    """What is mentioned, functions included, where no call has its own variables."""
+    """The variables mentioned in expressions and the functions they call, but for those of a call."""
     found: dict[_Mention, None] = {}
     for node in (node for expression in expressions for node in walk(expression)):
         match node:
