@@ -15,7 +15,7 @@ from tachk.verify.verdict import Verdict
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
     from tachk.report.page.content import Page
-    from tachk.report.run.told_run import Run
+    from tachk.report.run.evidence_run import Run
     from tachk.simulation.statistics.answers import StatisticalAnswer
 
 
@@ -60,7 +60,7 @@ class Report(Sequence[Verdict]):
 
         Raises UsageError for a name or a number that no answer has.
         """
-        from tachk.report.run.told_run import Run
+        from tachk.report.run.evidence_run import Run
 
         try:
             verdict = self[index]

@@ -67,7 +67,7 @@ REACHABILITY = (
     ),
     Strategy(
         "few-states",
-        "search for few states where the question can be asked of all interchangeable processes",
+        "search for few states with the symmetrised query, about all interchangeable processes",
         few_states,
         states=_FEW,
         preliminary=True,
@@ -92,7 +92,7 @@ REACHABILITY = (
     ),
     Strategy(
         "abstracted",
-        "search with less known of the variables that tell processes apart",
+        "search an abstraction of the variables that break the symmetry of processes",
         abstracted,
         Exactness.UNREACHABLE,
         states=_MANY,

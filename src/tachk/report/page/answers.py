@@ -57,7 +57,7 @@ def playback(
         clocks = {name: value + delay for name, value in clocks.items()} | _clocks(state)
         transition = state["transition"] if number else None
         times.append("" if state["time"] is None else duration(Fraction(state["time"]), unit))
-        told.append(_told(delay, transition, unit) if number else "the start")
+        told.append(_step_text(delay, transition, unit) if number else "the start")
         moved.append([*_moved(transition, places, edges)])
         _add(columns["locations"], number, state.get("locations") or {})
         _add(columns["variables"], number, {n: str(v).lower() for n, v in (state.get("variables") or {}).items()})
@@ -65,7 +65,7 @@ def playback(
     return {"templates": shown, "loop": loop, "times": times, "told": told, "moved": moved, **columns}
 
 
-def told_lines(run: Mapping[str, Any]) -> str:
+def lines_of_run(run: Mapping[str, Any]) -> str:
     """The steps of a `playback` in words, a line for each."""
     return "\n".join(f"{time:>12}  {told}" for time, told in zip(run["times"], run["told"], strict=True))
 
@@ -91,7 +91,7 @@ def _clocks(state: Mapping[str, Any]) -> dict[str, Fraction]:
     return {name: Fraction(value) for name, value in (state.get("clocks") or {}).items()}
 
 
-def _told(delay: Fraction, transition: Mapping[str, Any] | None, unit: str) -> str:
+def _step_text(delay: Fraction, transition: Mapping[str, Any] | None, unit: str) -> str:
     waited = f"after {duration(delay, unit)}: " if delay else ""
     if transition is None:
         return f"{waited}time passes" if waited else "the end"
@@ -138,7 +138,7 @@ def _automata(run: Mapping[str, Any]) -> tuple[dict[str, str], Sequence[Picture]
         items, layout = file_items(path)
         templates = [item for item in items if isinstance(item, ast.Template)]
         edges = edge_names(templates)
-        if not _told_places(run) <= edges.keys():
+        if not _listed_places(run) <= edges.keys():
             return {}, (), f"The automata are not drawn, as {path} has changed since."
         pictures = draw_items(templates, layout, path) if templates else ()
     except (InputError, UsageError):
@@ -146,7 +146,7 @@ def _automata(run: Mapping[str, Any]) -> tuple[dict[str, str], Sequence[Picture]
     return edges, [replace(picture, name=f"{path}/{picture.name}") for picture in pictures], ""
 
 
-def _told_places(run: Mapping[str, Any]) -> set[str]:
+def _listed_places(run: Mapping[str, Any]) -> set[str]:
     """The places of all edges that the runs take."""
     transitions = [
         state["transition"] for result in run["results"] for state in (result["trace"] or ())[1:] if state["transition"]
@@ -175,7 +175,7 @@ def _section(
     chart = chart_of_run(steps_of_result(run, result)).used()
     drawn = draw_chart(lay_out(chart)).svg if chart.messages and len(chart.events) <= MOST_EVENTS else ""
     played = playback(result["trace"], run["time_unit"], result["loop_start"], templates, edges)
-    return Section(place, result, values, told.get(name, told_lines(played)), drawn, played)
+    return Section(place, result, values, told.get(name, lines_of_run(played)), drawn, played)
 
 
 def _fault(result: Mapping[str, Any]) -> str:

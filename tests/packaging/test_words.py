@@ -1,0 +1,101 @@
+"""The names of the sources use the standard words of the field, not the words that were once invented for them."""
+
+import ast
+import re
+from collections.abc import Iterator
+
+from tests.packaging.test_structure import ROOT
+
+SOURCES = ROOT / "src" / "tachk"
+
+REPLACED = {
+    "spectator": "outside the cone of influence, frozen",
+    "bystander": "process that only blocks",
+    "unobtrusive": "liveness-preserving slice",
+    "beat": "doubled edge, mark",
+    "forgotten": "abstracted",
+    "coarser": "abstraction, over-approximation",
+    "relaxed": "over-approximation",
+    "weaker": "over-approximation",
+    "exchange": "transposition",
+    "exchanged": "permuted",
+    "team": "block, orbit",
+    "ring": "cyclic orbit",
+    "sketch": "coarse partition",
+    "sight": "observable clocks",
+    "queue": "event stream",
+    "listener": "receiver",
+    "crew": "thread pool",
+    "harvest": "batch",
+    "corridor": "path filter",
+    "shelf": "hash-consed rows",
+    "blueprint": "resource file",
+    "asked": "arguments, request, query",
+    "told": "shown, listed, reported",
+}
+"""Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
+
+EXCEPTIONS = {
+    "Beat": "a heartbeat of DDS-XRCE",
+    "beat": "a heartbeat of DDS-XRCE",
+    "beats": "heartbeats of DDS-XRCE",
+    "by_beat": "heartbeats of DDS-XRCE",
+    "forgotten": "samples that a client of DDS-XRCE has dropped",
+    "_forgotten": "obligations that an observer drops",
+    "coarser": "a parameter of a strategy: the function that makes a coarser network",
+    "_exchange": "a request of DDS-XRCE and its reply",
+    "SampleExchange": "a request of DDS-XRCE and its reply",
+    "_exchanges": "the permutations of a certificate, whose format has this word",
+    "exchanged": "a field of documented JSON",
+    "_exchanged": "the image under a permutation of a certificate, whose format has this word",
+    "ring": "a word of a documented output",
+    "rings": "cyclic orbits of a certificate",
+    "sketch": "a drawing of a template",
+    "Sketch": "a drawing of a template",
+    "SketchNode": "a drawing of a template",
+    "SketchEdge": "a drawing of a template",
+    "listeners": "sockets, or processes behind a relay",
+    "asked_of_all": "a field of documented JSON",
+    "told": "a field of a page, or a local name of the reports of runs",
+}
+"""Names that contain such a word with another meaning, or in a published format, each with the reason."""
+
+WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+
+
+def names(tree: ast.AST) -> Iterator[str]:
+    for node in ast.walk(tree):
+        match node:
+            case (
+                ast.FunctionDef(name=name)
+                | ast.AsyncFunctionDef(name=name)
+                | ast.ClassDef(name=name)
+                | ast.arg(arg=name)
+            ):
+                yield name
+            case ast.Name(id=name, ctx=ast.Store()) | ast.Attribute(attr=name, ctx=ast.Store()):
+                yield name
+            case _:
+                pass
+
+
+def offenders() -> Iterator[str]:
+    for path in sorted(SOURCES.rglob("*.py")):
+        own = path.relative_to(SOURCES).as_posix()
+        if own.startswith("cli/"):
+            continue
+        for name in {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}:
+            words = {word.lower().removesuffix("s") for word in WORD.findall(name)}
+            if name not in EXCEPTIONS and not words.isdisjoint(REPLACED):
+                yield f"{own}: {name}"
+
+
+def test_names_use_the_words_of_the_field() -> None:
+    assert sorted(offenders()) == []
+
+
+def test_every_exception_occurs() -> None:
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py"))
+    assert EXCEPTIONS.keys() <= {name for tree in trees for name in names(tree)} | {
+        p.stem for p in SOURCES.rglob("*.py")
+    }
