@@ -15,6 +15,7 @@ from tachk.model.grid import Grid, ParameterAxis
 from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
+from tachk.report.statistics.answered import mean_text
 from tachk.report.statistics.text import interval_text, times_text
 from tachk.verify.campaign.job import ESTIMATED
 
@@ -90,7 +91,8 @@ def _cells(grid: Grid, properties: Sequence[str], rows: Sequence[Mapping[str, An
 
 
 def _answer(row: Mapping[str, Any]) -> str:
-    return interval_text(row["low"], row["high"]) if row["answer"] == ESTIMATED else row["answer"]
+    estimated = row["answer"] == ESTIMATED and None not in (row["low"], row["high"])
+    return interval_text(row["low"], row["high"]) if estimated else row["answer"]
 
 
 # ---- simulation -----------------------------------------------------------------------------------------------------
@@ -140,12 +142,8 @@ def _estimates(document: Mapping[str, Any]) -> Chapter:
             case "splitting":
                 interval = f"{answer['mean']:.3g}; {interval_text(answer['low'], answer['high'])} by splitting"
                 rows.append((answer["query"], interval, confidence, f"{len(answer['replications'])} replications"))
-            case "mean" if answer["low"] is None:
-                interval = f"asymptotically {interval_text(*answer['asymptotic'])}"
-                rows.append((answer["query"], interval, confidence, runs))
             case "mean":
-                interval = f"{answer['mean']:.4g}; {interval_text(answer['low'], answer['high'])}"
-                rows.append((answer["query"], interval, confidence, runs))
+                rows.append((answer["query"], mean_text(answer), confidence, runs))
             case _:
                 drawn.append(f"{answer['query']}: {len(answer['runs'])} runs were drawn.")
     table = Table(("query", "answer", "confidence", "runs"), rows, frozenset({2, 3}))

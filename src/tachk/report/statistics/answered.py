@@ -32,11 +32,16 @@ def short_answer(found: Mapping[str, Any] | None) -> str:
             return "unknown"
         case "test":
             return str(found["answer"])
-        case "mean" if found["low"] is not None:
-            return f"{found['mean']:.4g}; {interval_text(found['low'], found['high'])}"
         case "mean":
-            ends = found["asymptotic"]
-            return "unknown" if None in ends else f"asymptotically {interval_text(*ends)}"
+            return mean_text(found)
         case _:
             count = len(found["runs"])
             return "1 run" if count == 1 else f"{count} runs"
+
+
+def mean_text(found: Mapping[str, Any]) -> str:
+    """The answer to E[...](...) of a document in a few words; any of its numbers may be null."""
+    mean, sure, ends = found["mean"], (found["low"], found["high"]), found["asymptotic"]
+    if None not in sure:
+        return interval_text(*sure) if mean is None else f"{mean:.4g}; {interval_text(*sure)}"
+    return "unknown" if None in ends else f"asymptotically {interval_text(*ends)}"

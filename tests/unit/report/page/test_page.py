@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import zlib
 from base64 import b64decode, b64encode
+from collections.abc import Iterator
 from fractions import Fraction
 from html.parser import HTMLParser
 from pathlib import Path
@@ -18,6 +19,7 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.cli.main import app
+from tachk.report.page.results import chapter_of, read_result
 from tachk.report.statistics.text import interval_text
 
 ROOT = Path(__file__).parents[4]
@@ -222,6 +224,47 @@ def test_estimates_and_sweeps_of_them(tmp_path: Path) -> None:
     assert interval_text(answer["low"], answer["high"]) in text
     assert text.count("data:image/svg+xml") == 2, "a map of answers and one of estimates"
     assert "won: estimated in 2." in text
+
+
+def nullable(value: Any, schema: Any, whole: Any) -> Iterator[tuple[Any, Any]]:
+    """Where a schema allows null in a value: what holds it, and its key there."""
+    if "$ref" in schema:
+        schema = whole["$defs"][schema["$ref"].rsplit("/", 1)[1]]
+    if "oneOf" in schema:
+        for each in schema["oneOf"]:
+            yield from nullable(value, each, whole)
+        return
+    kind = schema.get("properties", {}).get("kind", {}).get("const")
+    inside: list[tuple[Any, Any]] = []
+    if isinstance(value, dict) and kind in (None, value.get("kind")):
+        inside = [(key, each) for key, each in schema.get("properties", {}).items() if key in value]
+    elif isinstance(value, list) and "items" in schema:
+        inside = [(key, schema["items"]) for key in range(len(value))]
+    for key, each in inside:
+        if "null" in each.get("type", ()) or {"type": "null"} in each.get("oneOf", ()):
+            yield value, key
+        yield from nullable(value[key], each, whole)
+
+
+def test_numbers_that_are_null(tmp_path: Path, bridge: str) -> None:
+    """Each value that a schema allows to be null, in turn: the page is written."""
+    asked = ["E[<=5; 20](max: n)", "Pr[<=5](<> n > 3)", "simulate [<=5; 3] {n} : 1 : n > 1", "Pr[<=5](<> n > 3) >= 0.5"]
+    results = {
+        "estimate": output_of(tmp_path / "estimate.json", "estimate", bridge, *asked, "--runs", "20"),
+        "sweep": output_of(tmp_path / "sweep.json", "sweep", FISCHER, "-D", "N=2", "-D", "WRITE=1,2", "-j", "1"),
+    }
+    (tmp_path / "log.csv").write_text("time,n\n0,1\n5,11\n6,1\n", encoding="utf-8")
+    results["monitor"] = output_of(tmp_path / "log.json", "monitor", "G n < 9", str(tmp_path / "log.csv"))
+    for report, path in results.items():
+        schema = json.loads((ROOT / f"docs/schema/{report}.schema.json").read_text(encoding="utf-8"))
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        places = list(nullable(document, schema, schema))
+        assert places, report
+        for holder, key in places:
+            kept, holder[key] = holder[key], None
+            Path(path).write_text(json.dumps(document), encoding="utf-8")
+            chapter_of(read_result(Path(path)), Path(path))
+            holder[key] = kept
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"runs": [{}]}', '{"cells": 1, "constants": 2, "rows": 3}', "\x00"])
