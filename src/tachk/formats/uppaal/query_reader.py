@@ -28,7 +28,8 @@ _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"])
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect (?:holds|fails) if [^\n]+))\Z")
-_SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
+_ASIDE = "/* UPPAAL does not check: "
+_SET_ASIDE = re.compile(rf"\s*{re.escape(_ASIDE)}(?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 _HEADING = re.compile(r"\s*([=#*_~])\1")
 """How people set off headings in a list of queries; no formula begins like that."""
 MEASURES = (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
@@ -130,7 +131,12 @@ class QueriesReader:
 
 def set_aside(formula: str) -> str:
     """A formula that UPPAAL refuses, as a comment from which it can be read again."""
-    return f"/* UPPAAL does not check: {formula} */"
+    return f"{_ASIDE}{formula} */"
+
+
+def is_set_aside(formula: Span) -> bool:
+    """Whether a formula stands in a comment that `set_aside` made, so that UPPAAL does not see it."""
+    return formula.source.text[: formula.start].endswith(_ASIDE)
 
 
 def _formula_place(span: Span) -> Span:
