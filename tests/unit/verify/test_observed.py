@@ -167,3 +167,17 @@ def test_change_compares_values_of_any_size(verdicts: Verdicts) -> None:
     """
     found = verdicts(model, options=Options())
     assert (found["a"].answer, found["b"].answer) == (Answer.HOLDS, Answer.FAILS)
+
+
+@pytest.mark.parametrize(
+    "never", ["false", "fall(false)", "fall(true)", "rise(false)", "rise(P.A && !P.A)", "P.A && fall(P.A && !P.A)"]
+)
+def test_what_no_run_can_satisfy_is_violated_also_where_time_stops(verdicts: Verdicts, never: str) -> None:
+    model = f"""
+    process P() {{ clock x; init location A {{ invariant x <= 5; }} }}
+    system P;
+    property within : F[0,12) ({never});
+    property met : F[0,12) ({never} || P.A);
+    """
+    found = verdicts(model, options=Options())
+    assert (found["within"].answer, found["met"].answer) == (Answer.FAILS, Answer.HOLDS)

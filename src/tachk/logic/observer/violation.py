@@ -68,10 +68,12 @@ def condition_of(node: Formula) -> ast.Expression | None:
             return join([part for part in parts if part is not None], span)
         case formula.Implies(left=left, right=right):
             return condition_of(formula.Or(span, (formula.Not(left.span, left), right)))
+        case formula.Rise(operand=operand) | formula.Fall(operand=operand):
+            inner = condition_of(operand)
+            never = isinstance(inner, ast.BooleanLiteral) and not (isinstance(node, formula.Rise) and inner.value)
+            return truth(False, span) if never else None
         case (
-            formula.Rise()
-            | formula.Fall()
-            | formula.Change()
+            formula.Change()
             | formula.Eventually()
             | formula.Always()
             | formula.Once()
