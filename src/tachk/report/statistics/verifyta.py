@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from math import ceil, isfinite, sqrt
+from math import ceil, isfinite, isnan, sqrt
 from typing import assert_never
 
 import numpy as np
@@ -83,6 +83,8 @@ def statistical_lines(answer: StatisticalAnswer, form: Form = Form.V4, bars: Bar
             path = path_of(found)
             if isinstance(path, Path) and path.bound.scale is Scale.TIME and not path.always:
                 yield from _values(found.sample.all_times, bars)
+        case Mean() if isnan(found.mean):
+            yield note("no answer: no run has a value")
         case Mean():
             yield " -- Formula is satisfied."
             yield from _mean(found, form, settings)

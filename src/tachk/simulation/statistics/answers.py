@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
+from math import isnan
 from time import process_time
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
@@ -18,7 +19,7 @@ from tachk.frontend.queries.statistical import StatisticalReader
 from tachk.model.query import Expectation, Query
 from tachk.model.statistical import StatisticalQuery
 from tachk.simulation.statistics.deciding import Decision
-from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Settings, Split, estimate
+from tachk.simulation.statistics.estimate import Decided, DrawnRuns, Estimate, Mean, Settings, Split, estimate
 from tachk.simulation.statistics.sampling import SampledRuns
 
 
@@ -45,12 +46,7 @@ class StatisticalAnswer:
     def judged(self) -> bool:
         """Whether the answer counts: it is the outcome of a test, or something is expected of it, or it is not as
         expected whatever that is."""
-        return (
-            self.found is None
-            or isinstance(self.found, Decided)
-            or self.query.expectation is not None
-            or has_run_time_error(self.found)
-        )
+        return isinstance(self.found, Decided) or self.query.expectation is not None or self.met is not True
 
     @property
     def met(self) -> bool | None:
@@ -70,13 +66,15 @@ def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None
     """Whether an answer is the expected one: of a test without an expectation, whether it holds. None: no decision.
 
     UPPAAL calls every probability, mean and trajectory that it could find satisfied. So these hold, and cannot fail;
-    but trajectories that a condition picks fail where there is none.
+    but trajectories that a condition picks fail where there is none, and a mean of no value is no answer.
     A run-time error in a run is never as expected.
     """
     if has_run_time_error(found):
         return False
     if isinstance(found, DrawnRuns) and found.picked is not None:
         return expectation is None or (expectation is Expectation.HOLDS) is bool(found.runs)
+    if isinstance(found, Mean) and isnan(found.mean):
+        return None
     if not isinstance(found, Decided):
         return expectation is not Expectation.FAILS
     if found.decision is Decision.UNKNOWN:

@@ -14,6 +14,7 @@ from tachk.cli.reporting import ReportForm
 from tachk.cli.run_report import RunReporting
 from tachk.engine.options import Limits
 from tachk.formats.written_reports import validator
+from tachk.report.statistics.verifyta import statistical_lines
 from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical
 from tachk.simulation.statistics.estimate import Settings
 
@@ -145,3 +146,15 @@ def test_an_answer_of_runs_that_end_in_errors_counts_as_not_expected(tmp_path: P
         report = tachk.load(path).verify()
         assert report.met is False
         assert report.to_text().splitlines()[-1] == "1 of 2 as expected, 1 not"
+
+
+@pytest.mark.parametrize("expect", ["", " expect holds"])
+def test_a_mean_of_no_value_is_no_answer(expect: str) -> None:
+    """Steps without end take no time in every run, so that none has a value."""
+    model = "clock x; process A() { init location s { invariant x <= 0; to s {} } } system A;"
+    report = tachk.loads(f"{model} property q : E[<=10; 20](max: x){expect};").verify()
+    assert report.estimates["q"].met is None
+    assert report.to_text().splitlines()[-1] == "0 of 1 as expected, 1 unknown"
+    text = "\n".join(statistical_lines(report.estimates["q"]))
+    assert "no answer: no run has a value" in text
+    assert "satisfied" not in text
