@@ -6,6 +6,9 @@ from typing import Any
 
 import pytest
 
+from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.span import Source
+from tachk.formats.loading.load import load_model
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
@@ -178,3 +181,12 @@ def test_a_rate_that_is_neither_0_nor_1_is_a_run_time_error(load: Any) -> None:
 def test_disequality_of_clocks_in_a_query(load: Any) -> None:
     model = load("clock x;\nprocess P() { state s; init s; }\nsystem P;\nproperty p : E<> x != 5 && !(x < 3 || x > 7);")
     assert show(model.queries[0].predicate) == "(((x < 5) || (x > 5)) && !((x < 3) || (x > 7)))"
+
+
+def test_a_rate_before_a_conditional_value_needs_brackets() -> None:
+    model = "int n; hybrid clock e; process P() { init location a { invariant RATE; } } system P;"
+    with pytest.raises(InputError) as refused:
+        load_model(Source("m.ta", model.replace("RATE", "e' == n > 0 ? n : 1")), keeps_doubles=True)
+    (found,) = refused.value.diagnostics
+    assert (found.code, found.help) == ("E0334", "put brackets around the value: `e' == (n > 0 ? n : 1)`")
+    assert load_model(Source("m.ta", model.replace("RATE", "e' == (n > 0 ? n : 1)")), keeps_doubles=True).network

@@ -232,6 +232,16 @@ def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expre
 
 
 def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context) -> Expression | None:
+    first = node.condition
+    if isinstance(first, ast.BinaryExpression) and isinstance(first.left, ast.RateExpression):
+        value = Span(node.span.source, first.right.span.start, node.span.end)
+        context.error(
+            "E0334",
+            first.left.span,
+            f"`?:` binds weaker than `==`: here the rate is a part of the condition `{first.span.text}`",
+            f"put brackets around the value: `{first.left.span.text} == ({value.text})`",
+        )
+        return None
     test = condition(node.condition, scope, context)
     then, otherwise = expression(node.then, scope, context), expression(node.otherwise, scope, context)
     if test is None or then is None or otherwise is None:
