@@ -6,6 +6,7 @@ Ctrl-C means what it means at a terminal, also where a shell runs the tests in t
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -15,6 +16,16 @@ from tests.support.seeds import Draw, number, refresh
 signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("repeatable")
+
+
+@pytest.fixture(autouse=True)
+def same_signals() -> Iterator[None]:
+    """A program that ran in this process has ended for its test: what it does about signals ends with it."""
+    before = {which: signal.getsignal(which) for which in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for which, handler in before.items():
+        if handler is not None:  # which Python has not installed
+            signal.signal(which, handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
