@@ -44,7 +44,8 @@ def test_symmetry_changes_no_answer(kind: str, block: int, monkeypatch: pytest.M
             of_all += one.statistics.asked_of_all
             if not other.reason.endswith("limit"):
                 assert (one.answer, one.fault is None) == (other.answer, other.fault is None), f"seed {seed}"
-                assert (local.answer, local.fault is None) == (other.answer, other.fault is None), f"seed {seed}"
+                same = (local.answer, local.fault is None) == (other.answer, other.fault is None)
+                assert same or local.reason.endswith("limit"), f"seed {seed}"
     assert enough(reduced > 0)
     assert enough(of_all > 0)
 

@@ -47,7 +47,7 @@ REASONS = {
         "analysis/interpreter.truth",
         "logic/constant_values.value_of",
         "model/evaluate._place",
-        "engine/symmetry/asked_of_all._renamed",
+        "engine/symmetry/symmetrised_query._renamed",
     },
     "Anything else is kept as it is, one condition or one formula, which says the same.": {
         "engine/compiler/goal._disjuncts",

@@ -253,8 +253,8 @@ class ExtremeSearch:
 
     def _clock(self, clock: Expression, largest: bool) -> FoundExtreme | None:
         for bound in self._time_bounds():
-            asked = MeasuredExpression(self.where, clock, largest, bound)
-            program, goals, measures = lower_measures(self.network, [asked])
+            measured = MeasuredExpression(self.where, clock, largest, bound)
+            program, goals, measures = lower_measures(self.network, [measured])
             outcome, (found,) = measure(program, goals, measures, self.problem.options, self.problem.limits)
             self._note(outcome)
             if largest and outcome.goals[0].status is Status.REACHED:

@@ -90,7 +90,7 @@ def test_a_write_through_a_reference_parameter_counts() -> None:
 
 
 def test_verdicts_do_not_depend_on_what_is_outside() -> None:
-    shape = Shape(processes=2, enabled_receivers=2, clocks=2)
+    shape = Shape(processes=2, receivers=2, clocks=2)
     limits = Limits(states=20_000)
     held = 0
     for seed in seeds(range(70)):
