@@ -4,7 +4,8 @@
 //   on_successor(successor)         a step leads to this state, whose zone is not abstracted; false: it is dropped
 //   on_store(node, successor)       a new state has been stored, with its zone abstracted
 // Observers that have to know actions, not states only, have some of these as well (see Receiver in zone_graph.hpp):
-//   counts()                        whether it matters that each action is told to be possible
+//   counts()                        whether the observer needs `possible` for every action, also for those that differ
+//                                   from another one by a permutation of interchangeable processes only
 //   admits(edges)                   whether an action is followed at all
 //   possible(guarded, effect)       an action is possible
 //   on_covered(node)                what the last action leads to is part of a stored state

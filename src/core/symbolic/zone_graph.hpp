@@ -59,8 +59,8 @@ struct ActionFault : machine::ModelFault {
 // What is done with the successors of a state. Where processes are interchangeable, actions that differ by an exchange
 // that leaves the state as it is have successors that do, too: the graph reports one of them in full, of the others at
 // most that they are possible. For each action it calls these functions of the receiver, in this order:
-//   counts()                   optional, asked first: whether it matters that each action is told to be possible
-//   admits(edges)              optional: whether the action is followed at all; if not, nothing more is told of it
+//   counts()                   optional, called first: whether the receiver needs `possible` for every action
+//   admits(edges)              optional: whether the action is followed at all; if not, no other call is made for it
 //   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
 //   expect(effect)             the zone of a successor is going to be computed
 //   enters(entry, invariant)   optional: whether the step goes on from here, where no time has passed yet; if not, the

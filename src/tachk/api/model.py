@@ -410,7 +410,8 @@ class Model(Estimable):
             over: such as ``"PERIOD=1..50,DEADLINE=10..100:10"`` or ``{"PERIOD": range(1, 51)}``, or parameters.
             property: the name of a property of the model.
             limits: the one on seconds holds for all searches together, the others for each.
-            infer: let one answer stand for others where a constant is proved to be an upper or a lower bound only.
+            infer: take the answer for one value of a constant for other values, too, where the constant is proved to
+                be an upper bound only, or a lower bound only.
             reuse: try the run, or the certificate, that was found with other values before a search.
             certify: make a certificate of each answer that something is never reached; see `Synthesis.certificates`.
 

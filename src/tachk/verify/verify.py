@@ -80,7 +80,7 @@ def _verified(
     answer = partial(_answer, model, options, trace)
     verdicts |= in_order(searches, answer, Shares(limits, len(tasks)), processes(options))
     left = replace(limits, seconds=current_job().seconds_left)
-    with unhurried():  # what has been decided is told; the searches for notes have the limits that are left
+    with unhurried():  # no decided verdict is lost to the limit; the searches for notes have the limits that are left
         found = [with_blame(verdicts[number]) for number in range(len(queries))]
         return tuple(map(_with_note, _examined(network, _with_momentary_triggers(network, found, left))))
 

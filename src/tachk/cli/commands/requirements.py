@@ -161,7 +161,7 @@ def run_requirements(
 
 
 def _unit(named: tuple[NamedFormula, ...]) -> str:
-    """The unit in which times are told: that of the first bound which has one; empty if none has."""
+    """The unit of time of the report: that of the first bound that has a unit; empty if no bound has one."""
     bounds = (bound.unit for each in named for bound in nodes_of_kind(each.formula, Duration) if bound.value != 0)
     timed = any(each.durations for each in named)
     return next((unit for unit in bounds if unit), "s" if timed else "")

@@ -66,7 +66,8 @@ from tachk.verify.verdict import Answer
     "--infer/--no-infer",
     default=True,
     show_default=True,
-    help="Let one answer stand for others where a constant is proved to be an upper or a lower bound only.",
+    help="Take the answer for one value of a constant for other values, too, where the constant is proved to be an "
+    "upper bound only, or a lower bound only.",
 )
 @click.option(
     "reuse",

@@ -87,7 +87,7 @@ class IndexTypes:
         )
 
     def roots(self) -> list[int]:
-        """The nodes that stand for index types."""
+        """The representatives of the index types: the roots of the union-find forest."""
         return [node for node, parent in enumerate(self._parent) if node == parent]
 
     def fresh(self) -> int:

@@ -1,4 +1,4 @@
-"""Names in expressions, and the expressions that they stand for."""
+"""Name resolution in expressions: the variable, constant, process or channel that a name denotes."""
 
 from __future__ import annotations
 

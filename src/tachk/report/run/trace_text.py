@@ -16,7 +16,7 @@ from tachk.model.run import Ending
 from tachk.report.run.telling import Ends, Telling
 
 _SAVED = 4
-"""A repetition is told as one if that saves at least as many steps (or rounds, in rounds of rounds)."""
+"""The report folds a repetition if that saves at least this many steps (or rounds, in rounds of rounds)."""
 
 _EFFORT = 4_000_000
 """Comparisons of one pass over the run; they limit the length of a round."""

@@ -74,7 +74,7 @@ def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) 
 
 
 def _merged(before: ClaimedState, entry: Mapping[str, Any], waited: Fraction) -> ClaimedState:
-    """The state before, as time has passed, with what is told to be different."""
+    """The state of the entry: the previous state after the delay, with the values that the entry changes."""
     passed = {name: value + waited for name, value in before.clocks.items()}
     return ClaimedState(
         {**before.locations, **entry.get("locations", {})},

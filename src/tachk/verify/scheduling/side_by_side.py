@@ -26,7 +26,7 @@ from tachk.verify.verdict import Verdict, none_begun
 
 
 class Interrupts:
-    """Whether there was one that nobody has heard of."""
+    """Records whether Ctrl-C was pressed and not yet handled."""
 
     def __init__(self) -> None:
         self._new = False
@@ -35,21 +35,21 @@ class Interrupts:
         self._new = True
 
     def take(self) -> bool:
-        """Whether there was one since this was asked last."""
+        """True if Ctrl-C was pressed since the last call."""
         new, self._new = self._new, False
         return new
 
 
 def ignored() -> bool:
-    """Whether the program is to ignore Ctrl-C."""
+    """True if the program ignores Ctrl-C."""
     return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
 @contextmanager
 def noted_interrupts() -> Iterator[Interrupts]:
-    """Only the main thread of a program hears of Ctrl-C; elsewhere there are none.
+    """Records interrupts in the main thread.
 
-    Nor are there any in a program that is to ignore it because a shell runs it in the background.
+    There are none in other threads, and where the program ignores Ctrl-C because a shell runs it in the background.
     """
     interrupts = Interrupts()
     if threading.current_thread() is not threading.main_thread() or ignored():
