@@ -110,6 +110,11 @@ def query_files(help: str) -> Callable[[Decorated], Decorated]:
     return click.option("query_files", "-q", "--queries", metavar="FILE", multiple=True, type=type_of_file, help=help)
 
 
+def agent_ports(help: str) -> Callable[[Decorated], Decorated]:
+    """``--port``: the ports of Agents in a capture of packets."""
+    return click.option("ports", "--port", metavar="PORT", type=Count(1, 65535), multiple=True, help=help)
+
+
 def report(*forms: ReportForm) -> Callable[[Decorated], Decorated]:
     """``--format``, ``--output`` and ``--quiet`` of a command that reports in one of these forms: its `Reporting`."""
 

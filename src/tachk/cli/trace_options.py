@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import click
 
+from tachk.cli import options
 from tachk.cli.options import Choice, Count, Decorated
 from tachk.recordings.traces.conventions import Interpolation
 from tachk.recordings.traces.trace_files import FORMATS
@@ -70,14 +71,9 @@ def columns(function: Decorated) -> Decorated:
             help="Of a file of several runs, which simulate writes, this one only.",
         ),
         click.option("--time", metavar="NAME", help="The time column, if its name is not time, t or timestamp."),
-        click.option(
-            "ports",
-            "--port",
-            metavar="PORT",
-            type=click.IntRange(1, 65535),
-            multiple=True,
-            help="Of a capture of packets: a port of an Agent or of a relay; without it 8888, and each port to which a "
-            "session is created. Can be given several times.",
+        options.agent_ports(
+            "Of a capture of packets: a port of an Agent or of a relay; without it 8888, and each port to which a "
+            "session is created. Can be given several times."
         ),
     ):
         function = option(function)

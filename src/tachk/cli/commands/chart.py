@@ -59,14 +59,9 @@ from tachk.xrce.transmissions import read_transmissions
     metavar="NAME",
     help="Of a report of tachk verify: the run about this property; without this option the first run.",
 )
-@click.option(
-    "ports",
-    "--port",
-    metavar="PORT",
-    type=options.Count(1, 65535),
-    multiple=True,
-    help="Of a capture: a port of an Agent, or of a relay that clients take for one; without this option 8888 and "
-    "every port at which a session is created. Can be given several times.",
+@options.agent_ports(
+    "Of a capture: a port of an Agent, or of a relay that clients take for one; without this option 8888 and "
+    "every port at which a session is created. Can be given several times."
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:

@@ -48,14 +48,9 @@ from tachk.report.conformance.text import conformance_to_text, coverage_to_text
     help="How much later than it happens something may be recorded. By default as the model says.",
 )
 @click.option("--unit", metavar="UNIT", help="The unit of the recorded times, if the file does not say it: ms, s, ...")
-@click.option(
-    "ports",
-    "--port",
-    metavar="PORT",
-    type=click.IntRange(1, 65535),
-    multiple=True,
-    help="Of a capture of packets: a port of an Agent, or of a relay that clients take for one; without this option "
-    "8888 and every port at which a session is created. Can be given several times.",
+@options.agent_ports(
+    "Of a capture of packets: a port of an Agent, or of a relay that clients take for one; without this option "
+    "8888 and every port at which a session is created. Can be given several times."
 )
 @click.option(
     "applications",

@@ -23,14 +23,9 @@ from tachk.xrce.report.text import event_to_text
 
 @click.command(name="decode")
 @click.argument("file", metavar="FILE", type=options.type_of_file)
-@click.option(
-    "ports",
-    "--port",
-    metavar="PORT",
-    type=options.Count(1, 65535),
-    multiple=True,
-    help="A UDP or TCP port of an Agent, or of a relay that clients take for one. Can be given several times. "
-    "Without it 8888, and with --signals each port to which a session is created.",
+@options.agent_ports(
+    "A UDP or TCP port of an Agent, or of a relay that clients take for one. Can be given several times. "
+    "Without it 8888, and with --signals each port to which a session is created."
 )
 @click.option(
     "--serial",

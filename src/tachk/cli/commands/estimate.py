@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,11 @@ from tachk.simulation.statistics.sampling import RunSource
 from tachk.syntax.source_files import read_source
 from tachk.verify.questions import Questions
 
-_SHARE = click.FloatRange(0, 0.5, min_open=True)
+
+def _share(name: str, letter: str, default: float, help: str) -> Callable[[options.Decorated], options.Decorated]:
+    """An option of a sequential test: a probability of at most 0.5."""
+    share = click.FloatRange(0, 0.5, min_open=True)
+    return click.option(f"--{name}", metavar=letter, type=share, default=default, show_default=True, help=help)
 
 
 @click.command(name="estimate")
@@ -51,33 +55,9 @@ _SHARE = click.FloatRange(0, 0.5, min_open=True)
 @drawing.confidence(0.8, "How probable it is, at least, that an interval contains what it is for.")
 @drawing.half_width("Draw runs until the interval of a probability is at most 2 E wide.")
 @drawing.runs("Draw N runs, whatever comes of them.")
-@click.option(
-    "alpha",
-    "--alpha",
-    metavar="A",
-    type=_SHARE,
-    default=0.05,
-    show_default=True,
-    help="Of Pr >= p: say `fails` with at most this probability where Pr is at least p + D.",
-)
-@click.option(
-    "beta",
-    "--beta",
-    metavar="B",
-    type=_SHARE,
-    default=0.05,
-    show_default=True,
-    help="Of Pr >= p: say `holds` with at most this probability where Pr is at most p - D.",
-)
-@click.option(
-    "delta",
-    "--delta",
-    metavar="D",
-    type=_SHARE,
-    default=0.01,
-    show_default=True,
-    help="Half the region in which both answers are right.",
-)
+@_share("alpha", "A", 0.05, "Of Pr >= p: say `fails` with at most this probability where Pr is at least p + D.")
+@_share("beta", "B", 0.05, "Of Pr >= p: say `holds` with at most this probability where Pr is at most p - D.")
+@_share("delta", "D", 0.01, "Half the region in which both answers are right.")
 @drawing.seed("The same seed gives the same answers.")
 @drawing.threads("answers")
 @drawing.most_steps("most_steps", "Give up a run after N transitions; it counts as unknown.")

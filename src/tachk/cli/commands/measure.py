@@ -23,14 +23,9 @@ from tachk.xrce.report.measurement import ModelTime, measurement_to_json, measur
 
 @click.command(name="measure")
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=options.type_of_file)
-@click.option(
-    "ports",
-    "--port",
-    metavar="PORT",
-    type=options.Count(1, 65535),
-    multiple=True,
-    help="A port of an Agent, or of a relay that clients take for one; without this option 8888 and every port at "
-    "which a session is created. Can be given several times.",
+@options.agent_ports(
+    "A port of an Agent, or of a relay that clients take for one; without this option 8888 and every port at "
+    "which a session is created. Can be given several times."
 )
 @click.option(
     "model",
