@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.layout_json import read_layout_beside
@@ -23,8 +24,10 @@ from tachk.syntax.printing.expression_printer import (
     print_parameters,
     print_rate,
 )
-from tachk.syntax.printing.printer import write_declaration, write_item
+from tachk.syntax.printing.printer import write_declaration, write_item, write_separated
 from tachk.syntax.printing.writer import Writer
+
+_Listed = TypeVar("_Listed", ast.LocationDeclaration, ast.EdgeDeclaration)
 
 
 def print_xta(plain: PlainModel) -> str:
@@ -34,42 +37,28 @@ def print_xta(plain: PlainModel) -> str:
     if plain.time_unit:
         writer.raw(f"// one time unit is {plain.time_unit}")
         writer.raw("")
-    previous: ast.Item | None = None
-    for item in document.items:
-        writer.separate(previous, item, _stands_apart(previous) or _stands_apart(item))
-        if isinstance(item, ast.Template):
-            _write_template(writer, item)
-        else:
-            write_item(writer, item)
-        previous = item
+    write_separated(writer, document.items, _write_item)
     writer.finish(document)
     return writer.text()
 
 
-def _stands_apart(item: Any) -> bool:
-    return isinstance(item, ast.Template | ast.FunctionDeclaration)
+def _write_item(writer: Writer, item: ast.Item) -> None:
+    if isinstance(item, ast.Template):
+        _write_template(writer, item)
+    else:
+        write_item(writer, item)
 
 
 def _write_template(writer: Writer, template: ast.Template) -> None:
     writer.begin(template)
     _documentation(writer, template.doc)
     writer.open(f"process {template.name.name}({print_parameters(template.parameters)}) {{", template)
-    previous: Any = None
-    for declaration in template.declarations:
-        writer.separate(previous, declaration, _stands_apart(previous) or _stands_apart(declaration))
-        write_declaration(writer, declaration)
-        previous = declaration
+    write_separated(writer, template.declarations, write_declaration)
     if template.declarations:
         writer.raw("")
     if template.locations:
         writer.raw("state")
-    writer.deeper(1)
-    for place, location in enumerate(template.locations, 1):
-        writer.begin(location)
-        _inner_comments(writer, location)
-        _documentation(writer, location.doc)
-        writer.ending(_state(location) + (";" if place == len(template.locations) else ","), location)
-    writer.deeper(-1)
+    _write_list(writer, template.locations, _state)
     if template.branchpoints:
         writer.raw(f"branchpoint {', '.join(point.name.name for point in template.branchpoints)};")
     for word, chosen in (
@@ -81,14 +70,19 @@ def _write_template(writer: Writer, template: ast.Template) -> None:
             writer.raw(f"{word} {', '.join(node.name.name for node in chosen)};")
     if template.edges:
         writer.raw("trans")
-        writer.deeper(1)
-        for place, edge in enumerate(template.edges, 1):
-            writer.begin(edge)
-            _inner_comments(writer, edge)
-            _documentation(writer, edge.doc)
-            writer.ending(_edge(edge) + (";" if place == len(template.edges) else ","), edge)
-        writer.deeper(-1)
+        _write_list(writer, template.edges, _edge)
     writer.close("}", template)
+
+
+def _write_list(writer: Writer, nodes: Sequence[_Listed], text: Callable[[_Listed], str]) -> None:
+    """Locations or edges, one a line, with commas between them."""
+    writer.deeper(1)
+    for place, node in enumerate(nodes, 1):
+        writer.begin(node)
+        _inner_comments(writer, node)
+        _documentation(writer, node.doc)
+        writer.ending(text(node) + (";" if place == len(nodes) else ","), node)
+    writer.deeper(-1)
 
 
 def _documentation(writer: Writer, doc: str) -> None:

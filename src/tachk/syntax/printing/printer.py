@@ -8,9 +8,9 @@ declarations are kept (one at most). Formatting the result again changes nothing
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Any, assert_never
+from typing import Any, TypeVar, assert_never
 
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind, edge_clauses
@@ -28,6 +28,8 @@ from tachk.syntax.printing.expression_printer import (
 )
 from tachk.syntax.printing.query_printer import print_expected, print_query
 from tachk.syntax.printing.writer import Writer
+
+_Node = TypeVar("_Node", bound=ast.Item | ast.Declaration)
 
 
 def canonical(document: ast.Document) -> ast.Document:
@@ -207,13 +209,19 @@ def print_document(document: ast.Document) -> str:
     """The canonical text of a document, with a line break at its end."""
     settled = canonical(document)
     writer = Writer(settled, place_comments(settled))
-    previous: ast.Item | None = None
-    for item in settled.items:
-        writer.separate(previous, item, _stands_apart(previous) or _stands_apart(item))
-        write_item(writer, item)
-        previous = item
+    write_separated(writer, settled.items, write_item)
     writer.finish(settled)
     return writer.text()
+
+
+def write_separated(writer: Writer, nodes: Iterable[_Node], write: Callable[[Writer, _Node], None]) -> None:
+    """Writes items or declarations, with a blank line around templates and functions, and elsewhere where the source
+    has one."""
+    previous: _Node | None = None
+    for node in nodes:
+        writer.separate(previous, node, _stands_apart(previous) or _stands_apart(node))
+        write(writer, node)
+        previous = node
 
 
 def _stands_apart(item: Any) -> bool:
@@ -375,12 +383,8 @@ def _write_property(writer: Writer, item: ast.PropertyDeclaration) -> None:
 def _write_template(writer: Writer, template: ast.Template) -> None:
     writer.begin(template, template.doc)
     writer.open(f"process {template.name.name}({print_parameters(template.parameters)}) {{", template)
-    previous: Any = None
-    for declaration in template.declarations:
-        apart = _stands_apart(previous) or _stands_apart(declaration)
-        writer.separate(previous, declaration, apart)
-        write_declaration(writer, declaration)
-        previous = declaration
+    write_separated(writer, template.declarations, write_declaration)
+    previous: Any = template.declarations[-1] if template.declarations else None
     owners: list[ast.LocationDeclaration | ast.Branchpoint] = [*template.locations, *template.branchpoints]
     for node in owners:
         brief = _brief(writer, node) and (previous is None or _brief(writer, previous))
