@@ -294,6 +294,8 @@ def test_near_misses_are_told_what_was_meant(text: str, code: str, place: str, m
         ("whenever p is true and r is true, q must be true.", "E0140", "is"),
         ("whenever p, q must stay true for 5 s.", "E0140", "5"),
         ("whenever p, within 5 parsecs, q must be true.", "E0135", "parsecs"),
+        ("whenever p, with a delay between 3 s and 5, q must be true.", "E0134", "5"),
+        ("p must stay true for between 10 s and 20.", "E0134", "20"),
         ("whenever p, q.", "E0140", "q"),
         ("whenever p < , q must be true.", "E0101", ""),
         ("whenever F[0, 5] p, q must be true.", "E0146", "F[0, 5] p"),

@@ -13,6 +13,7 @@ from tachk.base.span import NOWHERE, Source
 from tachk.logic.sentences import meaning
 from tachk.syntax import ast
 from tachk.syntax import formula as f
+from tachk.syntax.formulas.build import missing_unit
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.sentences import tree as s
@@ -75,7 +76,7 @@ AMOUNTS = st.one_of(
 DURATIONS = st.builds(lambda value, unit: f.Duration(NOWHERE, value, unit), AMOUNTS, UNITS)
 PAIRS = st.builds(
     lambda a, b, u, v: (f.Duration(NOWHERE, a, u or v), f.Duration(NOWHERE, b, v)), AMOUNTS, AMOUNTS, UNITS, UNITS
-)
+).filter(lambda pair: missing_unit(pair[1], pair[0]) is None)
 LASTINGS = st.one_of(
     st.builds(lambda d: s.AtLeast(NOWHERE, d), DURATIONS),
     st.builds(lambda d: s.AtMost(NOWHERE, d), DURATIONS),

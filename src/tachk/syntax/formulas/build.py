@@ -98,10 +98,9 @@ class FormulaBuilder:
         for part in (lower, bound):
             if isinstance(part, RefusedPart):
                 return part
-        for one, other in ((lower, bound), (bound, lower)):
-            if one is not None and other is not None and other.unit and _lacks_unit(one):
-                help_ = f"write {one.span.text} {other.unit}"
-                found = Diagnostic("E0134", "this bound has no unit, the other has one", one.span, help_)
+        for one, other in () if bound is None else ((lower, bound), (bound, lower)):
+            found = missing_unit(one, other)
+            if found is not None:
                 return RefusedPart(one.span, found)
         closed = bound is None or closing.text == "]"
         return Interval(span_of(children), lower, bound, opening.text == "[", closed)
@@ -140,9 +139,15 @@ def unknown_unit(unit: str, span: Span) -> Diagnostic:
     return Diagnostic("E0135", f"'{unit}' is not a unit of time", span, help_)
 
 
-def _lacks_unit(duration: Duration) -> bool:
-    """Whether a bound is a number other than 0 without a unit; a constant of the model is in the model's unit."""
-    return not duration.unit and isinstance(duration.value, Fraction) and duration.value != 0
+def missing_unit(bound: Duration, other: Duration) -> Diagnostic | None:
+    """The error of a bound that is a number other than 0 without a unit, where the other bound has a unit.
+
+    A constant of the model is in the model's unit.
+    """
+    if bound.unit or not other.unit or not isinstance(bound.value, Fraction) or bound.value == 0:
+        return None
+    help_ = f"write {bound.span.text} {other.unit}"
+    return Diagnostic("E0134", "this bound has no unit, the other has one", bound.span, help_)
 
 
 def _number(expression: ast.Expression) -> Fraction | ast.Expression:

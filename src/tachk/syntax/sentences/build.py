@@ -14,6 +14,7 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.syntax.ast import BinaryExpression
 from tachk.syntax.formula import And, Atom, Duration, Formula, Not, Or, Rise
+from tachk.syntax.formulas.build import missing_unit
 from tachk.syntax.parsing.tokens import Token
 from tachk.syntax.sentences import tree as s
 from tachk.syntax.sentences.conditions import Refused, read_condition, read_duration, read_number, read_value
@@ -255,8 +256,12 @@ _R = TypeVar("_R", s.SentenceWindow, s.FromTo)
 
 
 def _range(kind: type[_R], children: Children) -> _R:
-    """Two durations; the unit of the second one is also that of the first if that has none."""
+    """Two durations; the unit of the second one is also that of the first if that has none. Raises Refused for the
+    reverse, as in the interval of a formula."""
     lower, upper = (_duration(child) for child in children if child is not None and child.type == "DURATION")
     if not lower.unit:
         lower = replace(lower, unit=upper.unit)
+    missing = missing_unit(upper, lower)
+    if missing is not None:
+        raise Refused(missing)
     return kind(_span(children), lower, upper)

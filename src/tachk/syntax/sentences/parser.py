@@ -87,7 +87,7 @@ def _attempt(span: Span, reading: SentenceParse) -> _ParseAttempt:
         for token in reading.tokens:
             parts = stack.feed(Token(token.type, token.text, token.span))
     except Refused as refused:
-        known = all(found.code in ("E0144", "E0146") for found in refused.diagnostics)
+        known = all(found.code in ("E0134", "E0144", "E0146") for found in refused.diagnostics)
         return _ParseAttempt(None, refused.diagnostics, reading.corrections, 3 if known else 4)
     assert parts is not None, "a reading ends with the end of the text"
     sentence, found = assemble(span, parts)
