@@ -189,7 +189,8 @@ def is_run(
 ) -> bool:
     """Whether some run at whole times has these events.
 
-    With ``ordered`` outputs of a machine that were recorded before an input of it happen before that.
+    With ``ordered`` outputs of a machine that were recorded before an input of it happen before that. A model none of
+    whose edges sends what is recorded as output has these events from outside, and hears none of them.
     """
     streams: dict[tuple[str, int], list[Event]] = {}
     for event in events:
@@ -198,9 +199,10 @@ def is_run(
         streams.setdefault((event.label, event.machine), []).append(event)
     names = sorted(streams)
     quiet = max(end - late, 0)
+    sent = any(edge.label == "out" for machine in machines for edge in machine.edges)
 
     def window(event: Event) -> tuple[int, int]:
-        before, behind = (late, tolerance) if event.label == "out" else (tolerance, late)
+        before, behind = (late, tolerance) if event.label == "out" and sent else (tolerance, late)
         return event.time - before, event.time + behind
 
     start = (tuple(Place() for _ in machines), (0,) * len(names))
@@ -210,7 +212,7 @@ def is_run(
         pending = list(present)
         while pending:
             places, counts = pending.pop()
-            for after in _steps(machines, places, counts, now, names, streams, window, quiet, hidden):
+            for after in _steps(machines, places, counts, now, names, streams, window, quiet, hidden, sent):
                 if after not in present:
                     present.add(after)
                     pending.append(after)
@@ -231,7 +233,7 @@ def is_run(
             return False
 
 
-def _steps(machines, places, counts, now, names, streams, window, quiet, hidden):  # type: ignore[no-untyped-def]
+def _steps(machines, places, counts, now, names, streams, window, quiet, hidden, sent):  # type: ignore[no-untyped-def]
     for n, machine in enumerate(machines):
         for _, after in _moves(machine, places[n], ""):
             yield _with(places, n, after), counts
@@ -248,12 +250,15 @@ def _steps(machines, places, counts, now, names, streams, window, quiet, hidden)
             low, high = window(event)
             if low <= now <= high and (event.key, event.number) == (edge.key, edge.number):
                 yield _with(places, n, after), _counted(counts, number)
+        found = None if sent else _next(("out", n), names, streams, counts)
+        if found is not None and window(found[1])[0] <= now <= window(found[1])[1]:
+            yield places, _counted(counts, found[0])
         found = None if hidden else _next(("in", n), names, streams, counts)
         if found is not None:
             number, event = found
             low, high = window(event)
-            sent = counts[names.index(("out", n))] if ("out", n) in names else 0
-            if low <= now <= high and sent >= event.needed:
+            before = counts[names.index(("out", n))] if ("out", n) in names else 0
+            if low <= now <= high and before >= event.needed:
                 for after in _hears(machine, places[n], event.key):
                     yield _with(places, n, after), _counted(counts, number)
 
