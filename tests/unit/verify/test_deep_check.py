@@ -125,6 +125,21 @@ def test_the_run_behind_a_time_lock_ends_in_it() -> None:
     assert run.states[-1].discrete.locations == (1,)
 
 
+def test_an_urgent_channel_stops_time_where_an_invariant_forbids_its_edges() -> None:
+    result = check(
+        "urgent chan go;\n"
+        "process P() { clock x; init location a { to b { guard x >= 1; } } location b { to c { sync go!; } } "
+        "location c { invariant x <= 0; } }\n"
+        "process Q() { init location a { to a { sync go?; } } }\n"
+        "system P, Q;"
+    )
+    assert ends(result) == ("reached", "not decided")
+    (evidence,) = result.evidence
+    assert evidence.finding.code == "W0605"
+    assert "urgent channel" in evidence.finding.message
+    assert "sync go!" in evidence.finding.span.text
+
+
 def test_a_limit_that_is_hit_is_told_and_nothing_is_claimed() -> None:
     text = "int[0,9999] n;\nprocess P() { init location a { to a { guard n < 9999; assign n++; } } location b; }\n"
     result = check(text + "system P;", states=100)

@@ -49,7 +49,9 @@ from tachk.verify.semantic_lint.stuck import (
     plain_deadlocks,
     time_lock_finding,
     time_locks,
+    time_passes,
     unlimited,
+    urgent_lock_finding,
 )
 from tachk.verify.semantic_lint.zeno import ZenoRun, find_zeno_run, zeno_finding, zeno_findings
 
@@ -241,7 +243,15 @@ def _stuck_parts(explored: Explored) -> tuple[LintAnswer, ...]:
         # Without knowing which invariants limit time, a deadlock may be of either kind.
         reason = _STOPPED if explored.ends[1].status is Status.REACHED else explored.outcome.reason
         return tuple(LintAnswer(question, "not decided", undecided=reason) for question in _ENDS)
+    if parts[1].evidence and not time_passes(explored.model, parts[1].evidence[0].run):
+        run = parts[1].evidence[0].run
+        finding = urgent_lock_finding(explored.model.network, run)
+        locked = LintAnswer(_ENDS[0], "reached", (finding,), (LintEvidence(finding, run),))
+        return (parts[0] if parts[0].evidence else locked, LintAnswer(_ENDS[1], "not decided", undecided=_URGENT))
     return tuple(parts)
+
+
+_URGENT = "an urgent channel stops time in the deadlock that was found; no other one was looked for"
 
 
 def _stuck_part(explored: Explored, question: str, goal: GoalOutcome, target: Expression) -> LintAnswer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from functools import reduce
 
 from tachk.analysis.conditions import ClockAtom, split_conjunction
@@ -10,11 +11,13 @@ from tachk.analysis.fold import Known
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.records import dataclass
 from tachk.meaning.discrete import PreparedNetwork, environment
+from tachk.meaning.step import StepError, delay
 from tachk.model.connectives import both, either, negation
 from tachk.model.evaluate import evaluate
 from tachk.model.expressions import BOOL, Constant, Deadlock, Expression, LocationTest
-from tachk.model.network import Network
+from tachk.model.network import Edge, Network
 from tachk.model.run import TimedTrace
+from tachk.model.types import ChannelType
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +94,45 @@ def time_lock_finding(model: PreparedNetwork, bounds: list[TimeBoundedLocation],
         "give the location an edge that can be taken in time, or a weaker invariant",
         tuple(Label(span, f"{name}, too") for name, span in dict(zip(names[1:], spans[1:], strict=True)).items()),
     )
+
+
+def time_passes(model: PreparedNetwork, run: TimedTrace) -> bool:
+    """Whether time may pass at the end of a run that no invariant and no location stops.
+
+    An urgent channel stops it where the guards of a synchronisation hold and an invariant of its targets does not.
+    """
+    try:
+        delay(model, run.states[-1], Fraction(1))
+    except StepError:
+        return False
+    return True
+
+
+def urgent_lock_finding(network: Network, run: TimedTrace) -> Diagnostic:
+    """A time-lock at the end of a run by an urgent channel whose synchronisation an invariant forbids."""
+    state = run.states[-1].discrete
+    here = [process.locations[place] for process, place in zip(network.processes, state.locations, strict=True)]
+    span = next(
+        (
+            edge.spans[0]
+            for process, place in zip(network.processes, state.locations, strict=True)
+            for edge in process.edges
+            if edge.source == place and edge.begins and _is_urgent(edge)
+        ),
+        here[0].span,
+    )
+    return Diagnostic(
+        "W0605",
+        "time-lock: an urgent channel lets no more time pass, but the invariant behind its edges forbids to take them, "
+        "and no action is possible: no run goes on from here",
+        span,
+        "let the guard of the edge say what the invariant of its target demands",
+    )
+
+
+def _is_urgent(edge: Edge) -> bool:
+    channel = None if edge.synchronisation is None else edge.synchronisation.channel.type
+    return isinstance(channel, ChannelType) and channel.urgent
 
 
 def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
