@@ -95,8 +95,8 @@ def verdicts(
         return int(status), capsys.readouterr().out
 
     status = tachk("verify", str(file), formula)[0]
-    judging = ("--monitor", formula, "--all-runs", "-o", str(run), *limits)
-    drawn = tachk("simulate", str(file), "--until", "20", *judging)[1]
+    evaluation = ("--monitor", formula, "--all-runs", "-o", str(run), *limits)
+    drawn = tachk("simulate", str(file), "--until", "20", *evaluation)[1]
     (simulated,) = (word for word in ("true", "false", "undetermined") if f"{word} on 1" in drawn)
     replayed = tachk("replay", str(file), str(run), "--monitor", formula, "--quiet")[1]
     return status, simulated, replayed.splitlines()[-1].rpartition(": ")[2]

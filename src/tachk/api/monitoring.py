@@ -19,7 +19,7 @@ from tachk.recordings.monitors.formulas import (
     names_file,
 )
 from tachk.recordings.monitors.offline import (
-    Judging,
+    EvaluationOptions,
     ending_of,
     formulas_of,
     interpolation_of,
@@ -85,10 +85,10 @@ def monitor(
     ending = ending_of(end)
     check_order(formula, trace)
     formulas = selected(formulas_of(formula, constants), select)
-    judging = Judging(ending, interpolation_of(interpolation), robustness, time_robustness)
+    evaluation = EvaluationOptions(ending, interpolation_of(interpolation), robustness, time_robustness)
     recording = with_decimals(open_trace(trace, time, unit, ports, run), decimals)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and names_file(formula) else ""
-    return MonitorReport(judge(formulas, recording, judging, source))
+    return MonitorReport(judge(formulas, recording, evaluation, source))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,7 +19,7 @@ QUERY_SUFFIXES = (".q",)
 _PATH_QUERY = re.compile(r"\s*[AE]\s*(\[\]|<>)")
 _QUERY_OPERATOR = re.compile(r"[AE]\s*(\[\]|<>)|-->|\b(sup|inf|bounds)\b|[\s{}()<>=!&|]")
 _RANGE = re.compile(r"\s*-?\w+\s*(\.\.\.?|:)\s*-?\w+\s*((:|\.\.)\s*-?\w+\s*)?|-?\w+\s*(,\s*-?\w+\s*)+")
-"""How other programs write several values."""
+"""The ways in which other programs write several values."""
 _SIZES = {"": 1, "B": 1, "K": 10**3, "M": 10**6, "G": 10**9, "KI": 2**10, "MI": 2**20, "GI": 2**30}
 
 

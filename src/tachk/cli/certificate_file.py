@@ -43,6 +43,6 @@ def write_certificates(
             writer.write(proof.header, proof.blocks())
             names.append(verdict.query.name)
     nothing = "no proof: only A[], A<> and --> that hold have one, and E<> and E[] that fail"
-    told = f"proofs of {', '.join(names)}" if names else nothing
-    print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
+    content = f"proofs of {', '.join(names)}" if names else nothing
+    print(f"{path}: {content} ({bytes_(path.stat().st_size)})", file=sys.stderr)
     return worst(statuses)

@@ -1,4 +1,4 @@
-"""How a console script begins and ends."""
+"""The beginning and the end of a console script."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tachk.cli.terminal import end_by, prepare_streams
 from tachk.cli.termination import Termination
 
 RARELY = (50_000, 20, 20)
-"""When garbage is collected: by default Python looks for it every few hundred objects, which is a tenth of a start."""
+"""The thresholds of the garbage collector: by default it runs every few hundred objects, a tenth of a start."""
 
 
 def end_program(command: Callable[[], int | None]) -> NoReturn:
@@ -64,5 +64,5 @@ def _status_of(command: Callable[[], int | None]) -> int | None:
 
 
 def _leave_unwritten() -> None:
-    """What is still to be written would fail when the interpreter ends, with a message."""
+    """Sends unwritten output to nowhere: otherwise the interpreter would fail to write it, and say so, at its end."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""Where a report goes."""
+"""The destination of a report: a file, standard output or nowhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tachk.base.whole_files import whole_text
 
 @contextmanager
 def destination(output: Path | None, quiet: bool = False) -> Iterator[TextIO | None]:
-    """The file, which is there when the report is whole; standard output without one, or None for nowhere."""
+    """The file of a report, which appears when the report is whole; without one standard output, or None if quiet."""
     if output is not None:
         with whole_text(output) as file:
             yield file
@@ -23,7 +23,7 @@ def destination(output: Path | None, quiet: bool = False) -> Iterator[TextIO | N
 
 @contextmanager
 def growing_destination(output: Path | None, quiet: bool = False) -> Iterator[TextIO | None]:
-    """As `destination`, for a report that is read while it is written."""
+    """Like `destination`, for a report that is read while it is written."""
     if output is None:
         yield None if quiet else sys.stdout
         return

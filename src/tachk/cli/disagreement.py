@@ -17,7 +17,7 @@ from tachk.verify.verdict import Verdict
 def write_disagreement(model: api.Model, error: DisagreementError) -> Path:
     """Writes the model, the query, the options and both answers, with their runs, to a new file."""
 
-    def told(verdict: Verdict) -> object:
+    def shown(verdict: Verdict) -> object:
         record = RunRecord(model.path, model.network, (verdict,), (), error.options, definitions=model.definitions)
         return Report(record).to_dict()
 
@@ -28,8 +28,8 @@ def write_disagreement(model: api.Model, error: DisagreementError) -> Path:
         "constants": dict(model.constants),
         "query": error.query.text,
         "options": asdict(error.options),
-        error.one.strategy: told(error.one),
-        error.other.strategy: told(error.other),
+        error.one.strategy: shown(error.one),
+        error.other.strategy: shown(error.other),
     }
     with tempfile.NamedTemporaryFile(
         "w", prefix="tachk-disagreement-", suffix=".json", delete=False, encoding="utf-8"

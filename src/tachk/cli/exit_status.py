@@ -1,4 +1,4 @@
-"""What the exit status of `tachk` means."""
+"""The exit statuses of `tachk` and their meaning."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _GRAVITY = (
     ExitStatus.DIFFERENT,
     ExitStatus.UNKNOWN,
 )
-"""What is known to be wrong comes before what is not known: a violation beside a query that is not supported is 10."""
+"""The gravest status first. A known violation comes before an unknown answer: with an unsupported query it is 10."""
 
 
 def worst(statuses: Iterable[ExitStatus]) -> ExitStatus:

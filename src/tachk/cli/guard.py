@@ -1,4 +1,4 @@
-"""Errors as users see them: a place, a reason and advice for theirs; a request for a report for ours."""
+"""Errors as users see them: a place, a reason and advice for their mistakes; a request for a report for defects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NO_MEMORY = "the machine was out of memory before there was a result"
 
 
 def without_result(error: StoppedError) -> str:
-    """What is said where a limit has ended a command."""
+    """The message for a command that a limit has ended."""
     return f"the {error.reason} was over before there was a result"
 
 

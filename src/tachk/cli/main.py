@@ -1,4 +1,4 @@
-"""The program: its commands, each loaded when it is asked for.
+"""The program: its commands, each loaded when it is called.
 
 Imports nothing heavy: `tachk --version` must not wait for z3. The module of a command in `tachk.cli.commands` holds its
 options, its help and what it does.

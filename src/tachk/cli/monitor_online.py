@@ -16,12 +16,12 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import StoppedError, check_job
 from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.judged import Judged, exit_status, print_warnings
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
+from tachk.cli.trace_arguments import TraceArguments, exit_status, print_warnings
 from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, hidden_formulas
 from tachk.recordings.monitors.locations import located
-from tachk.recordings.monitors.offline import Judging
+from tachk.recordings.monitors.offline import EvaluationOptions
 from tachk.recordings.monitors.online import Monitor
 from tachk.recordings.monitors.online_record import OnlineVerdict, OnlineViolation
 from tachk.recordings.monitors.row_names import TIME
@@ -48,10 +48,10 @@ def open_live(trace: str, ports: tuple[int, ...]) -> LivePackets:
 
 
 def without_hindsight(formulas: tuple[NamedFormula, ...], are_chosen: bool) -> tuple[NamedFormula, ...]:
-    """The formulas that can be judged while a capture is made; says which cannot.
+    """The formulas that can be decided while a capture is made; prints the names of the others.
 
     Args:
-        are_chosen: somebody has asked for these formulas by their names; then all stay.
+        are_chosen: the user has chosen these formulas by their names; then all stay.
     """
     if are_chosen:
         return formulas
@@ -62,32 +62,32 @@ def without_hindsight(formulas: tuple[NamedFormula, ...], are_chosen: bool) -> t
     return formulas
 
 
-class Listener:
-    """Prints nothing."""
+class OnlineReport:
+    """A report while a trace is monitored. This one prints nothing."""
 
     def __init__(self, monitor: Monitor, name: str) -> None:
         self._monitor = monitor
         self._name = name
 
-    def hear(self, violations: Iterable[OnlineViolation]) -> None:
-        """These have begun or ended."""
+    def changed(self, violations: Iterable[OnlineViolation]) -> None:
+        """Reports violations that have begun or ended."""
 
     def decided(self, verdict: OnlineVerdict) -> None:
-        """This has been decided."""
+        """Reports that a verdict is decided."""
 
     def end(self) -> None:
-        """No row follows, or none matters."""
+        """Ends the report: no row follows, or none matters."""
 
 
-class JsonListener(Listener):
-    """Prints the whole at the end."""
+class JsonOnlineReport(OnlineReport):
+    """Prints one JSON object at the end."""
 
     def __init__(self, monitor: Monitor, name: str, out: TextIO) -> None:
         super().__init__(monitor, name)
         self._out = out
         self._ended: list[OnlineViolation] | None = [] if monitor.watches_violations else None
 
-    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+    def changed(self, violations: Iterable[OnlineViolation]) -> None:
         if self._ended is not None:
             self._ended += [violation for violation in violations if violation.until is not None]
 
@@ -96,24 +96,24 @@ class JsonListener(Listener):
         self._out.write("\n")
 
 
-class LineListener(Listener):
+class LineOnlineReport(OnlineReport):
     """Prints a line of JSON at each event."""
 
     def __init__(self, monitor: Monitor, name: str, out: TextIO) -> None:
         super().__init__(monitor, name)
         self._out = out
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
-    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+    def changed(self, violations: Iterable[OnlineViolation]) -> None:
         self._write(*map(violation_event, violations))
 
     def decided(self, verdict: OnlineVerdict) -> None:
-        self._told.add(verdict.name)
+        self._reported.add(verdict.name)
         self._write(verdict_event(verdict))
 
     def end(self) -> None:
         record = self._monitor.record(self._name)
-        self._write(*(verdict_event(verdict) for verdict in record.verdicts if verdict.name not in self._told))
+        self._write(*(verdict_event(verdict) for verdict in record.verdicts if verdict.name not in self._reported))
         self._write(end_event(record))
 
     def _write(self, *events: Mapping[str, Any]) -> None:
@@ -122,7 +122,7 @@ class LineListener(Listener):
             self._out.flush()
 
 
-class TextListener(Listener):
+class TextOnlineReport(OnlineReport):
     """Prints some lines at each event, and a summary at the end."""
 
     def __init__(self, monitor: Monitor, name: str, out: TextIO) -> None:
@@ -130,7 +130,7 @@ class TextListener(Listener):
         self._out = out
         self._counts: dict[str, int] = {}
 
-    def hear(self, violations: Iterable[OnlineViolation]) -> None:
+    def changed(self, violations: Iterable[OnlineViolation]) -> None:
         for violation in violations:
             if violation.until is None:
                 self._counts[violation.name] = self._counts.get(violation.name, 0) + 1
@@ -180,11 +180,11 @@ class _AwaitedFile:
 
 
 def run_online(
-    judged: Judged,
+    arguments: TraceArguments,
     formulas: tuple[NamedFormula, ...],
-    judging: Judging,
+    evaluation: EvaluationOptions,
     rows: RowByRow,
-    told: ViolationReporting,
+    violations: ViolationReporting,
     reporting: Reporting,
     stream: ByteStream | None = None,
 ) -> ExitStatus:
@@ -195,11 +195,11 @@ def run_online(
     """
     if reporting.form is ReportForm.JUNIT:
         raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
-    recording = _open(judged, rows, stream)
-    if judged.run is not None:
+    recording = _open(arguments, rows, stream)
+    if arguments.run is not None:
         raise UsageError("row by row a file is one run", "leave out --run, or --online and --follow")
     if isinstance(recording, LivePackets):
-        formulas = without_hindsight(formulas, bool(judged.names))
+        formulas = without_hindsight(formulas, bool(arguments.names))
     if not isinstance(recording, LivePackets):
         print_warnings(hidden_formulas(formulas, recording.columns))
         if isinstance(recording, CsvRecording):
@@ -210,46 +210,48 @@ def run_online(
     monitor = Monitor(
         formulas,
         unit=recording.unit,
-        decimals=judged.decimals,
-        end=judging.ending,
-        robustness=judging.robustness,
-        all_violations=told.all_violations,
+        decimals=arguments.decimals,
+        end=evaluation.ending,
+        robustness=evaluation.robustness,
+        all_violations=violations.all_violations,
         packets=recording.packets if isinstance(recording, LivePackets) else None,
     )
     monitor.dated = not isinstance(recording, LivePackets) and recording.dates
     if isinstance(recording, CsvRecording):
-        recording = replace(recording, texts=monitor.text_columns, decimals=judged.decimals)
+        recording = replace(recording, texts=monitor.text_columns, decimals=arguments.decimals)
     elif isinstance(recording, JsonStream):
-        recording = replace(recording, decimals=judged.decimals)
+        recording = replace(recording, decimals=arguments.decimals)
     with growing_destination(reporting.output, reporting.quiet) as out:
-        listener = _listener(monitor, reporting.form, out, judged.trace)
+        report = _online_report(monitor, reporting.form, out, arguments.trace)
         # A file that is there to its end is read to its end where bounds or violations go on after the decision.
-        whole = told.all_violations or (judging.robustness and judged.trace != "-" and not rows.follow)
-        ended = _fed(monitor, recording, listener, whole and not rows.fail_fast, rows.fail_fast)
+        whole = violations.all_violations or (evaluation.robustness and arguments.trace != "-" and not rows.follow)
+        ended = _fed(monitor, recording, report, whole and not rows.fail_fast, rows.fail_fast)
         verdicts = monitor.finish() if ended else monitor.verdicts
-        if told.all_violations:
-            listener.hear(monitor.take_violations())
-        listener.end()
+        if violations.all_violations:
+            report.changed(monitor.take_violations())
+        report.end()
     return exit_status({verdict.truth for verdict in verdicts})
 
 
-def _listener(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str) -> Listener:
+def _online_report(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str) -> OnlineReport:
     match form:
         case _ if out is None:
-            return Listener(monitor, name)
+            return OnlineReport(monitor, name)
         case ReportForm.JSON:
-            return JsonListener(monitor, name, out)
+            return JsonOnlineReport(monitor, name, out)
         case ReportForm.JSONL:
-            return LineListener(monitor, name, out)
+            return LineOnlineReport(monitor, name, out)
         case _:
-            return TextListener(monitor, name, out)
+            return TextOnlineReport(monitor, name, out)
 
 
-def _open(judged: Judged, rows: RowByRow, stream: ByteStream | None) -> CsvRecording | JsonStream | LivePackets:
-    if judged.others:
+def _open(
+    arguments: TraceArguments, rows: RowByRow, stream: ByteStream | None
+) -> CsvRecording | JsonStream | LivePackets:
+    if arguments.others:
         raise UsageError("row by row only one file can be read", "leave out --online, --follow and --fail-fast")
     if rows.live:
-        return open_live(judged.trace, judged.ports)
+        return open_live(arguments.trace, arguments.ports)
     if stream is not None:
         begin = line = stream.readline()
         while line and not line.removeprefix(BOM_UTF8).strip():
@@ -257,34 +259,34 @@ def _open(judged: Judged, rows: RowByRow, stream: ByteStream | None) -> CsvRecor
             begin += line
         first = line.removeprefix(BOM_UTF8)
         if first.lstrip().startswith(b"{"):
-            return JsonStream("-", stream, judged.time, judged.unit, first)
-        return open_csv_stream(PushedBack(stream, begin), "-", judged.time, judged.unit)
-    path = Path(judged.trace)
+            return JsonStream("-", stream, arguments.time, arguments.unit, first)
+        return open_csv_stream(PushedBack(stream, begin), "-", arguments.time, arguments.unit)
+    path = Path(arguments.trace)
     lines = plain_suffix(path) in JSON_LINES.suffixes
     if not is_csv(path) and not lines:
         raise UsageError(f"{path}: row by row only CSV and JSON lines can be read", "leave out --online")
     if not rows.follow and not lines:
-        return open_csv(path, judged.time, judged.unit)
+        return open_csv(path, arguments.time, arguments.unit)
     if not path.is_file():
         raise UsageError(f"there is no file {path}")
     if rows.follow and is_compressed(path):
         raise UsageError(f"{path}: a compressed file cannot be followed", "leave out --follow")
     if not lines:
-        return open_csv_stream(_AwaitedFile(path), str(path), judged.time, judged.unit)
+        return open_csv_stream(_AwaitedFile(path), str(path), arguments.time, arguments.unit)
     growing: ByteStream = _AwaitedFile(path) if rows.follow else open_bytes(path)
-    return JsonStream(str(path), growing, judged.time, judged.unit, growing.readline())
+    return JsonStream(str(path), growing, arguments.time, arguments.unit, growing.readline())
 
 
 def _fed(
     monitor: Monitor,
     recording: CsvRecording | JsonStream | LivePackets,
-    listener: Listener,
+    report: OnlineReport,
     whole: bool,
     fail_fast: bool,
 ) -> bool:
     """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; tells each verdict
     when it is. False: it has stopped before the trace has ended, at a violation or a limit."""
-    told: set[str] = set()
+    reported: set[str] = set()
     try:
         known = () if isinstance(recording, LivePackets) else recording.columns
         columns = [name for name in monitor.columns if name != TIME or name in known]
@@ -294,11 +296,11 @@ def _fed(
             monitor.notes = rows.notes + rows.warnings
             print_warnings(rows.warnings)
             if monitor.watches_violations:
-                listener.hear(monitor.take_violations())
+                report.changed(monitor.take_violations())
             for verdict in monitor.verdicts:
-                if verdict.measured is not Truth.UNDETERMINED and verdict.name not in told:
-                    told.add(verdict.name)
-                    listener.decided(verdict)
+                if verdict.measured is not Truth.UNDETERMINED and verdict.name not in reported:
+                    reported.add(verdict.name)
+                    report.decided(verdict)
             if fail_fast and monitor.truth is Truth.FALSE:
                 return False
             if monitor.decided and not whole:

@@ -1,4 +1,4 @@
-"""What the options of several commands have in common. Imports nothing heavy."""
+"""Options that several commands share. Imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tachk.cli.guard import guarded
 from tachk.cli.reporting import ReportForm
 
 type_of_file = click.Path(path_type=Path)
-"""A file to read or write. Whether it exists is for the command to say, which knows what was meant."""
+"""A file to read or write. The command checks if it exists, as only the command knows if it must."""
 
 Decorated = Callable[..., Any]
 
@@ -72,7 +72,7 @@ faults = click.option(
     help="How often a fault of the model happens: lost=0.01, or to which messages: lost=send[0][1]:3,5..7, or as soon "
     "as it can: 'falls asleep=now'. Can be given several times.",
 )
-"""What `simulation.orders` reads."""
+"""The faults of a model to inject; `simulation.orders` reads them."""
 
 
 def max_states(more: str = "") -> Callable[[Decorated], Decorated]:
@@ -88,7 +88,7 @@ def max_memory(function: Decorated) -> Decorated:
 
 
 def distributed(given: Mapping[str, Any], *kinds: type) -> list[Any]:
-    """The values of options as the dataclasses that what is called takes: each goes to the field of its name."""
+    """The dataclasses of the arguments of a command: each value of an option goes to the field of its name."""
     left = dict(given)
     made = [kind(**{each.name: left.pop(each.name) for each in fields(kind) if each.name in left}) for kind in kinds]
     assert not left, f"options that nobody takes: {', '.join(left)}"

@@ -1,4 +1,4 @@
-"""Addresses that people give."""
+"""Addresses of sockets on the command line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tachk.xrce.messages import Endpoint
 
 
 def place(text: str, option: str, needs_host: bool = False) -> Endpoint:
-    """Of ``[HOST:]PORT``, 127.0.0.1 without a host. Raises UsageError."""
+    """The endpoint that ``[HOST:]PORT`` names, at 127.0.0.1 without a host. Raises UsageError."""
     host, colon, port = text.rpartition(":")
     if not is_whole(port) or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
         raise UsageError(f"{option} {text}: no {'HOST:PORT' if needs_host else '[HOST:]PORT'}", "like 127.0.0.1:8888")

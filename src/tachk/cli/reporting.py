@@ -1,4 +1,4 @@
-"""What the commands that report are told about their report. Imports nothing heavy."""
+"""The forms and destinations of reports, as options of commands. Imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class TableForm(StrEnum):
 
 
 class EvidenceChoice(StrEnum):
-    """Which run is given as the evidence for an answer."""
+    """The runs that can be the evidence for an answer."""
 
     SOME = "some"
     SHORTEST = "shortest"
@@ -40,7 +40,7 @@ class EvidenceChoice(StrEnum):
 
 
 class WantedAnswer(StrEnum):
-    """The answers that a region can be asked for."""
+    """The answers whose region can be searched."""
 
     HOLDS = "holds"
     FAILS = "fails"
@@ -48,11 +48,11 @@ class WantedAnswer(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Reporting:
-    """How a command reports.
+    """The form and the destination of a report.
 
     Attributes:
         output: the file of the report; None: standard output.
-        quiet: nothing is reported; the exit status tells.
+        quiet: nothing is reported; only the exit status gives the answer.
     """
 
     form: ReportForm = ReportForm.TEXT
@@ -62,11 +62,11 @@ class Reporting:
 
 @dataclass(frozen=True, slots=True)
 class ViolationReporting:
-    """What `tachk monitor` tells beside the verdicts.
+    """Reports of `tachk monitor` beside the verdicts.
 
     Attributes:
         all_violations: each, not only the first of each formula.
-        signals: a file for what formulas are worth over time.
+        signals: a file for the values of formulas over time.
     """
 
     all_violations: bool = False

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class RowByRow:
-    """Whether and how rows are judged one by one.
+    """Options for evaluating formulas row by row.
 
     Attributes:
-        online: though the trace is a file.
+        online: row by row although the trace is a file.
         follow: wait for more rows at the end of the file.
         live: the trace is a capture of packets that is being made.
         fail_fast: stop at the first verdict that is false.

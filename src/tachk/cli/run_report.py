@@ -14,7 +14,7 @@ from tachk.cli.guard import without_result
 from tachk.cli.reporting import EvidenceChoice, ReportForm, Reporting
 from tachk.cli.terminal import console
 from tachk.report.record import NotRead, RunRecord
-from tachk.report.run.telling import Telling
+from tachk.report.run.display import RunDisplay
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +41,10 @@ class RunReporting(Reporting):
 class RunReport:
     """What people read is written about each model when it has been checked, what programs read at the end."""
 
-    def __init__(self, out: TextIO | None, reporting: RunReporting, telling: Telling) -> None:
+    def __init__(self, out: TextIO | None, reporting: RunReporting, display: RunDisplay) -> None:
         self._out = out
         self._reporting = reporting
-        self._telling = telling
+        self._telling = display
         self._records: list[RunRecord | NotRead] = []
 
     @contextmanager

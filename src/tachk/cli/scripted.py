@@ -1,4 +1,4 @@
-"""`tachk simulate --policy script FILE`: one run, whose decisions a file makes."""
+"""`tachk simulate --policy script FILE`: one run, whose steps stand in a file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.records import dataclass
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.judged import exit_status
 from tachk.cli.reporting import TableForm
 from tachk.cli.run_signals import judged_run, write_run
 from tachk.cli.simulated_model import model_of_run
+from tachk.cli.trace_arguments import exit_status
 from tachk.meaning.run_view import RunNames
 from tachk.model.quantity import duration
 from tachk.simulation.formulas import formulas_for
@@ -22,8 +22,8 @@ from tachk.simulation.stepping.replaying import replay_claims
 
 
 @dataclass(frozen=True, slots=True)
-class Script:
-    """What is asked, as it was typed."""
+class ScriptArguments:
+    """Arguments of `tachk simulate --policy script`."""
 
     model: str
     file: Path
@@ -34,35 +34,37 @@ class Script:
     form: TableForm
 
 
-def run_script(asked: Script) -> ExitStatus:
+def run_script(arguments: ScriptArguments) -> ExitStatus:
     """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
-    claimed = read_claims(asked.file)
-    about = model_of_run(asked.model, asked.definitions, claimed)
+    claimed = read_claims(arguments.file)
+    about = model_of_run(arguments.model, arguments.definitions, claimed)
     names = RunNames(about.model.network)
     replayed = replay_claims(names, claimed)
     if replayed.refusal is not None:
         raise InputError([refusal_diagnostic(replayed.refusal)])
-    formulas = formulas_for(asked.formulas, about.model.network, about.constants)
-    if asked.output is not None:
-        write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, about.constants)
-    truths = judged_run(names, replayed.trace, formulas, str(asked.file))
+    formulas = formulas_for(arguments.formulas, about.model.network, about.constants)
+    if arguments.output is not None:
+        write_run(arguments.output, names, replayed.trace, arguments.record, formulas, arguments.model, about.constants)
+    truths = judged_run(names, replayed.trace, formulas, str(arguments.file))
     texts = {formula.name: formula.text for formula in formulas}
     end = replayed.trace.states[-1].time
-    if asked.form is TableForm.JSON:
-        told = {
-            "model": asked.model,
-            "script": str(asked.file),
+    if arguments.form is TableForm.JSON:
+        summary = {
+            "model": arguments.model,
+            "script": str(arguments.file),
             "until": str(end),
             "transitions": len(replayed.trace.path),
             "formulas": [
                 {"name": name, "formula": texts[name], "verdict": str(truth)} for name, truth in truths.items()
             ],
         }
-        json.dump(told, sys.stdout, indent=2)
+        json.dump(summary, sys.stdout, indent=2)
         print()
     else:
         when = duration(end, names.network.time_unit)
-        print(f"{asked.model}: 1 run until {when}, {len(replayed.trace.path)} transitions, as {asked.file} says")
+        print(
+            f"{arguments.model}: 1 run until {when}, {len(replayed.trace.path)} transitions, as {arguments.file} says"
+        )
         for name, truth in truths.items():
             print(f"{name}: {truth}")
     return exit_status(set(truths.values()))

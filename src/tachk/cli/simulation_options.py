@@ -1,4 +1,4 @@
-"""What the options of commands that draw runs have in common."""
+"""Options that the commands that draw runs share."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def seed(help: str) -> _Adds:
 
 
 def threads(of: str) -> _Adds:
-    """``of``: to what they make no difference."""
+    """``of``: what the number of threads does not change."""
     help = f"They make no difference to the {of}."
     return click.option("--threads", metavar="N", type=options.Count(1, 256), default=1, help=help)
 

@@ -1,4 +1,4 @@
-"""What `tachk step` answers to each line that is typed: text in, text out."""
+"""The answers of `tachk step` to the lines that are typed: text in, text out."""
 
 from __future__ import annotations
 
@@ -190,8 +190,8 @@ class Stepper:
         claimed = read_claims(Path(rest))
         other = constants_of(claimed, dict(self.session.names.network.constants), {})
         if other:
-            told = " ".join(f"-D {name}={value}" for name, value in other.items())
-            raise NotUnderstoodError(f"{rest} is a run of another model; start with {told}")
+            options = " ".join(f"-D {name}={value}" for name, value in other.items())
+            raise NotUnderstoodError(f"{rest} is a run of another model; start with {options}")
         session, refusal = self.session.loaded(claimed)
         if refusal is not None:
             yield f"not all of it is a run: {refusal_diagnostic(refusal).message}"
@@ -244,10 +244,10 @@ class Stepper:
             yield "nothing can happen any more" + (", time passes for ever" if offers.delays.last is None else "")
             return
         yield "what can happen, after a delay in"
-        rows = [(" or ".join(map(str, offer.windows)), self._told(offer)) for offer in offers.offers]
+        rows = [(" or ".join(map(str, offer.windows)), self._lines_of(offer)) for offer in offers.offers]
         width = max(len(when) for when, _ in rows)
-        for number, (when, told) in enumerate(rows, start=1):
-            first, *others = told
+        for number, (when, lines) in enumerate(rows, start=1):
+            first, *others = lines
             yield f"{number:4}  {when:<{width}}  {first}"
             yield from (f"{'':4}  {'':<{width}}  {line}" for line in others)
         if offers.delays.last is not None:
@@ -256,7 +256,7 @@ class Stepper:
                 f"time can pass for {bound} {decimal(offers.delays.last)}" if offers.delays.last else "no time can pass"
             )
 
-    def _told(self, offer: EnabledTransition) -> list[str]:
+    def _lines_of(self, offer: EnabledTransition) -> list[str]:
         event = self._names.event(self.session.state.discrete, offer.transition)
         return [line.plain for line in event_lines(event, 100)]
 
@@ -278,13 +278,13 @@ class Stepper:
         yield f"{' ' if here.position else '→'}    0  start"
         for position in range(1, len(here.steps) + 1):
             step = here.steps[position - 1]
-            told = "time passes"
+            text = "time passes"
             if step.transition is not None:
                 event = self._names.event(here.at(position - 1).state.discrete, step.transition)
                 moves = ", ".join(f"{move.process}: {move.source} → {move.target}" for move in event.moves)
-                told = f"{event.channel}!  {moves}" if event.channel else moves
+                text = f"{event.channel}!  {moves}" if event.channel else moves
             mark = "→" if position == here.position else " "
-            yield f"{mark}{position:5}  {decimal(step.state.time)}  {told}"
+            yield f"{mark}{position:5}  {decimal(step.state.time)}  {text}"
 
 
 def _shown(value: int | bool) -> str:

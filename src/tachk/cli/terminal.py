@@ -1,4 +1,4 @@
-"""What the streams of the program can show, and how the program ends when somebody breaks it off."""
+"""The abilities of the program's streams (colours, characters, width), and its end by a signal."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _SPELLINGS = {
     "‘": "'",
     "’": "'",
 }
-"""Of characters that tachk itself writes, for streams that do not have them."""
+"""Replacements for characters that tachk itself writes, for streams whose encoding lacks them."""
 
 
 def prepare_streams() -> None:
@@ -111,7 +111,7 @@ class _WithoutBlanksAtEnds:
 
 
 def console(stream: TextIO) -> Console:
-    """What prints reports on a stream."""
+    """The console that prints reports on a stream."""
     from tachk.report.plain_console import ReportConsole
 
     plain = not stream.isatty() and not wants_colour(stream)

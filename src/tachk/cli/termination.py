@@ -1,6 +1,6 @@
 """SIGTERM breaks the program off as Ctrl-C does, so that it ends its processes and leaves no half-written file.
 
-After the first signal the program tells what it knows; a second one ends it at once.
+After the first signal the program reports what it has found; a second one ends it at once.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ _SECONDS_OF_ONE_INTERRUPT = 0.25
 """`timeout` and `make` send a signal to the program and then to its group: it comes twice and is meant once."""
 
 _UNHEEDED = (signal.SIG_DFL, signal.default_int_handler)
-"""What Python does about a signal by itself. A program in the background of a shell ignores Ctrl-C and goes on to."""
+"""Python's own handlers of a signal. A program in the background of a shell ignores Ctrl-C and goes on doing so."""
 
 
 class Termination:
-    """By which signal the program is to end where it is broken off."""
+    """The signal by which the program ends if it is interrupted."""
 
     number = signal.SIGINT
 
@@ -35,7 +35,7 @@ class Termination:
         self._replace(_UNHEEDED, self._break_off)
 
     def leave(self) -> None:
-        """A signal ends the program without a word from now on: it has told everything."""
+        """From now on a signal ends the program silently, as it has reported everything."""
         self._replace((self._break_off,), signal.SIG_DFL)
 
     def end(self) -> NoReturn:

@@ -1,4 +1,4 @@
-"""What the options of the commands that read a trace have in common. Imports nothing heavy."""
+"""Options that the commands that read a trace share. Imports nothing heavy."""
 
 from __future__ import annotations
 

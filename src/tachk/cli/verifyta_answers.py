@@ -133,7 +133,7 @@ def _source(options: VerifytaOptions) -> Text | None:
 
 
 def _formulas(loaded: LoadedModel, source: Text | None) -> tuple[Formula, ...]:
-    """What is to be checked, in the order in which UPPAAL counts."""
+    """The queries to check, in the order in which UPPAAL counts them."""
     if source is None:
         return loaded.formulas
     queries, unchecked = elaborate_query_file(loaded, source)
@@ -197,7 +197,7 @@ def _report_statistical(
 
 
 def form() -> Form:
-    """Which version's lines answer statistical queries. Raises UsageError."""
+    """The version of verifyta whose lines answer statistical queries. Raises UsageError."""
     wanted = os.environ.get("TACHK_VERIFYTA_FORM", Form.V4)
     try:
         return Form(wanted)

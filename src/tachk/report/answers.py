@@ -113,11 +113,11 @@ class Report(Sequence[Verdict]):
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
         """The output of `tachk verify`."""
         from tachk.report.plain_console import plain_console
-        from tachk.report.run.telling import Telling
+        from tachk.report.run.display import RunDisplay
         from tachk.report.text_report import print_run
 
         out = StringIO()
-        print_run(self.record, plain_console(out), every_trace, Telling(clocks))
+        print_run(self.record, plain_console(out), every_trace, RunDisplay(clocks))
         return out.getvalue()
 
     def to_page(self, title: str | None = None) -> str:

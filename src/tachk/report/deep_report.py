@@ -11,7 +11,7 @@ from tachk.model.network import Network
 from tachk.model.quantity import duration, grouped, seconds
 from tachk.report.json_report import FORMS, trace_to_json
 from tachk.report.plain_console import ReportConsole
-from tachk.report.run.telling import Ends, Telling
+from tachk.report.run.display import Ends, RunDisplay
 from tachk.report.run.trace_text import print_trace
 from tachk.verify.semantic_lint.findings import DeepCheck, LintAnswer
 
@@ -36,7 +36,7 @@ def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
         how = f"shown by {run}, which goes on for ever" if loops else f"reached by {run}, at time {end}"
         print(f"\n{evidence.finding.code} at {evidence.finding.span} is {how}:", file=out)
         console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
-        print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
+        print_trace(view_trace(network, evidence.run), console, network.time_unit, RunDisplay(ends=_ENDS))
 
 
 def _answer(part: LintAnswer) -> str:

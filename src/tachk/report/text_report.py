@@ -24,7 +24,7 @@ from tachk.report.extreme_text import answer_text, value_lines, value_shown
 from tachk.report.plain_console import plain_console
 from tachk.report.record import RunRecord
 from tachk.report.reductions_text import reduction_lines
-from tachk.report.run.telling import Ends, Telling
+from tachk.report.run.display import Ends, RunDisplay
 from tachk.report.run.trace_text import event_lines, print_trace
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.verdict import Answer, Verdict
@@ -88,7 +88,9 @@ _NAMES_SHOWN = 20
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
 
-def print_run(record: RunRecord, console: Console, every_trace: bool = False, telling: Telling = Telling()) -> None:
+def print_run(
+    record: RunRecord, console: Console, every_trace: bool = False, display: RunDisplay = RunDisplay()
+) -> None:
     """Prints the answers of one run.
 
     Args:
@@ -108,7 +110,7 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
         blank = "" if number else "\n"
         console.print(Text(f"{blank}  {line}", style="dim"), soft_wrap=True)
     _print_values(record, console)
-    _print_unknown(record, console, telling.every_step)
+    _print_unknown(record, console, display.every_step)
     _print_unexamined(record.verdicts, console)
     for verdict in record.verdicts:
         if verdict.assumption:
@@ -121,7 +123,7 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
         known_defect = verdict.answer is Answer.FAILS and verdict.met is True and not every_trace
         if every_trace or known_defect or verdict.met is not True:
             console.print()
-            told = replace(telling, ends=_DEFECT_ENDS) if known_defect else telling
+            told = replace(display, ends=_DEFECT_ENDS) if known_defect else display
             _print_evidence(record.network, verdict, verdict.trace, console, told)
     console.print()
     console.print(_summary(record))
@@ -141,7 +143,9 @@ def _print_estimates(record: RunRecord, console: Console) -> None:
             console.print(Text(f"  {line}"), soft_wrap=True)
 
 
-def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, console: Console, telling: Telling) -> None:
+def _print_evidence(
+    network: Network, verdict: Verdict, trace: TimedTrace, console: Console, display: RunDisplay
+) -> None:
     """The run behind an answer, what is news in it first."""
     view = view_trace(network, trace)
     console.print(Text(_trace_title(network, verdict), style="bold"))
@@ -152,18 +156,18 @@ def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, conso
     news = news_line(view, network.time_unit)
     if news:
         console.print(Text(f"  {news}", style="italic"), soft_wrap=True)
-    print_trace(view, console, network.time_unit, telling)
+    print_trace(view, console, network.time_unit, display)
 
 
-def evidence_text(network: Network, verdict: Verdict, telling: Telling = Telling()) -> str:
+def evidence_text(network: Network, verdict: Verdict, display: RunDisplay = RunDisplay()) -> str:
     """The run behind an answer, or the run-time error that there is instead of one, as text; empty where there is
     neither. Arguments as for `print_run`."""
     out = StringIO()
     console = plain_console(out)
     if verdict.trace is not None:
-        _print_evidence(network, verdict, verdict.trace, console, telling)
+        _print_evidence(network, verdict, verdict.trace, console, display)
     elif verdict.fault is not None:
-        print_fault(network, verdict.fault, console, every_step=telling.every_step)
+        print_fault(network, verdict.fault, console, every_step=display.every_step)
     return out.getvalue().rstrip("\n")
 
 
@@ -238,7 +242,7 @@ def print_fault(
         return
     console.print("after:")
     view = view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
-    print_trace(view, console, network.time_unit, Telling(every_step=every_step, ends=_FAULT_ENDS))
+    print_trace(view, console, network.time_unit, RunDisplay(every_step=every_step, ends=_FAULT_ENDS))
 
 
 def _rendered(diagnostic: Diagnostic) -> Text:

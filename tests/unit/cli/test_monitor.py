@@ -19,10 +19,10 @@ from tachk.cli import monitor_online
 from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
-from tachk.cli.judged import Judged, exit_status
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
-from tachk.recordings.monitors.offline import Judging
+from tachk.cli.trace_arguments import TraceArguments, exit_status
+from tachk.recordings.monitors.offline import EvaluationOptions
 from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.node_signal import Truth
 
@@ -57,7 +57,7 @@ def test_standard_input_is_judged_row_by_row(
 ) -> None:
     lines = TEXT.splitlines(keepends=True)
     pipe = feed(monkeypatch, lines)
-    status = run_monitor(Judged("G (p -> F[0, 3 s] q)", "-"), Judging(robustness=False))
+    status = run_monitor(TraceArguments("G (p -> F[0, 3 s] q)", "-"), EvaluationOptions(robustness=False))
     assert status is ExitStatus.NOT_AS_EXPECTED
     assert pipe.pieces == [lines[-1].encode()]  # decided by the row before: nothing more is asked for
     out = capsys.readouterr().out
@@ -69,7 +69,7 @@ def test_a_dump_on_standard_input_is_called_after_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     feed(monkeypatch, ["$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n#0\nx!\n#1\n0!\n#2\n1!\n"])
-    assert run_monitor(Judged("G (p || !p)", "-")) is ExitStatus.AS_EXPECTED
+    assert run_monitor(TraceArguments("G (p || !p)", "-")) is ExitStatus.AS_EXPECTED
     assert capsys.readouterr().out.startswith("-: 2 rows, from 1 ms to 2 ms")
 
 
@@ -86,7 +86,7 @@ def test_the_end_of_standard_input(
     monkeypatch: pytest.MonkeyPatch, formula: str, end: TraceEnding, status: ExitStatus
 ) -> None:
     feed(monkeypatch, [TEXT[:17], TEXT[17:]])
-    assert run_monitor(Judged(formula, "-"), Judging(end), reporting=Reporting(quiet=True)) is status
+    assert run_monitor(TraceArguments(formula, "-"), EvaluationOptions(end), reporting=Reporting(quiet=True)) is status
 
 
 def test_a_false_formula_counts_more_than_one_that_is_open() -> None:
@@ -109,14 +109,16 @@ def test_a_growing_file_is_waited_for(
             file.write(parts.pop(0))
 
     monkeypatch.setattr(monitor_online.time, "sleep", grow)
-    status = run_monitor(Judged("G (p -> F[0, 19 s] q)", str(path)), Judging(robustness=False), RowByRow(follow=True))
+    status = run_monitor(
+        TraceArguments("G (p -> F[0, 19 s] q)", str(path)), EvaluationOptions(robustness=False), RowByRow(follow=True)
+    )
     assert status is ExitStatus.AS_EXPECTED
     assert "5 rows, from 0 s to 20 s" in capsys.readouterr().out
 
 
 def test_a_file_is_read_to_its_end_for_the_bounds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x.csv").write_text("time,x\n0,1\n1,6\n2,10\n3,1\n")
-    status = run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=True))
+    status = run_monitor(TraceArguments("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=True))
     assert status is ExitStatus.NOT_AS_EXPECTED
     out = capsys.readouterr().out
     assert "4 rows, from 0 to 3" in out
@@ -128,7 +130,7 @@ def test_times_with_many_digits_are_rounded_and_the_report_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], online: bool
 ) -> None:
     (tmp_path / "x.csv").write_text("time,x\n0,1\n0.12345678901234567890123,6\n")
-    status = run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
+    status = run_monitor(TraceArguments("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
     assert status is ExitStatus.NOT_AS_EXPECTED
     out = capsys.readouterr().out
     assert "from 0 to 0.123456789\ntimes are rounded to 9 decimals\n" in out
@@ -138,7 +140,7 @@ def test_times_with_many_digits_are_rounded_and_the_report_says_so(
 def test_times_that_are_too_fine_say_why(tmp_path: Path, online: bool) -> None:
     (tmp_path / "x.csv").write_text("time,x\n0,1\n1234567890123.12345678901234567890123,6\n")
     with pytest.raises(InputError) as refusal:
-        run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
+        run_monitor(TraceArguments("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
     assert "--decimals 9" in str(refusal.value.diagnostics[0].help)
 
 
@@ -148,7 +150,7 @@ def test_a_clock_that_shows_the_time_since_1970_in_nanoseconds(
     feed(
         monkeypatch, ["time [ns],p\n", "1772323200500000000,1\n", "1772323201250000000,0\n", "1772323202250000000,0\n"]
     )
-    assert run_monitor(Judged("G p", "-")) is ExitStatus.NOT_AS_EXPECTED
+    assert run_monitor(TraceArguments("G p", "-")) is ExitStatus.NOT_AS_EXPECTED
     assert "1772323202250000000 ns: p1 is false" in capsys.readouterr().out
 
 
@@ -159,9 +161,9 @@ def test_events_come_as_json_lines(monkeypatch: pytest.MonkeyPatch, capsys: pyte
     schema = {**event, "$defs": monitor["$defs"]}
     schema = json.loads(json.dumps(schema).replace("monitor.schema.json#", "#"))
     feed(monkeypatch, ["time [s],p\n0,1\n2,0\n3,1\n", "5,1\n6,0\n"])
-    formulas = Judged("G p", "-")
-    told = ViolationReporting(all_violations=True)
-    assert run_monitor(formulas, told=told, reporting=Reporting(ReportForm.JSONL)) is ExitStatus.NOT_AS_EXPECTED
+    formulas = TraceArguments("G p", "-")
+    every = ViolationReporting(all_violations=True)
+    assert run_monitor(formulas, violations=every, reporting=Reporting(ReportForm.JSONL)) is ExitStatus.NOT_AS_EXPECTED
     events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     for each in events:
         jsonschema.validate(each, schema)
@@ -183,7 +185,9 @@ def test_it_can_stop_at_the_first_verdict_that_is_false(
     formulas.write_text("first: G (p -> F[0, 3 s] q)\nsecond: G (q -> F[0, 100 s] p)\n")
     lines = TEXT.splitlines(keepends=True)
     pipe = feed(monkeypatch, [*lines, "30,0,0\n"])
-    status = run_monitor(Judged(str(formulas), "-"), Judging(TraceEnding.WEAK), RowByRow(fail_fast=True))
+    status = run_monitor(
+        TraceArguments(str(formulas), "-"), EvaluationOptions(TraceEnding.WEAK), RowByRow(fail_fast=True)
+    )
     assert status is ExitStatus.NOT_AS_EXPECTED
     assert len(pipe.pieces) == 2
     out = capsys.readouterr().out
@@ -201,7 +205,9 @@ def test_a_silent_pipe_is_waited_for_until_the_time_is_over(
     os.write(writing, come.encode())
     with os.fdopen(reading) as stream:
         monkeypatch.setattr("sys.stdin", stream)
-        status = guarded(in_time(lambda: run_monitor(Judged("G p", "-"), Judging(robustness=False)), 200))
+        status = guarded(
+            in_time(lambda: run_monitor(TraceArguments("G p", "-"), EvaluationOptions(robustness=False)), 200)
+        )
     os.close(writing)
     assert status is ExitStatus.UNKNOWN
     said = capsys.readouterr()

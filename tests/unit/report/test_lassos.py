@@ -17,7 +17,7 @@ from tachk.model.run import Ending
 from tachk.report.html_report import run_to_html
 from tachk.report.json_report import Json, run_to_json
 from tachk.report.record import RunRecord
-from tachk.report.run.telling import Ends, Telling
+from tachk.report.run.display import Ends, RunDisplay
 from tachk.report.text_report import evidence_text
 from tachk.report.verifyta_report import run_to_verifyta
 from tachk.verify.verdict import Answer, Verdict
@@ -54,8 +54,8 @@ def checked(busy: str) -> RunRecord:
     return RunRecord("machine.ta", loaded.network, (verdict,))
 
 
-def told(record: RunRecord, telling: Telling = Telling()) -> str:
-    return evidence_text(record.network, record.verdicts[0], telling)
+def told(record: RunRecord, display: RunDisplay = RunDisplay()) -> str:
+    return evidence_text(record.network, record.verdicts[0], display)
 
 
 def test_a_loop_is_told_after_what_leads_to_it() -> None:
@@ -95,12 +95,12 @@ def test_runs_that_end_say_how(busy: str, title: str, last: str) -> None:
 
 
 def test_of_a_long_run_the_loop_is_told() -> None:
-    text = told(checked(WORKS), Telling(ends=Ends(0, 1)))
+    text = told(checked(WORKS), RunDisplay(ends=Ends(0, 1)))
     assert "↻ from here on" in text and "Idle → Busy" in text
 
 
 def test_every_step_tells_the_loop_too() -> None:
-    text = told(checked(WORKS), Telling(every_step=True, clocks=True))
+    text = told(checked(WORKS), RunDisplay(every_step=True, clocks=True))
     assert "↻ from here on" in text and "start in Machine.Off" in text
 
 

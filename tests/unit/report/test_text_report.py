@@ -11,7 +11,7 @@ from tachk.meaning.run_view import Snapshot, TraceView, ViewStep
 from tachk.model.query import Expectation
 from tachk.report import text_report
 from tachk.report.record import RunRecord
-from tachk.report.run.telling import Telling
+from tachk.report.run.display import RunDisplay
 from tachk.report.run.trace_text import print_trace
 from tachk.report.text_report import print_run
 from tachk.verify.verdict import Answer
@@ -57,7 +57,7 @@ def test_a_step_tells_who_did_what_when_and_what_changed(record: RunRecord) -> N
 
 def test_clocks_are_printed_on_demand(record: RunRecord) -> None:
     assert "User.x" not in printed(record)
-    assert "User.x = 5/2" in printed(record, telling=Telling(clocks=True))
+    assert "User.x = 5/2" in printed(record, display=RunDisplay(clocks=True))
 
 
 def test_what_was_not_looked_at_is_told_once(record: RunRecord) -> None:

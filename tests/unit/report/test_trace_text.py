@@ -10,7 +10,7 @@ from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
 from tachk.meaning.run_view import TraceView, view_trace
 from tachk.report.json_report import trace_to_json
-from tachk.report.run.telling import Telling
+from tachk.report.run.display import RunDisplay
 from tachk.report.run.trace_text import print_trace
 from tachk.report.text_report import news_line, print_fault
 from tachk.verify.verify import verify
@@ -60,7 +60,7 @@ system P;
 property p : E<> n == 1000;
 """
 
-WHOLE = Telling(every_step=True)
+WHOLE = RunDisplay(every_step=True)
 
 
 def run_of(text: str) -> TraceView:
@@ -70,9 +70,9 @@ def run_of(text: str) -> TraceView:
     return view_trace(model.network, verdict.trace)
 
 
-def told(view: TraceView, telling: Telling = Telling()) -> str:
+def told(view: TraceView, display: RunDisplay = RunDisplay()) -> str:
     out = StringIO()
-    print_trace(view, Console(file=out, width=120), "1 ms", telling)
+    print_trace(view, Console(file=out, width=120), "1 ms", display)
     return out.getvalue()
 
 

@@ -73,8 +73,8 @@ def command(**given: Any) -> None:
     not simulated.
     """
 
-    (asked,) = options.distributed(given, Bridging)
-    options.finish(lambda: run_bridge(asked))
+    (arguments,) = options.distributed(given, BridgeArguments)
+    options.finish(lambda: run_bridge(arguments))
 
 
 _NANOSECONDS = 10**9
@@ -82,8 +82,8 @@ _FOR_EVER = 2**62
 
 
 @dataclass(frozen=True, slots=True)
-class Bridging:
-    """What is asked, as it was typed."""
+class BridgeArguments:
+    """Arguments of `tachk bridge`."""
 
     model: str
     processes: tuple[str, ...]
@@ -98,27 +98,33 @@ class Bridging:
     record: Path | None
 
 
-def run_bridge(asked: Bridging) -> ExitStatus:
+def run_bridge(arguments: BridgeArguments) -> ExitStatus:
     """Raises UsageError for a part that is no end of a session, OSError for a port that is taken."""
-    model = simulated_model(asked.model, **parse_definitions(asked.definitions))
+    model = simulated_model(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    clock = WallClock(asked.speed)
+    clock = WallClock(arguments.speed)
     bridge = Bridge(
-        BridgedPart(model.network, asked.processes, asked.seed, Policy(asked.policy)), clock, topic=asked.topic
+        BridgedPart(model.network, arguments.processes, arguments.seed, Policy(arguments.policy)),
+        clock,
+        topic=arguments.topic,
     )
-    if bridge.to_agent and asked.to is None:
+    if bridge.to_agent and arguments.to is None:
         raise UsageError("these processes are a client: --to is missing", "--to HOST:PORT says where the Agent listens")
-    if not bridge.to_agent and asked.listen is None:
+    if not bridge.to_agent and arguments.listen is None:
         raise UsageError("these processes are an Agent: --listen is missing", "such as --listen 8888")
-    to = None if asked.to is None else place(asked.to, "--to", needs_host=True)
-    listen = None if asked.listen is None else place(asked.listen, "--listen")
-    until = _FOR_EVER if asked.seconds_in_all is None else int(asked.seconds_in_all * _NANOSECONDS * asked.speed)
+    to = None if arguments.to is None else place(arguments.to, "--to", needs_host=True)
+    listen = None if arguments.listen is None else place(arguments.listen, "--listen")
+    until = (
+        _FOR_EVER
+        if arguments.seconds_in_all is None
+        else int(arguments.seconds_in_all * _NANOSECONDS * arguments.speed)
+    )
     with ExitStack() as stack:
-        file = None if asked.record is None else stack.enter_context(asked.record.open("wb"))
+        file = None if arguments.record is None else stack.enter_context(arguments.record.open("wb"))
         socket = BridgeSocket(bridge, listen, to, None if file is None else CaptureWriter(file))
         stack.callback(socket.close)
         side = "client" if bridge.to_agent else "Agent"
-        print(f"{asked.model}: {side} at {socket.address}{'' if to is None else f', to {to}'}", flush=True)
+        print(f"{arguments.model}: {side} at {socket.address}{'' if to is None else f', to {to}'}", flush=True)
         with suppress(KeyboardInterrupt):
             socket.run(clock, until)
         sent, received = socket.packets

@@ -60,13 +60,13 @@ def command(seconds: float | None, **given: Any) -> None:
     damaged.
     """
 
-    arguments = options.distributed(given, Submitted, Reporting)
+    arguments = options.distributed(given, CertifyArguments, Reporting)
     options.finish(lambda: run_certify(*arguments), seconds)
 
 
 @dataclass(frozen=True, slots=True)
-class Submitted:
-    """What is to be checked, as it was typed."""
+class CertifyArguments:
+    """Arguments of `tachk certify`."""
 
     model: str
     file: Path
@@ -74,22 +74,22 @@ class Submitted:
     checker: str = Checker.PYTHON.value
 
 
-def run_certify(submitted: Submitted, reporting: Reporting = Reporting()) -> ExitStatus:
+def run_certify(arguments: CertifyArguments, reporting: Reporting = Reporting()) -> ExitStatus:
     """Checks every certificate of a file. Raises UsageError for a file that is damaged."""
-    model = api.load(submitted.model, **parse_definitions(submitted.definitions))
-    checker = Checker(submitted.checker)
-    with submitted.file.open("rb") as stream, destination(reporting.output, reporting.quiet) as out:
+    model = api.load(arguments.model, **parse_definitions(arguments.definitions))
+    checker = Checker(arguments.checker)
+    with arguments.file.open("rb") as stream, destination(reporting.output, reporting.quiet) as out:
         try:
             judgements = list(_judgements(model.loaded, read_certificates(stream), checker))
             if not judgements:
-                raise UsageError(f"{submitted.file}: there is no certificate in it")
+                raise UsageError(f"{arguments.file}: there is no certificate in it")
             if out is not None and reporting.form is ReportForm.JSON:
-                found = judgements_to_json(submitted.model, str(submitted.file), checker.value, judgements)
+                found = judgements_to_json(arguments.model, str(arguments.file), checker.value, judgements)
                 out.write(json_text(found))
             elif out is not None:
                 out.writelines(f"{line}\n" for line in judgement_lines(judgements))
         except MalformedCertificateError as error:
-            raise UsageError(f"{submitted.file} is not a whole certificate for {submitted.model}: {error}") from error
+            raise UsageError(f"{arguments.file} is not a whole certificate for {arguments.model}: {error}") from error
     return ExitStatus.AS_EXPECTED if all(j.accepted for j in judgements) else ExitStatus.NOT_AS_EXPECTED
 
 
@@ -109,7 +109,7 @@ def _judgements(model: LoadedModel, certificates: Sequence[CertificateReader], c
 
 
 def _made_for_another(header: CertificateHeader, network: Network, own: str) -> str:
-    """Why a certificate is not about this model, by what its header says; empty if it is."""
+    """The reason why a certificate is about another model, from its header; empty if it is about this one."""
     if header.model == own:
         return ""
     constants = dict(network.constants)

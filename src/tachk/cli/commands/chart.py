@@ -70,7 +70,7 @@ def command(seconds: float | None, **given: Any) -> None:
     FILE is a pcap or pcapng capture of DDS-XRCE, or a report with runs: tachk verify MODEL --trace some --format json.
     """
 
-    arguments = options.distributed(given, Charting)
+    arguments = options.distributed(given, ChartArguments)
     options.finish(lambda: run_chart(*arguments), seconds)
 
 
@@ -81,8 +81,8 @@ _TIME = re.compile(rf"\s*({DIGITS}(?:\.{DIGITS})?)\s*([a-zµμ]+)?\s*")
 
 
 @dataclass(frozen=True, slots=True)
-class Charting:
-    """What is drawn, as it was typed."""
+class ChartArguments:
+    """Arguments of `tachk chart`."""
 
     file: Path
     output: Path
@@ -93,39 +93,39 @@ class Charting:
     ports: tuple[int, ...]
 
 
-def run_chart(charting: Charting) -> ExitStatus:
+def run_chart(arguments: ChartArguments) -> ExitStatus:
     """Raises UsageError for what cannot be drawn."""
-    chart = _read(charting)
-    part = chart.part(_time(charting.begin, chart.unit), _time(charting.end, chart.unit))
-    axis = TimeAxis(charting.axis)
-    write_chart(part.used() if axis is TimeAxis.SCALE else shown_once(part.used()), charting.output, axis)
+    chart = _read(arguments)
+    part = chart.part(_time(arguments.begin, chart.unit), _time(arguments.end, chart.unit))
+    axis = TimeAxis(arguments.axis)
+    write_chart(part.used() if axis is TimeAxis.SCALE else shown_once(part.used()), arguments.output, axis)
     return ExitStatus.AS_EXPECTED
 
 
-def _read(charting: Charting) -> Chart:
-    with charting.file.open("rb") as stream:
+def _read(arguments: ChartArguments) -> Chart:
+    with arguments.file.open("rb") as stream:
         is_report = stream.read(1) in (b"{", b" ", b"\n")
     if is_report:
-        return chart_of_run(_report(charting))
+        return chart_of_run(_report(arguments))
     try:
-        recording = read_transmissions(charting.file, charting.ports)
+        recording = read_transmissions(arguments.file, arguments.ports)
     except CaptureError as error:
         raise UsageError(
-            f"{charting.file}: {error}", "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture"
+            f"{arguments.file}: {error}", "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture"
         ) from None
     if not recording.transmissions:
         raise UsageError(
-            f"{charting.file}: no message to or from the ports of an Agent", "--port says where the Agent listens"
+            f"{arguments.file}: no message to or from the ports of an Agent", "--port says where the Agent listens"
         )
-    return chart_of_capture(recording, charting.file.name)
+    return chart_of_capture(recording, arguments.file.name)
 
 
-def _report(charting: Charting) -> RunSteps:
+def _report(arguments: ChartArguments) -> RunSteps:
     how = "a report of tachk verify --format json is expected"
-    document = read_json(charting.file, how)
+    document = read_json(arguments.file, how)
     if isinstance(document.get("runs"), list):
-        check_report(document, "verify", charting.file, how)
-    return steps_of_report(document, str(charting.file), charting.name)
+        check_report(document, "verify", arguments.file, how)
+    return steps_of_report(document, str(arguments.file), arguments.name)
 
 
 def write_chart(chart: Chart, output: Path, axis: TimeAxis = TimeAxis.COMPRESSED) -> None:

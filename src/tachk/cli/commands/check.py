@@ -69,7 +69,7 @@ def run_check(
     seconds: float | None = None,
     deep: bool = False,
 ) -> ExitStatus:
-    """Reads every model and tells what is wrong or odd about each.
+    """Reads every model and reports its mistakes and warnings.
 
     Args:
         version: of UPPAAL; report also what it would refuse or treat otherwise.
@@ -130,7 +130,7 @@ def _within(
 def _check(
     path: str, constants: dict[str, str], version: UppaalVersion | None, strict_xta: bool
 ) -> tuple[Checked, api.Model | None]:
-    """What reading tells, and the model where it can be used."""
+    """The findings from reading a model, and the model if it can be used."""
     try:
         model = api.Model(load_model(path, constants, strict_xta), path, tuple(constants))
     except InputError as error:
@@ -174,8 +174,8 @@ def _tell(check: Checked, version: UppaalVersion | None, named: bool, out: TextI
     size = check.size
     if size is None:
         return
-    told = (*check.findings, *(check.deep.findings if check.deep is not None else ()))
-    warnings = sum(found.severity is not Severity.ERROR for found in told)
+    findings = (*check.findings, *(check.deep.findings if check.deep is not None else ()))
+    warnings = sum(found.severity is not Severity.ERROR for found in findings)
     counts = (
         (size.processes, "process", "processes"),
         (size.locations, "location", "locations"),

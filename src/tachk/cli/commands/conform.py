@@ -81,13 +81,13 @@ def command(seconds: float | None, **given: Any) -> None:
     Exit status: 0 all are, 10 one is not, 20 one is undecided because a limit was hit, 2 bad input.
     """
 
-    arguments = options.distributed(given, Conforming, Reporting)
+    arguments = options.distributed(given, ConformArguments, Reporting)
     options.finish(lambda: run_conform(arguments[0], arguments[1], seconds), seconds)
 
 
 @dataclass(frozen=True, slots=True)
-class Conforming:
-    """What is asked, as it was typed."""
+class ConformArguments:
+    """Arguments of `tachk conform`."""
 
     model: str
     recordings: tuple[str, ...]
@@ -102,36 +102,36 @@ class Conforming:
     explanation: ExplanationDetail = ExplanationDetail.SHORT
 
 
-def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) -> ExitStatus:
+def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
     """Holds recordings against a model, and reports."""
-    model = api.load(asked.model, **parse_definitions(asked.definitions))
+    model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     model = api.Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
-    limits = Limits(states=asked.states, seconds=seconds)
+    limits = Limits(states=arguments.states, seconds=seconds)
     with limited(seconds):
         found = [
             api.conform(
                 model,
                 each,
-                asked.tolerance,
-                asked.late,
-                asked.unit,
-                asked.ports,
+                arguments.tolerance,
+                arguments.late,
+                arguments.unit,
+                arguments.ports,
                 limits,
-                asked.applications,
-                asked.explanation,
+                arguments.applications,
+                arguments.explanation,
             )
-            for each in asked.recordings
+            for each in arguments.recordings
         ]
-    covered = coverage(model.network, (each for each in found if each.accepted)) if asked.coverage else ()
+    covered = coverage(model.network, (each for each in found if each.accepted)) if arguments.coverage else ()
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:
                 case ReportForm.TEXT:
-                    out.writelines(conformance_to_text(each, asked.model) for each in found)
+                    out.writelines(conformance_to_text(each, arguments.model) for each in found)
                     out.write(coverage_to_text(covered) if covered else "")
                 case ReportForm.JSON:
-                    json.dump(conformance_to_json(found, asked.model, covered), out, indent=2)
+                    json.dump(conformance_to_json(found, arguments.model, covered), out, indent=2)
                     out.write("\n")
                 case _:
                     raise UsageError(f"unknown format {reporting.form}")

@@ -65,7 +65,7 @@ class Decoding:
     """Attributes:
     serial: the file holds the bytes of a serial line.
     form: text or jsonl.
-    signals: where signals over time go; None: events are told.
+    signals: where signals over time go; None: the events are printed.
     """
 
     file: Path

@@ -93,16 +93,16 @@ def command(seconds: float | None, **given: Any) -> None:
     not decided, 2 bad input, 3 something that is not simulated.
     """
 
-    asked, reporting = options.distributed(given, Estimating, Reporting)
-    options.finish(lambda: run_estimate(asked, reporting), seconds)
+    request, reporting = options.distributed(given, EstimateArguments, Reporting)
+    options.finish(lambda: run_estimate(request, reporting), seconds)
 
 
 _READING = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Estimating:
-    """What is asked, as it was typed."""
+class EstimateArguments:
+    """Arguments of `tachk estimate`."""
 
     arguments: tuple[str, ...]
     query_files: tuple[Path, ...] = ()
@@ -125,28 +125,28 @@ class Estimating:
     picture: Path | None = None
 
 
-def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
+def run_estimate(request: EstimateArguments, reporting: Reporting) -> ExitStatus:
     """Answers the queries in their order, and reports."""
-    models, typed = split_models_and_queries(asked.arguments)
+    models, typed = split_models_and_queries(request.arguments)
     if len(models) > 1:
         raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
-    model = simulated_model(models[0], **parse_definitions(asked.definitions))
+    model = simulated_model(models[0], **parse_definitions(request.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    orders = orders_of(asked.faults)
+    orders = orders_of(request.faults)
     network = ordered(model.network, orders).network
     settings = Settings(
-        RunSource(asked.seed, 0, asked.threads, asked.most_steps),
-        asked.confidence,
-        asked.half_width,
-        asked.runs,
-        Errors(asked.alpha, asked.beta, asked.delta),
-        asked.most_runs,
-        Splitting(asked.relative, asked.effort) if asked.splitting else None,
+        RunSource(request.seed, 0, request.threads, request.most_steps),
+        request.confidence,
+        request.half_width,
+        request.runs,
+        Errors(request.alpha, request.beta, request.delta),
+        request.most_runs,
+        Splitting(request.relative, request.effort) if request.splitting else None,
     )
     statuses: list[ExitStatus] = []
     found: list[Estimate | NoEstimate] = []
     reason = ""
-    for query, expectation in _queries(model, asked, typed, statuses):
+    for query, expectation in _queries(model, request, typed, statuses):
         if not reason:
             try:
                 seen = network if query.network is None else ordered(query.network, orders).network
@@ -162,10 +162,10 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
         found.append(NoEstimate(query, reason))
         statuses.append(ExitStatus.INTERRUPTED if reason == INTERRUPTED else ExitStatus.UNKNOWN)
     answered = [each for each in found if not isinstance(each, NoEstimate)]
-    if asked.picture is not None and (answered or not reason):
+    if request.picture is not None and (answered or not reason):
         from tachk.report.statistics.picture import plot_estimates
 
-        plot_estimates(answered, network.time_unit, asked.picture)
+        plot_estimates(answered, network.time_unit, request.picture)
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form is ReportForm.JSON:
             out.write(json_text(estimates_document(models[0], found, settings)))
@@ -175,16 +175,16 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
 
 
 def _queries(
-    model: api.Model, asked: Estimating, typed: tuple[str, ...], statuses: list[ExitStatus]
+    model: api.Model, request: EstimateArguments, typed: tuple[str, ...], statuses: list[ExitStatus]
 ) -> Iterator[tuple[StatisticalQuery, Expectation | None]]:
-    """What is to be answered. What is wrong with a query of a file or a model is told, and does not keep others from
-    being answered."""
+    """The queries to answer. A mistake in a query of a file or a model is reported; the other queries are still
+    answered."""
     loaded = model.loaded
-    named = [query for query in loaded.formulas if query.name in asked.properties]
-    missing = set(asked.properties) - {query.name for query in named}
+    named = [query for query in loaded.formulas if query.name in request.properties]
+    missing = set(request.properties) - {query.name for query in named}
     if missing:
         raise UsageError(f"{model.path} has no property {min(missing)!r}")
-    files = tuple(read_source(path) for path in asked.query_files)
+    files = tuple(read_source(path) for path in request.query_files)
     given = Questions(model.path, (), files, tuple(Text("<query>", text) for text in typed))
     formulas = [*named, *(given.about(loaded) if typed or files or not named else ())]
     if not any(map(is_statistical, formulas)):

@@ -96,8 +96,8 @@ def _lines(named: NamedFormula) -> list[str]:
 
 
 def _observer(formula: Formula) -> str:
-    """What the automaton is like with which a model is checked against the formula; its size does not depend on the
-    unit of time, which is taken small enough for all bounds."""
+    """The size of the observer automaton of the formula. It does not depend on the unit of time, which is taken small
+    enough for all bounds."""
     values = [duration.value for duration in nodes_of_kind(formula, Duration) if isinstance(duration.value, Fraction)]
     scale = lcm(*(value.denominator for value in values))
     try:

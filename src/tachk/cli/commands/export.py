@@ -154,7 +154,7 @@ def write_files(files: Mapping[Path, str]) -> None:
 
 
 def _explain(exported: Exported) -> None:
-    """What was written differently, each step with its place, then the number of each kind."""
+    """Prints each construct that was written differently, with its place, then the number of each kind."""
     for step in exported.steps:
         print(step, file=sys.stderr)
     counts = Counter(step.kind for step in exported.steps)

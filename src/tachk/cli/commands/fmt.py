@@ -62,5 +62,5 @@ def _format(path: Path, check_only: bool, to_stdout: bool) -> ExitStatus:
 
 
 def _in_sentence(node: ast.TemporalFormula) -> tuple[Diagnostic, ...]:
-    """What is wrong with a property that is a sentence, which the parser of models takes as it is."""
+    """The mistakes in a property that is a sentence, which the parser of models does not look into."""
     return parse_sentence(node.span)[1] if node.sentence else ()

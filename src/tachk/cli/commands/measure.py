@@ -50,7 +50,7 @@ def command(seconds: float | None, **given: Any) -> None:
     """Measure the parameters of a DDS-XRCE system in captures of it.
 
     FILE is a pcap or pcapng capture; several are put together. Heartbeats, round trips, repairs, windows, losses and
-    dead time are told with minimum, median and maximum, the packets they came from and how sure they are, and as
+    dead time are printed with minimum, median and maximum, the packets they came from and how sure they are, and as
     constants of a model: tachk verify MODEL $(tachk measure FILE --for MODEL --format settings)
     """
 

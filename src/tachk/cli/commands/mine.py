@@ -53,13 +53,13 @@ def command(seconds: float | None, **given: Any) -> None:
     Exit status: 0 there is one, 10 no value of the range satisfies it, 2 bad input.
     """
 
-    asked, reporting = options.distributed(given, MineArguments, Reporting)
-    options.finish(lambda: run_mine(asked, reporting), seconds)
+    arguments, reporting = options.distributed(given, MineArguments, Reporting)
+    options.finish(lambda: run_mine(arguments, reporting), seconds)
 
 
 @dataclass(frozen=True, slots=True)
 class MineArguments:
-    """What is looked for; the fields are the arguments of `tachk.mine`."""
+    """Arguments of `tachk mine`; the fields are the arguments of `tachk.mine`."""
 
     formula: str
     traces: tuple[str, ...]
@@ -72,22 +72,22 @@ class MineArguments:
     ending: TraceEnding = TraceEnding.UNDETERMINED
 
 
-def run_mine(asked: MineArguments, reporting: Reporting = Reporting()) -> ExitStatus:
+def run_mine(arguments: MineArguments, reporting: Reporting = Reporting()) -> ExitStatus:
     """Finds the tightest value of a parameter."""
-    ranges = named_ranges(asked.over, "--over")
-    if asked.step is not None and re.fullmatch(r"\d*\.?\d+", asked.step) is None:
-        raise UsageError(f"--step {asked.step}: expected a positive number")
-    check_order(asked.formula, asked.traces[0])
+    ranges = named_ranges(arguments.over, "--over")
+    if arguments.step is not None and re.fullmatch(r"\d*\.?\d+", arguments.step) is None:
+        raise UsageError(f"--step {arguments.step}: expected a positive number")
+    check_order(arguments.formula, arguments.traces[0])
     found = mine(
-        asked.formula,
-        asked.traces,
+        arguments.formula,
+        arguments.traces,
         ranges,
-        step=asked.step,
-        time=asked.time,
-        unit=asked.unit,
-        end=asked.ending.value,
-        constants=parse_definitions(asked.definitions),
-        select=() if asked.name is None else (asked.name,),
+        step=arguments.step,
+        time=arguments.time,
+        unit=arguments.unit,
+        end=arguments.ending.value,
+        constants=parse_definitions(arguments.definitions),
+        select=() if arguments.name is None else (arguments.name,),
     )
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form is ReportForm.JSON:

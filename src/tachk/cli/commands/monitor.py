@@ -20,12 +20,12 @@ from tachk.base.whole_files import whole_text
 from tachk.cli import options, trace_options
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.judged import Judged, exit_status, print_warnings
 from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.terminal import console
+from tachk.cli.trace_arguments import TraceArguments, exit_status, print_warnings
 from tachk.recordings.monitors.formulas import NamedFormula, names_file
-from tachk.recordings.monitors.offline import Judging, judge
+from tachk.recordings.monitors.offline import EvaluationOptions, judge
 from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
@@ -148,51 +148,53 @@ def command(seconds: float | None, **given: Any) -> None:
     2 bad input.
     """
 
-    arguments = options.distributed(given, Judged, Judging, RowByRow, ViolationReporting, Reporting)
+    arguments = options.distributed(given, TraceArguments, EvaluationOptions, RowByRow, ViolationReporting, Reporting)
     options.finish(lambda: run_monitor(*arguments), seconds)
 
 
 def run_monitor(
-    judged: Judged,
-    judging: Judging = Judging(),
+    arguments: TraceArguments,
+    evaluation: EvaluationOptions = EvaluationOptions(),
     rows: RowByRow = RowByRow(),
-    told: ViolationReporting = ViolationReporting(),
+    violations: ViolationReporting = ViolationReporting(),
     reporting: Reporting = Reporting(),
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
-    formulas = judged.formulas()
-    stream = StandardInput() if judged.trace == "-" and not judged.others and not rows.live else None
+    formulas = arguments.formulas()
+    stream = StandardInput() if arguments.trace == "-" and not arguments.others and not rows.live else None
     if stream is not None and stream.begins_dump():
         with dump_in_a_file(stream) as path:
-            return run_monitor(replace(judged, trace=path, called=judged.trace), judging, rows, told, reporting)
-    if rows.online or rows.follow or rows.live or rows.fail_fast or judged.trace == "-":
-        if judging.interpolation is not Interpolation.CONSTANT:
+            return run_monitor(
+                replace(arguments, trace=path, called=arguments.trace), evaluation, rows, violations, reporting
+            )
+    if rows.online or rows.follow or rows.live or rows.fail_fast or arguments.trace == "-":
+        if evaluation.interpolation is not Interpolation.CONSTANT:
             raise UsageError(
                 "--interpolation linear needs the whole trace: row by row the next row is not known",
                 "leave out --online and --follow, and give a file",
             )
-        if judging.time_robustness:
+        if evaluation.time_robustness:
             raise UsageError("--time-robustness needs the whole trace", "leave out --online and --follow")
-        if told.signals is not None:
+        if violations.signals is not None:
             raise UsageError("--signals needs the whole trace", "leave out --online, --follow and --fail-fast")
         from tachk.cli.monitor_online import run_online
 
-        return run_online(judged, formulas, judging, rows, told, reporting, stream)
-    source = judged.formula if names_file(judged.formula) else ""
-    recording = judged.recording()
+        return run_online(arguments, formulas, evaluation, rows, violations, reporting, stream)
+    source = arguments.formula if names_file(arguments.formula) else ""
+    recording = arguments.recording()
     if isinstance(recording, SeveralRuns):
-        return _run_several(recording, formulas, judging, told, reporting)
-    record = judge(formulas, recording, judging, source)
+        return _run_several(recording, formulas, evaluation, violations, reporting)
+    record = judge(formulas, recording, evaluation, source)
     print_warnings(record.trace.warnings)
-    if judged.called is not None:
-        record = replace(record, trace=replace(record.trace, name=judged.called))
+    if arguments.called is not None:
+        record = replace(record, trace=replace(record.trace, name=arguments.called))
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
-            _write(record, reporting.form, out, told.all_violations)
-    if told.signals is not None:
+            _write(record, reporting.form, out, violations.all_violations)
+    if violations.signals is not None:
         from tachk.report.monitor.formula_signals import write_signals
 
-        with whole_text(told.signals) as file:
+        with whole_text(violations.signals) as file:
             write_signals(record, file)
     return exit_status({verdict.truth for verdict in record.verdicts})
 
@@ -200,24 +202,24 @@ def run_monitor(
 def _run_several(
     recording: SeveralRuns,
     formulas: tuple[NamedFormula, ...],
-    judging: Judging,
-    told: ViolationReporting,
+    evaluation: EvaluationOptions,
+    violations: ViolationReporting,
     reporting: Reporting,
 ) -> ExitStatus:
     """Judges each run of a file."""
-    if reporting.form not in (ReportForm.TEXT, ReportForm.JSON) or told.signals is not None:
+    if reporting.form not in (ReportForm.TEXT, ReportForm.JSON) or violations.signals is not None:
         raise UsageError(
             f"{recording.name} holds several runs: they are reported as text or JSON, without --signals",
             f"choose one run: --run {next(iter(recording.runs))}",
         )
     from tachk.report.monitor.several_runs import print_runs, runs_to_json
 
-    records = {number: judge(formulas, run, judging) for number, run in recording.runs.items()}
+    records = {number: judge(formulas, run, evaluation) for number, run in recording.runs.items()}
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form is ReportForm.TEXT:
-            print_runs(recording.name, records, console(out), told.all_violations)
+            print_runs(recording.name, records, console(out), violations.all_violations)
         elif out is not None:
-            json.dump(runs_to_json(recording.name, records, told.all_violations), out, indent=2)
+            json.dump(runs_to_json(recording.name, records, violations.all_violations), out, indent=2)
             out.write("\n")
     return exit_status({verdict.truth for record in records.values() for verdict in record.verdicts})
 

@@ -11,8 +11,8 @@ import click
 from tachk.api.monitoring import MonitorReport
 from tachk.cli import options, trace_options
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.judged import Judged, print_warnings
-from tachk.recordings.monitors.offline import Judging, judge
+from tachk.cli.trace_arguments import TraceArguments, print_warnings
+from tachk.recordings.monitors.offline import EvaluationOptions, judge
 
 
 @click.command(name="plot")
@@ -37,8 +37,8 @@ def command(
 ) -> None:
     """Draw a trace, the values of formulas and of their parts on it, and where they are violated."""
 
-    judged, judging = options.distributed(given, Judged, Judging)
-    options.finish(lambda: run_plot(judged, judging, PlotArguments(output, begin, end, robustness)), seconds)
+    arguments, evaluation = options.distributed(given, TraceArguments, EvaluationOptions)
+    options.finish(lambda: run_plot(arguments, evaluation, PlotArguments(output, begin, end, robustness)), seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +55,9 @@ class PlotArguments:
     robustness: bool = False
 
 
-def run_plot(judged: Judged, judging: Judging, drawn: PlotArguments) -> ExitStatus:
+def run_plot(arguments: TraceArguments, evaluation: EvaluationOptions, drawn: PlotArguments) -> ExitStatus:
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
-    record = judge(judged.formulas(), judged.recording(), judging, judged.formula)
+    record = judge(arguments.formulas(), arguments.recording(), evaluation, arguments.formula)
     print_warnings(record.trace.warnings)
     MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)
     print(f"written: {drawn.output}")

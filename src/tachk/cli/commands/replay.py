@@ -13,13 +13,13 @@ from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.judged import exit_status
 from tachk.cli.run_signals import judged_run, write_run
 from tachk.cli.simulated_model import model_of_run
 from tachk.cli.terminal import console
+from tachk.cli.trace_arguments import exit_status
 from tachk.meaning.run_view import RunNames, view_trace
 from tachk.model.quantity import duration
-from tachk.report.run.telling import Telling
+from tachk.report.run.display import RunDisplay
 from tachk.report.run.trace_text import print_trace
 from tachk.simulation.formulas import formulas_for
 from tachk.simulation.stepping.files import read_claims
@@ -65,13 +65,13 @@ def command(seconds: float | None, **given: Any) -> None:
     input.
     """
 
-    (asked,) = options.distributed(given, Replaying)
-    options.finish(lambda: run_replay(asked), seconds)
+    (arguments,) = options.distributed(given, ReplayArguments)
+    options.finish(lambda: run_replay(arguments), seconds)
 
 
 @dataclass(frozen=True, slots=True)
-class Replaying:
-    """What is asked, as it was typed."""
+class ReplayArguments:
+    """Arguments of `tachk replay`."""
 
     model: str
     file: Path
@@ -85,32 +85,32 @@ class Replaying:
     output: Path | None = None
 
 
-def run_replay(asked: Replaying) -> ExitStatus:
-    """Executes the run, prints and writes it as far as it is one."""
-    claimed = read_claims(asked.file, asked.prop)
-    about = model_of_run(asked.model, asked.definitions, claimed)
+def run_replay(arguments: ReplayArguments) -> ExitStatus:
+    """Executes the run, and prints and writes the steps that the model allows."""
+    claimed = read_claims(arguments.file, arguments.prop)
+    about = model_of_run(arguments.model, arguments.definitions, claimed)
     network = about.model.network
     names = RunNames(network)
     replayed = replay_claims(names, claimed)
     trace = replayed.trace
-    if not asked.quiet:
-        telling = Telling(asked.clocks, asked.every_step)
-        print_trace(view_trace(network, trace), console(sys.stdout), network.time_unit, telling)
+    if not arguments.quiet:
+        display = RunDisplay(arguments.clocks, arguments.every_step)
+        print_trace(view_trace(network, trace), console(sys.stdout), network.time_unit, display)
     for name, value in about.of_run.items():
         print(f"with {name} = {value}, as the run says")
     steps = f"{len(claimed.claims)} step{'s' if len(claimed.claims) != 1 else ''}"
     when = duration(trace.states[-1].time, network.time_unit)
     if replayed.refusal is None:
-        print(f"{asked.file}: a run of {asked.model}: {steps}, to {when}")
+        print(f"{arguments.file}: a run of {arguments.model}: {steps}, to {when}")
     else:
         where = f"step {replayed.refusal.step} of {steps} cannot be taken from {when} on"
-        print(f"{asked.file}: no run of {asked.model}: {where}")
+        print(f"{arguments.file}: no run of {arguments.model}: {where}")
         print_diagnostics([refusal_diagnostic(replayed.refusal)])
     statuses = [ExitStatus.AS_EXPECTED if replayed.refusal is None else ExitStatus.NOT_AS_EXPECTED]
-    formulas = formulas_for(asked.formulas, network, about.constants)
-    if asked.output is not None:
-        write_run(asked.output, names, trace, asked.record, formulas, asked.model, about.constants)
-    truths = judged_run(names, trace, formulas, str(asked.file))
+    formulas = formulas_for(arguments.formulas, network, about.constants)
+    if arguments.output is not None:
+        write_run(arguments.output, names, trace, arguments.record, formulas, arguments.model, about.constants)
+    truths = judged_run(names, trace, formulas, str(arguments.file))
     for name, truth in truths.items():
         print(f"{name}: {truth}")
     return worst([*statuses, exit_status(set(truths.values()))])

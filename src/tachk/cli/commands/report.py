@@ -60,13 +60,13 @@ def command(seconds: float | None, **given: Any) -> None:
     the automata beside it, and what is needed to repeat it. Exit status: as of `tachk verify`.
     """
 
-    (asked,) = options.distributed(given, Reported)
-    options.finish(lambda: run_report_page(asked, seconds))
+    (request,) = options.distributed(given, ReportArguments)
+    options.finish(lambda: run_report_page(request, seconds))
 
 
 @dataclass(frozen=True, slots=True)
-class Reported:
-    """What is asked, as it was typed.
+class ReportArguments:
+    """Arguments of `tachk report`.
 
     Attributes:
         inputs: result files, pictures, a model, and queries about it.
@@ -88,7 +88,7 @@ class Reported:
         return tuple(text for text in self.inputs if _is_file(text))
 
     @property
-    def asked(self) -> tuple[str, ...]:
+    def model_and_queries(self) -> tuple[str, ...]:
         """The model, if there is one, and the queries about it."""
         return tuple(text for text in self.inputs if not _is_file(text))
 
@@ -101,21 +101,21 @@ def _is_file(text: str) -> bool:
     return Path(text).suffix.lower() in (".json", ".svg", ".md")
 
 
-def run_report_page(asked: Reported, seconds: float | None) -> ExitStatus:
+def run_report_page(request: ReportArguments, seconds: float | None) -> ExitStatus:
     """Checks the model, reads the results, and writes the page."""
-    if (asked.properties or asked.definitions) and not asked.asked:
+    if (request.properties or request.definitions) and not request.model_and_queries:
         raise UsageError("-D and --property are about a model, and none is named", "name a model, too")
-    for text in asked.asked:
+    for text in request.model_and_queries:
         if Path(text).suffix.lower() in _OTHERS:
             raise UsageError(
                 f"{text}: a page shows no such file", "give results of --format json, or draw it (tachk plot)"
             )
     parts: list[Part] = []
-    for text in (text for text in asked.inputs if text not in asked.asked[1:]):
+    for text in (text for text in request.inputs if text not in request.model_and_queries[1:]):
         number = len(parts)
-        parts += _read(Path(text), number) if _is_file(text) else [_verified(asked, seconds, number)]
-    page = Page(asked.title or Path(asked.inputs[0]).stem, parts, [*_facts(asked)])
-    write_whole(asked.output, page_to_html(page))
+        parts += _read(Path(text), number) if _is_file(text) else [_verified(request, seconds, number)]
+    page = Page(request.title or Path(request.inputs[0]).stem, parts, [*_facts(request)])
+    write_whole(request.output, page_to_html(page))
     return _status([part.run for part in page.answers])
 
 
@@ -140,16 +140,16 @@ def _read(path: Path, number: int) -> Iterator[Part]:
         yield chapter_of(document, path)
 
 
-def _verified(asked: Reported, seconds: float | None, number: int) -> Answers:
+def _verified(request: ReportArguments, seconds: float | None, number: int) -> Answers:
     """The answers about the model."""
-    path, *queries = asked.asked
-    memory = None if asked.max_memory is None else parse_size(asked.max_memory)
+    path, *queries = request.model_and_queries
+    memory = None if request.max_memory is None else parse_size(request.max_memory)
     with limited(seconds):
         with limited(memory=memory):
-            model = api.load(path, **parse_definitions(asked.definitions))
+            model = api.load(path, **parse_definitions(request.definitions))
         print_diagnostics((*model.refusals, *model.warnings))
-        limits = Limits(states=asked.states, seconds=seconds, memory_bytes=memory)
-        record = model.verify(*queries, property=asked.properties, limits=limits).record
+        limits = Limits(states=request.states, seconds=seconds, memory_bytes=memory)
+        record = model.verify(*queries, property=request.properties, limits=limits).record
     return answers_of(record, number)
 
 
@@ -165,12 +165,12 @@ def _status(runs: Sequence[Mapping[str, Any]]) -> ExitStatus:
     return ExitStatus.UNKNOWN if open_ or refused or nothing else ExitStatus.AS_EXPECTED
 
 
-def _facts(asked: Reported) -> Iterator[tuple[str, str]]:
-    """What is needed to repeat it."""
-    options = [part for text in asked.definitions for part in ("-D", text)]
-    options += [part for name in asked.properties for part in ("--property", name)]
-    yield "command", shlex.join(["tachk", "report", *asked.inputs, *options, "-o", str(asked.output)])
-    for path in (*asked.asked[:1], *asked.files):
+def _facts(request: ReportArguments) -> Iterator[tuple[str, str]]:
+    """The facts that are needed to make the page again: command, checksums of files, versions."""
+    options = [part for text in request.definitions for part in ("-D", text)]
+    options += [part for name in request.properties for part in ("--property", name)]
+    yield "command", shlex.join(["tachk", "report", *request.inputs, *options, "-o", str(request.output)])
+    for path in (*request.model_and_queries[:1], *request.files):
         yield f"SHA-256 of {path}", sha256(Path(path).read_bytes()).hexdigest()
     yield "tachk", tachk.__version__
     yield "Python", sys.version.split()[0]

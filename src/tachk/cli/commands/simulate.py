@@ -23,10 +23,10 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.judged import exit_status
 from tachk.cli.reporting import TableForm
-from tachk.cli.scripted import Script, run_script
+from tachk.cli.scripted import ScriptArguments, run_script
 from tachk.cli.simulated_model import simulated_model
+from tachk.cli.trace_arguments import exit_status
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.policy import SCRIPT, Policy
 from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
@@ -53,7 +53,7 @@ def holds_steps(output: Path | None) -> bool:
 
 @contextmanager
 def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) -> Iterator[Write]:
-    """What writes runs.
+    """Gives the function that writes each run.
 
     Args:
         chosen: the constants that were given another value.
@@ -146,13 +146,13 @@ def command(seconds: float | None, **given: Any) -> None:
     is undetermined and none is false, 2 bad input, 3 something that is not simulated.
     """
 
-    (asked,) = options.distributed(given, Simulating)
-    options.finish(lambda: run_simulate(asked), seconds)
+    (arguments,) = options.distributed(given, SimulateArguments)
+    options.finish(lambda: run_simulate(arguments), seconds)
 
 
 @dataclass(frozen=True, slots=True)
-class Simulating:
-    """What is asked, as it was typed."""
+class SimulateArguments:
+    """Arguments of `tachk simulate`."""
 
     model: str
     runs: int = 1
@@ -180,13 +180,13 @@ class Simulating:
 
     @property
     def runs_file(self) -> Path | None:
-        """Where the runs go; None for nowhere."""
+        """The file for the runs; None: they are not written."""
         return None if self.summary else self.output
 
 
 @dataclass(slots=True)
 class _Tally:
-    """What the runs were like.
+    """Counts over the runs that were drawn.
 
     Attributes:
         endings: how many runs end so.
@@ -225,42 +225,52 @@ class _Tally:
             self.violating.setdefault(name, []).append(number)
 
 
-def run_simulate(asked: Simulating) -> ExitStatus:
+def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     """Draws runs, judges and writes them, and prints a summary."""
-    if (asked.policy == SCRIPT) is (asked.script is None):
-        problem = "--policy script needs a file" if asked.script is None else f"{asked.script}: one model at a time"
-        raise UsageError(problem, "tachk simulate MODEL --policy script FILE.run takes its steps")
-    if asked.script is not None:
-        if asked.runs != 1:
-            raise UsageError(f"{asked.script}: a script makes one run", "leave --runs out")
-        return run_script(
-            Script(asked.model, asked.script, asked.definitions, asked.record, asked.formulas, asked.output, asked.form)
+    if (arguments.policy == SCRIPT) is (arguments.script is None):
+        problem = (
+            "--policy script needs a file" if arguments.script is None else f"{arguments.script}: one model at a time"
         )
-    definitions = parse_definitions(asked.definitions)
-    model = simulated_model(asked.model, **definitions)
+        raise UsageError(problem, "tachk simulate MODEL --policy script FILE.run takes its steps")
+    if arguments.script is not None:
+        if arguments.runs != 1:
+            raise UsageError(f"{arguments.script}: a script makes one run", "leave --runs out")
+        return run_script(
+            ScriptArguments(
+                arguments.model,
+                arguments.script,
+                arguments.definitions,
+                arguments.record,
+                arguments.formulas,
+                arguments.output,
+                arguments.form,
+            )
+        )
+    definitions = parse_definitions(arguments.definitions)
+    model = simulated_model(arguments.model, **definitions)
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
-    formulas = formulas_for(asked.formulas, network, definitions)
-    until = horizon_of(asked.until, network.time_unit)
-    columns = columns_with(network, asked.record, formulas)
-    wanted = ordered(network, orders_of(asked.faults))
+    formulas = formulas_for(arguments.formulas, network, definitions)
+    until = horizon_of(arguments.until, network.time_unit)
+    columns = columns_with(network, arguments.record, formulas)
+    wanted = ordered(network, orders_of(arguments.faults))
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
     drawing = SimulationOptions(
-        asked.seed, until.ticks, Policy(asked.policy), asked.steps, asked.threads, until.ticks_per_unit
+        arguments.seed, until.ticks, Policy(arguments.policy), arguments.steps, arguments.threads, until.ticks_per_unit
     )
-    observed = asked.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
+    observed = arguments.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
     tally = _Tally()
-    file = asked.runs_file
-    with nullcontext() if file is None else run_files(file, model, definitions, asked.runs) as write:
-        numbers = range(asked.first, asked.first + asked.runs)
+    file = arguments.runs_file
+    with nullcontext() if file is None else run_files(file, model, definitions, arguments.runs) as write:
+        numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
         for run, violating in _judged(drawn, runs, formulas, tally):
             counted = iter(runs.counts(run))
             tally.done.update(dict(zip(wanted.done, counted, strict=False)))
             tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
-            if write is not None and len(run.times) and (violating or asked.all_runs):
+            if write is not None and len(run.times) and (violating or arguments.all_runs):
                 write(run, runs)
-    _print(asked, tally, network, formulas)
+    _print(arguments, tally, network, formulas)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
     stopped = {"": ExitStatus.AS_EXPECTED, INTERRUPTED: ExitStatus.INTERRUPTED}.get(tally.stopped, ExitStatus.UNKNOWN)
@@ -295,15 +305,15 @@ def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tal
 # ---- the summary ----------------------------------------------------------------------------------------------------
 
 
-def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterable[NamedFormula]) -> None:
-    if asked.form is TableForm.JSON:
-        with destination(asked.summary) as out:
-            print(json.dumps(_json(asked, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
+def _print(arguments: SimulateArguments, tally: _Tally, network: Network, formulas: Iterable[NamedFormula]) -> None:
+    if arguments.form is TableForm.JSON:
+        with destination(arguments.summary) as out:
+            print(json.dumps(_json(arguments, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
         return
-    runs = "1 run" if asked.runs == 1 else f"{asked.runs} runs"
+    runs = "1 run" if arguments.runs == 1 else f"{arguments.runs} runs"
     if tally.stopped:
         runs = f"{tally.runs} of {runs}"
-    print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
+    print(f"{arguments.model}: {runs} until {arguments.until}, {tally.transitions} transitions, seed {arguments.seed}")
     for ending, count in tally.endings.most_common():
         number, end = tally.examples[ending]
         where = "" if ending is SimulationEnding.HORIZON else f", the first is run {number} at {end}"
@@ -315,11 +325,11 @@ def _print(asked: Simulating, tally: _Tally, network: Network, formulas: Iterabl
     for fault in tally.faults:
         print(f"  {fault}")
     for name, counts in tally.truths.items():
-        told = ", ".join(f"{truth} on {counts[truth]}" for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED))
+        verdicts = ", ".join(f"{truth} on {counts[truth]}" for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED))
         violating = tally.violating.get(name, [])
-        print(f"{name}: {told}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
-        low, high = _violations(counts, asked.confidence)
-        print(f"  probability of a violation: {low:.4g} to {high:.4g}, confidence {asked.confidence:.6g}")
+        print(f"{name}: {verdicts}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
+        low, high = _violations(counts, arguments.confidence)
+        print(f"  probability of a violation: {low:.4g} to {high:.4g}, confidence {arguments.confidence:.6g}")
     if tally.stopped:
         print(f"unknown what the other runs do ({tally.stopped})")
 
@@ -329,16 +339,16 @@ def _violations(counts: Counter[Truth], confidence: float) -> tuple[float, float
     return clopper_pearson(counts[Truth.FALSE], counts.total(), confidence, maybe=counts[Truth.UNDETERMINED])
 
 
-def _json(asked: Simulating, tally: _Tally, formulas: Mapping[str, str]) -> dict[str, object]:
+def _json(arguments: SimulateArguments, tally: _Tally, formulas: Mapping[str, str]) -> dict[str, object]:
     """``formulas``: their texts by their names."""
     return {
-        "model": asked.model,
+        "model": arguments.model,
         "runs": tally.runs,
-        **({"not_drawn": asked.runs - tally.runs, "reason": tally.stopped} if tally.stopped else {}),
-        "first": asked.first,
-        "until": asked.until,
-        "seed": asked.seed,
-        "policy": asked.policy,
+        **({"not_drawn": arguments.runs - tally.runs, "reason": tally.stopped} if tally.stopped else {}),
+        "first": arguments.first,
+        "until": arguments.until,
+        "seed": arguments.seed,
+        "policy": arguments.policy,
         "transitions": tally.transitions,
         "faults": [{"order": order, "done": done, "missed": tally.missed[order]} for order, done in tally.done.items()],
         "endings": {ending.value: count for ending, count in tally.endings.items()},
@@ -350,8 +360,8 @@ def _json(asked: Simulating, tally: _Tally, formulas: Mapping[str, str]) -> dict
                 "false": counts[Truth.FALSE],
                 "undetermined": counts[Truth.UNDETERMINED],
                 "violating": tally.violating.get(name, []),
-                "probability_of_violation": _violations(counts, asked.confidence),
-                "confidence": asked.confidence,
+                "probability_of_violation": _violations(counts, arguments.confidence),
+                "confidence": arguments.confidence,
             }
             for name, counts in tally.truths.items()
         ],

@@ -47,16 +47,16 @@ def command(seconds: float | None, **given: Any) -> None:
     Exit status: 0, or 2 for bad input.
     """
 
-    (asked,) = options.distributed(given, Stepping)
-    options.finish(lambda: run_step(asked), seconds)
+    (arguments,) = options.distributed(given, StepArguments)
+    options.finish(lambda: run_step(arguments), seconds)
 
 
 _PROMPT = "> "
 
 
 @dataclass(frozen=True, slots=True)
-class Stepping:
-    """What is asked, as it was typed."""
+class StepArguments:
+    """Arguments of `tachk step`."""
 
     model: str
     definitions: tuple[str, ...] = ()
@@ -65,21 +65,21 @@ class Stepping:
     seed: int = DEFAULT_SEED
 
 
-def run_step(asked: Stepping) -> ExitStatus:
+def run_step(arguments: StepArguments) -> ExitStatus:
     """Answers each line until there are no more."""
     check_job()
-    claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
-    about = model_of_run(asked.model, asked.definitions, claimed)
+    claimed = None if arguments.load is None else read_claims(arguments.load, arguments.prop)
+    about = model_of_run(arguments.model, arguments.definitions, claimed)
     session = Session.begin(RunNames(about.model.network))
     if claimed is not None:
         session, refusal = session.loaded(claimed)
         if refusal is not None:
             print_diagnostics([refusal_diagnostic(refusal)])
-    return _converse(Stepper(session, asked.model, about.constants, asked.seed), sys.stdin.isatty())
+    return _converse(Stepper(session, arguments.model, about.constants, arguments.seed), sys.stdin.isatty())
 
 
 def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
-    """In a terminal a wrong line is told and forgotten; a program that writes such a line is told to stop."""
+    """In a terminal a wrong line is reported and passed over; from a program it ends the command with status 2."""
     for line in (*stepper.greeting(), *(["help says what can be typed"] if with_terminal else [])):
         print(line)
     for typed in _lines(with_terminal):
@@ -99,7 +99,7 @@ def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
 
 
 def _lines(with_terminal: bool) -> Iterator[str]:
-    """What is typed, shown as well where no terminal does that."""
+    """The lines that are typed. Where no terminal shows them, they are printed."""
     if with_terminal:
         with suppress(ImportError):
             import_module("readline")  # with it `input` has a history

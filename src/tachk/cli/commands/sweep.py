@@ -147,18 +147,18 @@ def command(**given: Any) -> None:
     """
 
     seconds = given.pop("seconds")
-    asked, reporting = options.distributed(given, Sweeping, Reporting)
-    options.finish(lambda: run_sweep(asked, reporting, seconds))
+    arguments, reporting = options.distributed(given, SweepArguments, Reporting)
+    options.finish(lambda: run_sweep(arguments, reporting, seconds))
 
 
 _EVERY = "all"
 _RUNS = 100
-"""How many runs --monitor judges in each cell, where nothing is said."""
+"""The default number of runs that --monitor judges in each cell."""
 
 
 @dataclass(frozen=True, slots=True)
-class Sweeping:
-    """What is asked, as it was typed.
+class SweepArguments:
+    """Arguments of `tachk sweep`.
 
     Attributes:
         over: constants with their values.
@@ -200,41 +200,41 @@ class Sweeping:
     merged: tuple[Path, ...] = ()
 
 
-def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> ExitStatus:
+def run_sweep(arguments: SweepArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
     """Computes the table, and reports."""
-    grid = grid_of(asked.over)
-    memory = None if asked.max_memory is None else parse_size(asked.max_memory)
+    grid = grid_of(arguments.over)
+    memory = None if arguments.max_memory is None else parse_size(arguments.max_memory)
     first = {axis.name: axis.values[0] for axis in grid.axes}
     with limited(seconds):
         with limited(memory=memory):
-            model = api.load(asked.model, **first)
+            model = api.load(arguments.model, **first)
         print_diagnostics((*model.refusals, *model.warnings))
         named = tuple(
-            name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties}
+            name for name in arguments.properties if name != _EVERY or _EVERY in {q.name for q in model.properties}
         )
         with _progress(reporting.quiet) as progress:
             found = model.sweep(
-                *asked.queries,
+                *arguments.queries,
                 over=grid,
                 property=named,
-                non_zeno=asked.non_zeno,
-                store=asked.store,
-                processes=asked.processes,
-                dask=asked.dask,
-                limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
+                non_zeno=arguments.non_zeno,
+                store=arguments.store,
+                processes=arguments.processes,
+                dask=arguments.dask,
+                limits=Limits(states=arguments.states, seconds=arguments.seconds_each, memory_bytes=memory),
                 seconds=current_job().seconds_left,
                 progress=progress,
-                settings=_settings(asked),
-                monitor=asked.formulas,
-                until=asked.until,
-                runs=asked.runs or _RUNS,
-                seed=asked.seed,
-                part=_part(asked.part),
-                merge=asked.merged,
+                settings=_settings(arguments),
+                monitor=arguments.formulas,
+                until=arguments.until,
+                runs=arguments.runs or _RUNS,
+                seed=arguments.seed,
+                part=_part(arguments.part),
+                merge=arguments.merged,
             )
-    if asked.picture is not None:
-        estimated = asked.show == "answer" and all(row["answer"] == ESTIMATED for row in found.rows)
-        found.plot(asked.picture, "estimate" if estimated else asked.show)
+    if arguments.picture is not None:
+        estimated = arguments.show == "answer" and all(row["answer"] == ESTIMATED for row in found.rows)
+        found.plot(arguments.picture, "estimate" if estimated else arguments.show)
     _write(found, reporting)
     if found.campaign.interrupted:
         return ExitStatus.INTERRUPTED
@@ -242,10 +242,12 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
     return ExitStatus.UNKNOWN if unknown or found.campaign.unfinished else ExitStatus.AS_EXPECTED
 
 
-def _settings(asked: Sweeping) -> Settings:
-    """How statistical queries are answered in each cell."""
-    splitting = Splitting(asked.relative, asked.effort) if asked.splitting else None
-    return Settings(RunSource(asked.seed), asked.confidence, asked.half_width, asked.runs, splitting=splitting)
+def _settings(arguments: SweepArguments) -> Settings:
+    """The settings with which statistical queries are answered in each cell."""
+    splitting = Splitting(arguments.relative, arguments.effort) if arguments.splitting else None
+    return Settings(
+        RunSource(arguments.seed), arguments.confidence, arguments.half_width, arguments.runs, splitting=splitting
+    )
 
 
 def _part(text: str) -> tuple[int, int]:

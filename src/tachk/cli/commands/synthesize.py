@@ -86,7 +86,7 @@ def command(**given: Any) -> None:
     Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
     """
 
-    arguments = options.distributed(given, Varied, Limits, Reporting)
+    arguments = options.distributed(given, SynthesizeArguments, Limits, Reporting)
     options.finish(lambda: run_synthesize(*arguments))
 
 
@@ -94,8 +94,8 @@ _PICTURES = (".png", ".svg", ".pdf")
 
 
 @dataclass(frozen=True, slots=True)
-class Varied:
-    """What is to be found, as it was typed.
+class SynthesizeArguments:
+    """Arguments of `tachk synthesize`.
 
     Attributes:
         over: the constants with their ranges.
@@ -116,53 +116,57 @@ class Varied:
     certificates: Path | None = None
 
 
-def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporting = Reporting()) -> ExitStatus:
-    if (varied.query is None) is (varied.property is None):
+def run_synthesize(
+    arguments: SynthesizeArguments, limits: Limits = Limits(), reporting: Reporting = Reporting()
+) -> ExitStatus:
+    if (arguments.query is None) is (arguments.property is None):
         raise UsageError("a region is that of one property", "give --property NAME, or a query behind the model")
-    constants, several = split_definitions(varied.definitions)
-    grid = grid_of((*varied.over, *several), "--over")
+    constants, several = split_definitions(arguments.definitions)
+    grid = grid_of((*arguments.over, *several), "--over")
     twice = constants.keys() & set(grid.names)
     if twice:
         raise UsageError(f"{min(twice)} is set by -D and by --over", "leave out one of them")
-    if varied.max_memory is not None:
-        limits = replace(limits, memory_bytes=parse_size(varied.max_memory))
+    if arguments.max_memory is not None:
+        limits = replace(limits, memory_bytes=parse_size(arguments.max_memory))
     picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
     with limited(limits.seconds):
         with limited(memory=limits.memory_bytes):
-            model = api.load(varied.model, **constants)
+            model = api.load(arguments.model, **constants)
         print_diagnostics((*model.refusals, *model.warnings))
-        found = _found(model, varied, grid, limits, reporting)
+        found = _found(model, arguments, grid, limits, reporting)
     if picture is not None:
         found.plot(picture)
-    if varied.certificates is not None:
-        written = found.certificates(varied.certificates)
-        print(f"{varied.certificates}: {len(written)} proof{'s' * (len(written) != 1)}", file=sys.stderr)
+    if arguments.certificates is not None:
+        written = found.certificates(arguments.certificates)
+        print(f"{arguments.certificates}: {len(written)} proof{'s' * (len(written) != 1)}", file=sys.stderr)
     with destination(None if picture else reporting.output, reporting.quiet) as out:
         if out is not None:
-            out.write(_report(found, varied, reporting.form, picture))
+            out.write(_report(found, arguments, reporting.form, picture))
     return _status(found.region)
 
 
-def _found(model: api.Model, varied: Varied, grid: Grid, limits: Limits, reporting: Reporting) -> Synthesis:
+def _found(
+    model: api.Model, arguments: SynthesizeArguments, grid: Grid, limits: Limits, reporting: Reporting
+) -> Synthesis:
     progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not reporting.quiet else None
     try:
         return model.synthesize(
-            *([] if varied.query is None else [varied.query]),
+            *([] if arguments.query is None else [arguments.query]),
             over=grid,
-            property=varied.property,
-            answer=Answer(varied.wanted.value),
+            property=arguments.property,
+            answer=Answer(arguments.wanted.value),
             limits=limits,
             progress=progress,
-            infer=varied.infer,
-            reuse=varied.reuse,
-            certify=varied.certificates is not None,
+            infer=arguments.infer,
+            reuse=arguments.reuse,
+            certify=arguments.certificates is not None,
         )
     finally:
         if progress is not None:
             progress.clear()
 
 
-def _report(found: Synthesis, varied: Varied, form: ReportForm, picture: Path | None) -> str:
+def _report(found: Synthesis, arguments: SynthesizeArguments, form: ReportForm, picture: Path | None) -> str:
     if form is ReportForm.JSON:
         from tachk.report.json_text import json_text
 
@@ -172,7 +176,7 @@ def _report(found: Synthesis, varied: Varied, form: ReportForm, picture: Path | 
 
         return region_to_csv(found.region)
     written = f"written: {picture}\n" if picture else ""
-    return found.to_text(varied.every_corner) + written
+    return found.to_text(arguments.every_corner) + written
 
 
 def _status(region: Region) -> ExitStatus:

@@ -89,8 +89,8 @@ def command(
 ) -> None:
     """Measure the least and the largest time between two events, over all runs of a model."""
 
-    asked = TimeArguments(model, start, end, last, best, worst, settled, over, definitions)
-    options.finish(lambda: run_time(asked, Limits(states=states, seconds=seconds), form, output, traces), seconds)
+    arguments = TimeArguments(model, start, end, last, best, worst, settled, over, definitions)
+    options.finish(lambda: run_time(arguments, Limits(states=states, seconds=seconds), form, output, traces), seconds)
 
 
 _MOST_ROWS = 10_000
@@ -98,7 +98,7 @@ _MOST_ROWS = 10_000
 
 @dataclass(frozen=True, slots=True)
 class TimeArguments:
-    """What is to be measured, as it was typed."""
+    """Arguments of `tachk time`."""
 
     model: str
     start: str | None
@@ -112,15 +112,15 @@ class TimeArguments:
 
 
 def run_time(
-    asked: TimeArguments,
+    arguments: TimeArguments,
     limits: Limits = Limits(),
     form: TableForm = TableForm.TEXT,
     output: Path | None = None,
     traces: bool = False,
 ) -> ExitStatus:
     """Measures for each combination of the values of constants, and reports in one table."""
-    constants, several = split_definitions(asked.definitions)
-    grid = grid_of((*asked.over, *several), "--over")
+    constants, several = split_definitions(arguments.definitions)
+    grid = grid_of((*arguments.over, *several), "--over")
     if len(grid) > _MOST_ROWS:
         raise UsageError(f"these are {len(grid)} rows, and {_MOST_ROWS} are the most")
     twice = [name for name in grid.names if name in constants]
@@ -137,14 +137,14 @@ def run_time(
                     rows.append(TimedRow(chosen, rows[0].network, _unknown(OutOfTimeError.reason)))
                     continue
                 with unhurried():  # a table as far as it goes
-                    model = api.load(asked.model, **constants, **given)
+                    model = api.load(arguments.model, **constants, **given)
                 if not rows:
                     print_diagnostics((*model.refusals, *model.warnings))
                 chosen = {name: model.constants[name] for name in grid.names}
-                rows.append(TimedRow(chosen, model.network, _times(model, asked, limits, traces)))
+                rows.append(TimedRow(chosen, model.network, _times(model, arguments, limits, traces)))
                 if rows[-1].times.reason == INTERRUPTED:
                     break
-        between = TimedInterval(asked.model, asked.start, asked.end, asked.last)
+        between = TimedInterval(arguments.model, arguments.start, arguments.end, arguments.last)
         match form:
             case TableForm.TEXT:
                 out.write(times_to_text(between, rows, traces))
@@ -158,16 +158,16 @@ def run_time(
     return worst(_statuses(rows))
 
 
-def _times(model: api.Model, asked: TimeArguments, limits: Limits, traces: bool) -> Times:
-    """What is measured of a model; unknown where a limit ends that."""
+def _times(model: api.Model, arguments: TimeArguments, limits: Limits, traces: bool) -> Times:
+    """The times of a model; unknown if a limit ended the search."""
     try:
         return model.time(
-            asked.start,
-            asked.end,
-            last=asked.last,
-            best=asked.best or not asked.worst,
-            worst=asked.worst or not asked.best,
-            settled=asked.settled,
+            arguments.start,
+            arguments.end,
+            last=arguments.last,
+            best=arguments.best or not arguments.worst,
+            worst=arguments.worst or not arguments.best,
+            settled=arguments.settled,
             limits=limits,
             trace=traces,
         )

@@ -39,7 +39,7 @@ from tachk.engine.options import (
 )
 from tachk.engine.outcome import INTERRUPTED
 from tachk.report.record import RunRecord
-from tachk.report.run.telling import Telling
+from tachk.report.run.display import RunDisplay
 from tachk.verify.strategy import DisagreementError
 
 _DEFAULT = Options()
@@ -199,13 +199,13 @@ def command(**given: Any) -> None:
     Without a query, a query file or --property, tachk checks every property in the model.
     """
 
-    arguments = options.distributed(given, VerifyArguments, Options, Limits, RunReporting, Telling)
+    arguments = options.distributed(given, VerifyArguments, Options, Limits, RunReporting, RunDisplay)
     options.finish(lambda: run_verify(*arguments))
 
 
 @dataclass(frozen=True, slots=True)
 class VerifyArguments:
-    """What is to be checked, as it was typed.
+    """Arguments of `tachk verify`.
 
     Attributes:
         arguments: models, and queries to check on each of them.
@@ -229,11 +229,11 @@ class VerifyArguments:
 
 
 def run_verify(
-    asked: VerifyArguments,
+    request: VerifyArguments,
     options: Options = Options(),
     limits: Limits = Limits(),
     reporting: RunReporting = RunReporting(),
-    telling: Telling = Telling(),
+    display: RunDisplay = RunDisplay(),
 ) -> ExitStatus:
     """Checks every model; a model that cannot be checked does not keep the others from being checked.
 
@@ -245,11 +245,11 @@ def run_verify(
             f"`tachk verifyta` takes UPPAAL's options; a file of that name is ./{reporting.output}",
         )
     with destination(reporting.output, reporting.quiet) as out:
-        report = RunReport(out, reporting, telling)
+        report = RunReport(out, reporting, display)
 
         def check_all() -> ExitStatus:
             with report.listing():
-                return _check_all(asked, options, limits, reporting, report)
+                return _check_all(request, options, limits, reporting, report)
 
         status = guarded(check_all)
         report.finish()
@@ -257,20 +257,20 @@ def run_verify(
 
 
 def _check_all(
-    asked: VerifyArguments, options: Options, limits: Limits, reporting: RunReporting, report: RunReport
+    request: VerifyArguments, options: Options, limits: Limits, reporting: RunReporting, report: RunReport
 ) -> ExitStatus:
-    models, queries = split_models_and_queries(asked.arguments)
-    if asked.certificate is not None and len(models) > 1:
+    models, queries = split_models_and_queries(request.arguments)
+    if request.certificate is not None and len(models) > 1:
         raise UsageError("--certificate names one file, but there are several models")
-    if asked.certificate is not None and not asked.certificate.parent.is_dir():
-        raise UsageError(f"there is no folder {asked.certificate.parent} for the certificate", "make it first")
-    if asked.chart is not None and len(models) > 1:
+    if request.certificate is not None and not request.certificate.parent.is_dir():
+        raise UsageError(f"there is no folder {request.certificate.parent} for the certificate", "make it first")
+    if request.chart is not None and len(models) > 1:
         raise UsageError("--chart names one file, but there are several models")
-    if asked.munta is not None and len(models) > 1:
+    if request.munta is not None and len(models) > 1:
         raise UsageError("--munta names the folder of one model, but there are several models")
-    if asked.munta is not None:
+    if request.munta is not None:
         separate_plugin("munta proofs")  # or it says what to install, before the search
-    constants = parse_definitions(asked.definitions)
+    constants = parse_definitions(request.definitions)
     match reporting.evidence:
         case EvidenceChoice.SHORTEST:
             options = _shortest(options)
@@ -280,8 +280,8 @@ def _check_all(
             options = replace(options, pace=Pace.SLOWEST)
         case EvidenceChoice.SOME | EvidenceChoice.NONE:
             pass
-    if asked.max_memory is not None:
-        limits = replace(limits, memory_bytes=parse_size(asked.max_memory))
+    if request.max_memory is not None:
+        limits = replace(limits, memory_bytes=parse_size(request.max_memory))
 
     def check(path: str) -> ExitStatus:
         with report.listing(path):
@@ -289,7 +289,7 @@ def _check_all(
                 model = api.load(path, **constants)
             print_diagnostics(model.warnings)
             try:
-                record = _verified(model, queries, asked, options, limits, reporting)
+                record = _verified(model, queries, request, options, limits, reporting)
             except DisagreementError as error:
                 from tachk.cli.disagreement import write_disagreement
 
@@ -297,7 +297,7 @@ def _check_all(
                 return ExitStatus.INTERNAL_ERROR
         print_diagnostics(record.blocking)
         report.add(record)
-        statuses = [*_statuses(record), *_written(asked, model, record, options, limits)]
+        statuses = [*_statuses(record), *_written(request, model, record, options, limits)]
         return worst(statuses)
 
     statuses: list[ExitStatus] = []
@@ -310,19 +310,19 @@ def _check_all(
 
 
 def _written(
-    asked: VerifyArguments, model: api.Model, record: RunRecord, options: Options, limits: Limits
+    request: VerifyArguments, model: api.Model, record: RunRecord, options: Options, limits: Limits
 ) -> Iterable[ExitStatus]:
     """Writes the chart and the proofs that were asked for."""
-    if asked.chart is not None:
+    if request.chart is not None:
         from tachk.cli.run_chart import write_run_chart
 
-        write_run_chart(asked.chart, record)
-    if asked.certificate is not None:
+        write_run_chart(request.chart, record)
+    if request.certificate is not None:
         from tachk.cli.certificate_file import write_certificates
 
-        yield write_certificates(asked.certificate, model.network, record.verdicts, options, limits)
-    if asked.munta is not None:
-        confirmed = separate_plugin("munta proofs")(asked.munta, model.network, record.verdicts, options, limits)
+        yield write_certificates(request.certificate, model.network, record.verdicts, options, limits)
+    if request.munta is not None:
+        confirmed = separate_plugin("munta proofs")(request.munta, model.network, record.verdicts, options, limits)
         yield ExitStatus.AS_EXPECTED if confirmed else ExitStatus.UNKNOWN
 
 
@@ -338,7 +338,7 @@ def _shortest(options: Options) -> Options:
 def _verified(
     model: api.Model,
     queries: tuple[str, ...],
-    asked: VerifyArguments,
+    request: VerifyArguments,
     options: Options,
     limits: Limits,
     reporting: RunReporting,
@@ -347,9 +347,9 @@ def _verified(
     try:
         report = model.verify(
             *queries,
-            property=asked.properties,
-            query_files=asked.query_files,
-            non_zeno=asked.non_zeno,
+            property=request.properties,
+            query_files=request.query_files,
+            non_zeno=request.non_zeno,
             options=options,
             limits=limits,
             trace=reporting.evidence is not EvidenceChoice.NONE,

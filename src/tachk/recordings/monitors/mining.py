@@ -36,7 +36,15 @@ from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.mined import Mined, MinedTrace
 from tachk.recordings.monitors.mined_ranges import given_ranges
 from tachk.recordings.monitors.monotone import Monotonicity, Occurrence, joint_effect, occurrences
-from tachk.recordings.monitors.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
+from tachk.recordings.monitors.offline import (
+    EvaluationOptions,
+    counted,
+    ending_of,
+    formulas_of,
+    judge,
+    prepare,
+    selected,
+)
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
 from tachk.recordings.monitors.texts import text_columns
@@ -189,7 +197,7 @@ class _ParameterSearch:
         record = None
         if place > 0:
             named = self._with(value(place - 1))
-            record = judge([named], open_trace(self.traces[worst]), Judging(self.ending, robustness=False))
+            record = judge([named], open_trace(self.traces[worst]), EvaluationOptions(self.ending, robustness=False))
 
         def result_at(at: int) -> tuple[Fraction | None, bool]:
             """The border, and whether it belongs to what satisfies."""

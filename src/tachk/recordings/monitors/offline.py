@@ -43,7 +43,7 @@ from tachk.syntax.formula import Formula
 
 
 @dataclass(frozen=True, slots=True)
-class Judging:
+class EvaluationOptions:
     """How formulas are judged, and what is computed beside their truth.
 
     Attributes:
@@ -62,7 +62,7 @@ class Judging:
 def judge(
     formulas: Sequence[NamedFormula],
     recording: TraceSource,
-    judging: Judging = Judging(),
+    evaluation: EvaluationOptions = EvaluationOptions(),
     source: str = "",
 ) -> MonitorRecord:
     """The record of some formulas on a recording.
@@ -71,28 +71,31 @@ def judge(
         InputError: a formula has no meaning on the trace.
         UsageError: robustness in time is wanted of lines, or the trace is too long for lines.
     """
-    if judging.time_robustness and judging.interpolation is Interpolation.LINEAR:
+    if evaluation.time_robustness and evaluation.interpolation is Interpolation.LINEAR:
         raise UsageError(
             "robustness in time is defined only if values stay constant between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
     formulas = [located(named, recording.columns) for named in with_named_values(formulas, recording)]
-    if isinstance(recording, TableRecording) and judging.interpolation is Interpolation.CONSTANT and formulas:
+    if isinstance(recording, TableRecording) and evaluation.interpolation is Interpolation.CONSTANT and formulas:
         # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
         try:
-            return _judged(formulas, recording.supposed(), judging, source)
+            return _judged(formulas, recording.supposed(), evaluation, source)
         except (InputError, UsageError):
             pass  # the rows are out of order, or the trace has an error: below every row is checked first
-    return _judged(formulas, recording, judging, source)
+    return _judged(formulas, recording, evaluation, source)
 
 
-def _judged(formulas: Sequence[NamedFormula], recording: TraceSource, judging: Judging, source: str) -> MonitorRecord:
-    trace, programs = prepare(formulas, recording, judging.interpolation)
+def _judged(
+    formulas: Sequence[NamedFormula], recording: TraceSource, evaluation: EvaluationOptions, source: str
+) -> MonitorRecord:
+    trace, programs = prepare(formulas, recording, evaluation.interpolation)
     reading = reading_of(trace, programs)
     verdicts = tuple(
-        verdict_on(named, program, trace, judging, reading) for named, program in zip(formulas, programs, strict=True)
+        verdict_on(named, program, trace, evaluation, reading)
+        for named, program in zip(formulas, programs, strict=True)
     )
-    return MonitorRecord(reading.shown(trace), source, verdicts, judging.ending)
+    return MonitorRecord(reading.shown(trace), source, verdicts, evaluation.ending)
 
 
 def prepare(
@@ -239,12 +242,12 @@ def verdict_on(
     named: NamedFormula,
     program: MonitorProgram,
     trace: Trace,
-    judging: Judging,
+    evaluation: EvaluationOptions,
     reading: TraceSemantics,
 ) -> MonitorVerdict:
     """The verdict of one program on a whole trace. Its explanation is made when it is asked for."""
     robustness = None
-    if judging.robustness:
+    if evaluation.robustness:
         truth, robustness = reading.measured(program, trace)
     else:
         truth = reading.truth(program, trace)
@@ -261,13 +264,13 @@ def verdict_on(
         named.text,
         named.sentence,
         measured,
-        counted(measured, judging.ending),
+        counted(measured, evaluation.ending),
         presumably,
         None if robustness is None else (robustness.low, robustness.high),
         bool(triggers) and all(reading.truth(never, trace).measured is Truth.TRUE for never in triggers),
         explainer.program,
         explainer,
-        _time_robustness(program, trace) if judging.time_robustness else None,
+        _time_robustness(program, trace) if evaluation.time_robustness else None,
     )
 
 

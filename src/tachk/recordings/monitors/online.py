@@ -21,7 +21,7 @@ from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.conditions import no_condition
 from tachk.recordings.monitors.formulas import NamedFormula, in_trace_units
-from tachk.recordings.monitors.offline import Judging, counted, ending_of, formulas_of, selected, verdict_on
+from tachk.recordings.monitors.offline import EvaluationOptions, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.recordings.monitors.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
@@ -459,7 +459,7 @@ class Monitor:
         )
         trace = self._texts.on(trace)
         verdict: MonitorVerdict = verdict_on(
-            watched.named, watched.program, trace, Judging(robustness=False), HeldValues()
+            watched.named, watched.program, trace, EvaluationOptions(robustness=False), HeldValues()
         )
         found = verdict.finding
         if verdict.measured is not Truth.FALSE or found is None:

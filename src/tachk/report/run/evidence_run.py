@@ -7,7 +7,7 @@ from html import escape
 
 from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, view_trace
 from tachk.model.network import Network
-from tachk.report.run.telling import Telling
+from tachk.report.run.display import RunDisplay
 from tachk.report.text_report import evidence_text
 from tachk.verify.verdict import Verdict
 
@@ -46,7 +46,7 @@ class Run:
             clocks: print the value of every clock after each step.
             every_step: tell also repeated rounds step by step, and what the model hides.
         """
-        return evidence_text(self.network, self.verdict, Telling(clocks, every_step))
+        return evidence_text(self.network, self.verdict, RunDisplay(clocks, every_step))
 
     def __len__(self) -> int:
         assert self.verdict.trace is not None

@@ -13,7 +13,7 @@ from tachk.base.words import Direction
 from tachk.meaning.run_view import ProcessMove, Snapshot, TraceView, TransitionView, ViewStep
 from tachk.model.quantity import duration, grouped
 from tachk.model.run import Ending
-from tachk.report.run.telling import Ends, Telling
+from tachk.report.run.display import Ends, RunDisplay
 
 _SAVED = 4
 """The report folds a repetition if that saves at least this many steps (or rounds, in rounds of rounds)."""
@@ -133,13 +133,13 @@ _COLUMNS = 120
 """A line is not made longer than that by putting more into it."""
 
 
-def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:
+def print_trace(trace: TraceView, console: Console, time_unit: str = "", display: RunDisplay = RunDisplay()) -> None:
     """Prints a run."""
-    shown = trace if telling.every_step else trace.without_hidden()
-    writer = _RunWriter(shown, time_unit, telling.clocks, min(_COLUMNS, console.width))
+    shown = trace if display.every_step else trace.without_hidden()
+    writer = _RunWriter(shown, time_unit, display.clocks, min(_COLUMNS, console.width))
     start = len(shown.steps) if shown.loop_start is None else shown.loop_start
-    stem, loop = (_items(shown, a, b, telling.every_step) for a, b in ((0, start), (start, len(shown.steps))))
-    ends = Ends(len(stem) + len(loop) + 1, 0) if telling.every_step else telling.ends
+    stem, loop = (_items(shown, a, b, display.every_step) for a, b in ((0, start), (start, len(shown.steps))))
+    ends = Ends(len(stem) + len(loop) + 1, 0) if display.every_step else display.ends
     console.print(writer.text(stem, loop, ends), end="", soft_wrap=True)
 
 

@@ -17,7 +17,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.words import QueryKind
-from tachk.cli.commands.certify import Submitted, run_certify
+from tachk.cli.commands.certify import CertifyArguments, run_certify
 from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
@@ -619,7 +619,7 @@ def test_json_says_who_has_judged_each_certificate(asked: Checker, tmp_path: Pat
     model, proofs, report = tmp_path / "counter.ta", tmp_path / "counter.cert", tmp_path / "report.json"
     model.write_text(COUNTER + "property few : A[] n <= 3;", encoding="utf-8")
     run_verify(VerifyArguments((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))
-    run_certify(Submitted(str(model), proofs, (), asked.value), Reporting(ReportForm.JSON, report))
+    run_certify(CertifyArguments(str(model), proofs, (), asked.value), Reporting(ReportForm.JSON, report))
     told = json.loads(report.read_text(encoding="utf-8"))
     judges = {entry["property"]: entry["checker"] for entry in told["certificates"]}
     assert judges == dict.fromkeys(("met", "answered", "kept", "few"), asked.value)
@@ -646,8 +646,8 @@ def test_a_certificate_is_about_the_model_and_the_query_in_its_header(tmp_path: 
     )
     assert status is ExitStatus.AS_EXPECTED
     for definitions, expected in [(("N=2",), 0), (("N=2", "WAIT=11"), 10), (("N=3",), 10)]:
-        submitted = Submitted(model, Path(path), definitions, "native")
-        assert run_certify(submitted, Reporting(quiet=True)) == expected
+        arguments = CertifyArguments(model, Path(path), definitions, "native")
+        assert run_certify(arguments, Reporting(quiet=True)) == expected
 
 
 @pytest.mark.parametrize(

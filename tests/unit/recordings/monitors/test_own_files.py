@@ -11,11 +11,11 @@ import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.judged import Judged
 from tachk.cli.main import app
 from tachk.cli.reporting import Reporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.simulated_model import simulated_model
+from tachk.cli.trace_arguments import TraceArguments
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
 from tachk.recordings.monitors.formulas import read_formulas
 from tachk.recordings.traces.node_signal import Truth
@@ -91,7 +91,7 @@ def test_several_runs_in_one_file(model: Path, ending: str, capsys: pytest.Captu
     assert [truths(tachk.monitor(model, output, run=number)) for number in range(4)] == expected
     with pytest.raises(UsageError, match="holds several runs: 0, 1, 2, 3"):
         tachk.monitor(model, output)
-    assert run_monitor(Judged(str(model), str(output))) is ExitStatus.NOT_AS_EXPECTED
+    assert run_monitor(TraceArguments(str(model), str(output))) is ExitStatus.NOT_AS_EXPECTED
     told = capsys.readouterr().out
     counts = {truth: sum(found["short"] is truth for found in expected) for truth in Truth}
     words = (
@@ -105,7 +105,7 @@ def test_row_by_row(model: Path, ending: str) -> None:
     output = model.with_name(f"one.{ending}")
     expected = runs_of(model, 1, output)[0]
     for name, truth in expected.items():
-        asked = Judged(str(model), str(output), names=(name,), decimals=9)
+        asked = TraceArguments(str(model), str(output), names=(name,), decimals=9)
         status = run_monitor(asked, rows=RowByRow(online=True), reporting=Reporting(quiet=True))
         assert (status is ExitStatus.NOT_AS_EXPECTED) is (truth is Truth.FALSE)
 

@@ -17,7 +17,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.monitors.formulas import NamedFormula
-from tachk.recordings.monitors.offline import Judging, verdict_on
+from tachk.recordings.monitors.offline import EvaluationOptions, verdict_on
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.node_signal import Truth
@@ -176,7 +176,9 @@ def test_signals_are_those_of_the_definition_at_every_cell() -> None:
     for seed in seeds(range(12)):
         case = random_monitoring_case(Random(seed), FormulaShape(depth=2, rows=8))
         given = monitor_input(MonitoringCase(always(case.formula), case.trace))
-        verdict = verdict_on(NamedFormula("f", "", case.formula), given.program, given.trace, Judging(), HeldValues())
+        verdict = verdict_on(
+            NamedFormula("f", "", case.formula), given.program, given.trace, EvaluationOptions(), HeldValues()
+        )
         signal = signal_of(MonitorRecord(given.trace, "", (verdict,)), verdict)
         asked = case.formula
         while isinstance(asked, syntax.Always):

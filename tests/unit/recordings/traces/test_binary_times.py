@@ -10,10 +10,10 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.commands.monitor import run_monitor
-from tachk.cli.judged import Judged
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.cli.row_by_row import RowByRow
-from tachk.recordings.monitors.offline import Judging
+from tachk.cli.trace_arguments import TraceArguments
+from tachk.recordings.monitors.offline import EvaluationOptions
 from tachk.recordings.traces.logs.joined import with_decimals
 from tachk.recordings.traces.trace_files import open_trace
 
@@ -51,7 +51,7 @@ def test_multiples_and_what_is_said_row_by_row(tmp_path: Path, ending: str, caps
     path = written(tmp_path / f"a.{ending}", [repr(row * 0.005) for row in range(200)])
     formula = "G (x == 0 -> F[0.03, 0.03] x == 6)"
     for rows in (RowByRow(), RowByRow(online=True)):
-        run_monitor(Judged(formula, str(path)), rows=rows, reporting=Reporting(form=ReportForm.JSON))
+        run_monitor(TraceArguments(formula, str(path)), rows=rows, reporting=Reporting(form=ReportForm.JSON))
         told = json.loads(capsys.readouterr().out)
         assert told["results"][0]["verdict"] == "undetermined"
         assert (told["end"], told["notes"]) == ("0.995", ["times are rounded to 9 decimals"])
@@ -101,7 +101,12 @@ def test_times_of_32_bits_are_the_decimals_that_they_print_as() -> None:
 def test_row_by_row_a_finer_exact_time_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path / "a.csv", ["0", "0.0000000001"])
     with pytest.raises(InputError):
-        run_monitor(Judged("G (x < 9)", str(path)), Judging(), RowByRow(online=True), reporting=Reporting(quiet=True))
+        run_monitor(
+            TraceArguments("G (x < 9)", str(path)),
+            EvaluationOptions(),
+            RowByRow(online=True),
+            reporting=Reporting(quiet=True),
+        )
 
 
 @pytest.mark.parametrize("name", ["a.csv", "a.jsonl"])

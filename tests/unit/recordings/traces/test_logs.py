@@ -16,9 +16,9 @@ import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.judged import Judged
 from tachk.cli.main import app
-from tachk.recordings.monitors.offline import Judging
+from tachk.cli.trace_arguments import TraceArguments
+from tachk.recordings.monitors.offline import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace
 
@@ -122,7 +122,7 @@ def test_json_lines_begin_when_all_is_known(
     formula = "G (pose.x < 5 || v[1])"
     assert tachk.monitor(formula, path)[0].truth is Truth.FALSE
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
-    assert run_monitor(Judged(formula, "-"), Judging(robustness=False)) is ExitStatus.NOT_AS_EXPECTED
+    assert run_monitor(TraceArguments(formula, "-"), EvaluationOptions(robustness=False)) is ExitStatus.NOT_AS_EXPECTED
     assert "from 0.1 to 2" in capsys.readouterr().out
     for wrong in ('{"t": 1', "[1]", '{"x": 1}', '{"t": "soon"}', '{"t": 3}\n{"t": 2}', '{"t": 1, "x": 1e999}'):
         path.write_text(wrong + "\n")
@@ -133,7 +133,7 @@ def test_json_lines_begin_when_all_is_known(
 def test_a_dump_is_read_from_standard_input(monkeypatch: pytest.MonkeyPatch) -> None:
     text = "$timescale 1 ns $end\n$var wire 1 ! a $end\n$enddefinitions $end\n#0\nx!\n#5\n1!\n#9\n0!\n#12\n"
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BufferedReader(io.BytesIO(text.encode()))))  # type: ignore[arg-type]
-    assert run_monitor(Judged("G a", "-")) is ExitStatus.NOT_AS_EXPECTED
+    assert run_monitor(TraceArguments("G a", "-")) is ExitStatus.NOT_AS_EXPECTED
 
 
 def test_files_of_several_rates_are_joined(tmp_path: Path) -> None:

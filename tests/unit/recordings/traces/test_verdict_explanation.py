@@ -13,7 +13,7 @@ from tachk.api.monitoring import MonitorReport
 from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.formulas import NamedFormula
-from tachk.recordings.monitors.offline import Judging, verdict_on
+from tachk.recordings.monitors.offline import EvaluationOptions, verdict_on
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind
@@ -45,7 +45,9 @@ def report(seed: int, shape: FormulaShape) -> MonitorReport:
     booleans = [name for name, values in trace.columns.items() if values.dtype.kind == "u"]
     program = compile_formula(formula, trace.columns, trace.ticks_per_unit, booleans=booleans)
     named = NamedFormula("p", "", formula)
-    return MonitorReport(MonitorRecord(trace, "", (verdict_on(named, program, trace, Judging(), HeldValues()),)))
+    return MonitorReport(
+        MonitorRecord(trace, "", (verdict_on(named, program, trace, EvaluationOptions(), HeldValues()),))
+    )
 
 
 def every(reason: TruthReason) -> Iterator[TruthReason]:

@@ -1,4 +1,4 @@
-"""What `tachk monitor` and `tachk plot` are given, and what the verdicts mean for the exit status."""
+"""The arguments that `tachk monitor` and `tachk plot` share, and the exit status for their verdicts."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from tachk.recordings.traces.trace_files import open_trace
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
-    """A trace and the formulas by which it is judged.
+class TraceArguments:
+    """A trace and the formulas that are evaluated on it.
 
     Attributes:
-        formula: a formula, a sentence, or the path of a file of them or of a model.
+        formula: a formula, a sentence, or the path of a file of formulas or of a model.
         trace: a path, or ``-`` for standard input.
         others: further paths, whose columns are joined to it.
         time, unit, ports: as of `open_trace`.
         names: of the formulas that are taken; none: all.
         definitions: values of constants, as ``T=2.5``.
-        decimals: to which times are rounded; None: not at all, but see `tachk.monitor`.
-        run: the number of the one that is meant in a file of several runs; None: all.
-        called: what reports call the trace; None: as its file.
+        decimals: the number of decimals to which times are rounded; None: not rounded, but see `tachk.monitor`.
+        run: the number of one run in a file of several; None: all runs.
+        called: the name of the trace in reports; None: the name of its file.
     """
 
     formula: str
@@ -56,13 +56,13 @@ class Judged:
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
-    """Tells what is wrong with a trace that could be read."""
+    """Prints the warnings about a trace that could be read."""
     for warning in warnings:
         print(f"warning: {warning}", file=sys.stderr)
 
 
 def exit_status(truths: set[Truth]) -> ExitStatus:
-    """What the verdicts mean for the status of the command."""
+    """The exit status of the command for these verdicts."""
     if Truth.FALSE in truths:
         return ExitStatus.NOT_AS_EXPECTED
     return ExitStatus.UNKNOWN if Truth.UNDETERMINED in truths else ExitStatus.AS_EXPECTED

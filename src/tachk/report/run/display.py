@@ -1,4 +1,4 @@
-"""How much of a run is told, and what of it. Imports nothing heavy: command lines are made of it."""
+"""Display options of runs. Imports nothing heavy: options of commands are made of it."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from tachk.base.records import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Ends:
-    """How much of a long run is told.
+    """The number of steps that are shown at both ends of a long run.
 
     Attributes:
-        beginning, end: steps and rounds; without a beginning the initial state is not told either.
+        beginning, end: steps and rounds; without a beginning the initial state is not shown either.
     """
 
     beginning: int = 200
@@ -18,13 +18,13 @@ class Ends:
 
 
 @dataclass(frozen=True, slots=True)
-class Telling:
-    """How a run is told.
+class RunDisplay:
+    """Display options of a run.
 
     Attributes:
         clocks: the value of every clock after each step.
         every_step: each step of repeated rounds and of long runs, and what the model hides.
-        ends: what is told of a run that stays longer when rounds are put together.
+        ends: the steps that are shown of a run that is still longer after its rounds are folded.
     """
 
     clocks: bool = False
