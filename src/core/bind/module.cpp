@@ -201,7 +201,7 @@ NB_MODULE(_core, m) {
   bind_simulation(m);
   bind_trials(m);
   bind_splitting(m);
-  bind_course(m);
+  bind_unit_run(m);
 }
 
 }  // namespace tachk::bind

@@ -29,7 +29,7 @@ Crossings::Sides Crossings::sides(const FlowTest& test) {
   return {left - right, std::max({1.0, std::fabs(left), std::fabs(right)})};
 }
 
-Crossings::Look Crossings::look(const FlowTest& test) {
+Crossings::ConditionValue Crossings::value(const FlowTest& test) {
   if (test.kind == Kind::truth) {
     const bool holds = machine_.value(test.left, slots_) != 0;
     return {holds, holds, holds};
@@ -50,7 +50,7 @@ Crossings::Look Crossings::look(const FlowTest& test) {
 }
 
 bool Crossings::hold(std::span<const FlowTest> tests) {
-  return std::all_of(tests.begin(), tests.end(), [&](const FlowTest& test) { return look(test).close; });
+  return std::all_of(tests.begin(), tests.end(), [&](const FlowTest& test) { return value(test).close; });
 }
 
 // ---- lines ----------------------------------------------------------------------------------------------------------
@@ -64,7 +64,7 @@ bool Crossings::solvable(std::span<const FlowTest> tests) const {
 Window Crossings::solved(const FlowTest& test, Ticks from) {
   flow_.show(from, machine_, slots_);
   const auto [now, scale] = sides(test);
-  const Look holds = look(test);
+  const ConditionValue holds = value(test);
   flow_.show(from + flow_.ticks_per_unit(), machine_, slots_);
   const double slope = (sides(test).difference - now) / static_cast<double>(flow_.ticks_per_unit());
   const Window always{from, never};
@@ -107,7 +107,7 @@ template <class Differs>
 Ticks Crossings::first_different(const FlowTest& test, Ticks before, Ticks after, Differs differs) {
   while (after - before > 1) {
     const Ticks middle = before + (after - before) / 2;
-    (differs(look_at(test, middle)) ? after : before) = middle;
+    (differs(value_at(test, middle)) ? after : before) = middle;
   }
   return after;
 }
@@ -116,32 +116,32 @@ Ticks Crossings::first_different(const FlowTest& test, Ticks before, Ticks after
 void Crossings::crossings(std::span<const FlowTest> tests, Ticks before, Ticks after) {
   candidates_.clear();
   for (std::size_t n = 0; n < tests.size(); ++n) {
-    const Look was = looks_[n];
-    const Look is = look_at(tests[n], after);
+    const ConditionValue was = values_[n];
+    const ConditionValue is = value_at(tests[n], after);
     const bool by_sign = tests[n].kind == Kind::equal;
     if (by_sign ? was.positive != is.positive : was.exact != is.exact) {
-      const Ticks changed = first_different(tests[n], before, after, [&](const Look& then) {
+      const Ticks changed = first_different(tests[n], before, after, [&](const ConditionValue& then) {
         return by_sign ? then.positive != was.positive : then.exact != was.exact;
       });
       if (changed - 1 > before) candidates_.push_back(changed - 1);
       candidates_.push_back(changed);
     }
-    looks_[n] = is;
+    values_[n] = is;
   }
   std::sort(candidates_.begin(), candidates_.end());
 }
 
-Crossings::Found Crossings::opening(std::span<const FlowTest> tests, Ticks from, Ticks last, Ticks sight) {
+Crossings::Found Crossings::opening(std::span<const FlowTest> tests, Ticks from, Ticks last, Ticks lookahead) {
   if (solvable(tests)) {
     const Window window = solved(tests, from);
     return {window.empty() || window.first > last ? never : window.first, never};
   }
-  const Ticks end = flow_.known_up_to(std::min(last, sight), machine_, slots_);
+  const Ticks end = flow_.known_up_to(std::min(last, lookahead), machine_, slots_);
   const Ticks seen = end >= last ? never : std::max(end, from);
   flow_.show(from, machine_, slots_);
   if (hold(tests)) return {from, never};
-  looks_.clear();
-  for (const FlowTest& test : tests) looks_.push_back(look(test));
+  values_.clear();
+  for (const FlowTest& test : tests) values_.push_back(value(test));
   for (Ticks before = from; before < end;) {
     const Ticks after = std::min(before + sample(), end);
     crossings(tests, before, after);
@@ -155,26 +155,26 @@ Crossings::Found Crossings::opening(std::span<const FlowTest> tests, Ticks from,
   return {never, seen};
 }
 
-Crossings::Found Crossings::ending(std::span<const FlowTest> tests, Ticks from, Ticks sight) {
+Crossings::Found Crossings::ending(std::span<const FlowTest> tests, Ticks from, Ticks lookahead) {
   if (solvable(tests)) return {solved(tests, from).last, never};
   flow_.show(from, machine_, slots_);
-  looks_.clear();
-  for (const FlowTest& test : tests) looks_.push_back(look(test));
+  values_.clear();
+  for (const FlowTest& test : tests) values_.push_back(value(test));
   Ticks before = from;
-  while (before < sight) {
-    const Ticks after = flow_.known_up_to(std::min(before + sample(), sight), machine_, slots_);
+  while (before < lookahead) {
+    const Ticks after = flow_.known_up_to(std::min(before + sample(), lookahead), machine_, slots_);
     if (after <= before) break;
     Ticks least = never;
     for (std::size_t n = 0; n < tests.size(); ++n) {
-      const bool exactly = looks_[n].exact;
-      const Look is = look_at(tests[n], after);
+      const bool exactly = values_[n].exact;
+      const ConditionValue is = value_at(tests[n], after);
       if (exactly ? !is.exact : !is.close) {
-        const Ticks broken = first_different(tests[n], before, after,
-                                             [&](const Look& then) { return exactly ? !then.exact : !then.close; });
+        const Ticks broken = first_different(
+            tests[n], before, after, [&](const ConditionValue& then) { return exactly ? !then.exact : !then.close; });
         const bool crossed = exactly && tests[n].kind != Kind::truth && !strict(tests[n].kind);
         least = std::min(least, crossed ? broken : broken - 1);
       }
-      looks_[n] = is;
+      values_[n] = is;
     }
     if (least < never) return {least, never};
     before = after;

@@ -31,11 +31,11 @@ class Crossings {
     Ticks moment = never;  // never: not up to `seen`
     Ticks seen = never;    // how far was looked
   };
-  // The first moment of [from, last] at which all hold. Looks at least up to `sight` if conditions have to be looked
-  // at.
-  Found opening(std::span<const program::FlowTest> tests, Ticks from, Ticks last, Ticks sight);
+  // The first moment of [from, last] at which all hold. Conditions that have to be sampled are evaluated at least up to
+  // `lookahead`.
+  Found opening(std::span<const program::FlowTest> tests, Ticks from, Ticks last, Ticks lookahead);
   // The last moment up to which all hold, from `from` on, where they do.
-  Found ending(std::span<const program::FlowTest> tests, Ticks from, Ticks sight);
+  Found ending(std::span<const program::FlowTest> tests, Ticks from, Ticks lookahead);
 
  private:
   // The sides of a comparison, turned so that it says that the difference is negative, or zero.
@@ -43,18 +43,18 @@ class Crossings {
     double difference;
     double scale;
   };
-  // What is known of a condition at a moment.
-  struct Look {
+  // The value of a condition at a moment.
+  struct ConditionValue {
     bool exact;
     bool close;
     bool positive;
   };
 
   Sides sides(const program::FlowTest& test);
-  Look look(const program::FlowTest& test);
-  Look look_at(const program::FlowTest& test, Ticks moment) {
+  ConditionValue value(const program::FlowTest& test);
+  ConditionValue value_at(const program::FlowTest& test, Ticks moment) {
     flow_.show(moment, machine_, slots_);
-    return look(test);
+    return value(test);
   }
   Ticks sample() const { return flow_sample(flow_.ticks_per_unit()); }
   bool solvable(std::span<const program::FlowTest> tests) const;
@@ -67,7 +67,7 @@ class Crossings {
   Flow& flow_;
   machine::Machine& machine_;
   std::int32_t* slots_;
-  std::vector<Look> looks_;
+  std::vector<ConditionValue> values_;
   std::vector<Ticks> candidates_;
 };
 

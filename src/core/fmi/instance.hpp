@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fmi/course.hpp"
+#include "fmi/unit_run.hpp"
 
 namespace tachk::fmi {
 
@@ -17,11 +17,11 @@ enum class Mode : std::int64_t { instantiated, initialization, event, step, term
 
 // What may be put aside and taken up again.
 struct Snapshot {
-  Course course;
+  UnitRun run;
   Mode mode;
 
   std::vector<std::byte> bytes() const;
-  static std::unique_ptr<Snapshot> of(std::shared_ptr<const Blueprint> blueprint, std::span<const std::byte> bytes);
+  static std::unique_ptr<Snapshot> of(std::shared_ptr<const ResourceFile> resource, std::span<const std::byte> bytes);
 };
 
 // How far a step came, and why no further.
@@ -38,8 +38,8 @@ class Instance {
   // The resources are a folder. Throws std::invalid_argument.
   Instance(const std::string& resources, const std::string& token, Logger logger);
 
-  Course& course() { return *course_; }
-  const Blueprint& blueprint() const { return *blueprint_; }
+  UnitRun& run() { return *run_; }
+  const ResourceFile& resource() const { return *resource_; }
   void log(const char* message) const { logger_(message); }
 
   // ---- modes. They throw std::logic_error if the unit is in another.
@@ -56,12 +56,12 @@ class Instance {
   std::unique_ptr<Snapshot> snapshot() const;
   void restore(const Snapshot& snapshot);
   std::unique_ptr<Snapshot> snapshot_of(std::span<const std::byte> bytes) const {
-    return Snapshot::of(blueprint_, bytes);
+    return Snapshot::of(resource_, bytes);
   }
 
  private:
-  std::shared_ptr<const Blueprint> blueprint_;
-  std::unique_ptr<Course> course_;
+  std::shared_ptr<const ResourceFile> resource_;
+  std::unique_ptr<UnitRun> run_;
   Mode mode_ = Mode::instantiated;
   Logger logger_;
 };

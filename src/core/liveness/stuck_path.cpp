@@ -16,8 +16,8 @@ using zones::ConstZoneRef;
 
 namespace {
 
-// Keeps what an action leads to, or all there is where no action has been taken yet.
-struct Following {
+// Keeps the successors by one action, within the restriction, or the initial states where no action has been taken yet.
+struct RestrictedSuccessors {
   const symbolic::ZoneGraph& graph;
   Restriction* restriction;  // none where q may hold
   const Edges* edges;
@@ -51,7 +51,7 @@ bool gets_stuck(symbolic::ZoneGraph& graph, Restriction& restriction, Ends& ends
                 const symbolic::Path& actions, std::size_t begins) {
   std::vector<SymbolicState> states;
   try {
-    graph.start(Following{graph, beginning != nullptr ? nullptr : &restriction, nullptr, states});
+    graph.start(RestrictedSuccessors{graph, beginning != nullptr ? nullptr : &restriction, nullptr, states});
     for (std::size_t number = 0;; ++number) {
       if (beginning != nullptr && number == begins) {
         std::vector<SymbolicState> parts_of_all;
@@ -63,7 +63,8 @@ bool gets_stuck(symbolic::ZoneGraph& graph, Restriction& restriction, Ends& ends
       if (number == actions.size()) break;
       Restriction* restricted = number >= begins ? &restriction : nullptr;
       std::vector<SymbolicState> next;
-      for (SymbolicState& state : states) graph.expand(state, Following{graph, restricted, &actions[number], next});
+      for (SymbolicState& state : states)
+        graph.expand(state, RestrictedSuccessors{graph, restricted, &actions[number], next});
       states.swap(next);
     }
     for (SymbolicState& state : states) {

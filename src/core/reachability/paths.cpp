@@ -70,8 +70,8 @@ struct Recogniser : OnlyStates {
   }
 };
 
-// Keeps what an action leads to, or all there is where no action has been taken yet.
-struct Follower : OnlyStates {
+// Keeps the successors by one action, or the initial states where no action has been taken yet.
+struct ActionSuccessors : OnlyStates {
   const ZoneGraph& graph;
   std::vector<SymbolicState>& states;
   const Edges* edges = nullptr;
@@ -82,7 +82,7 @@ struct Follower : OnlyStates {
   void take(const Successor& successor) const { states.push_back(graph.copy(successor)); }
 };
 
-// Wants no successors, only to know whether there are any.
+// Wants no successors; only whether there are any.
 struct Prober {
   DeadlockWatch& deadlocks;
 
@@ -116,7 +116,7 @@ struct Matcher : OnlyStates {
   }
 };
 
-// Whatever is asked of the graph during the life of this, processes keep their places.
+// During its life processes keep their places in the graph.
 class Unsorted {
  public:
   explicit Unsorted(ZoneGraph& graph) : representatives_(graph.representatives()), before_(representatives_.active()) {
@@ -238,10 +238,10 @@ std::optional<ActionFault> fault_after(ZoneGraph& graph, SymbolicState& state) {
 bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal) {
   std::vector<SymbolicState> states;
   try {
-    graph.start(Follower{{}, graph, states});
+    graph.start(ActionSuccessors{{}, graph, states});
     for (const Edges& edges : actions) {
       std::vector<SymbolicState> next;
-      for (SymbolicState& state : states) graph.expand(state, Follower{{}, graph, next, &edges});
+      for (SymbolicState& state : states) graph.expand(state, ActionSuccessors{{}, graph, next, &edges});
       states.swap(next);
     }
     for (SymbolicState& state : states) {

@@ -1,4 +1,4 @@
-// Where a path ends: the twin of a walk through tachk.meaning.symbolic.
+// Where a path ends: the counterpart of a walk through tachk.meaning.symbolic.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // The judge of runs with exact times: walks a run through the concrete meaning of a program and accepts it only if all
-// of it is right. It knows nothing of the search, nor of what gave the run its times. Its twin is
+// of it is right. It knows nothing of the search, nor of what gave the run its times. Its counterpart is
 // tachk.meaning.judge.replay.
 #pragma once
 

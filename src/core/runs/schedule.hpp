@@ -1,4 +1,4 @@
-// When the transitions of a path can happen: the twin of `earliest` in tachk.engine.schedule.
+// When the transitions of a path can happen: the counterpart of `earliest` in tachk.engine.exact.schedule.
 //
 // The moments of the transitions are unknowns. As long as all clocks run, each clock constraint bounds the difference
 // of two moments from below, and relaxation (Bellman and Ford) finds the least ones. A moment is an integer, and an

@@ -6,12 +6,12 @@ ZoneStore::ZoneStore(const zones::ZoneOperations& operations, int dimension,
                      const std::vector<zones::ZoneOperations>& smaller, std::uint32_t rows_after)
     : has_one_(smaller.empty()), uses_(sizeof(Use), small_block), places_(sizeof(Place), small_block) {
   for (std::size_t each = 0; each < smaller.size(); ++each)
-    shelves_.emplace_back(smaller[each], static_cast<int>(each), rows_after, small_block);
-  shelves_.emplace_back(operations, dimension, rows_after, smaller.empty() ? std::size_t{1} << 18 : small_block);
+    by_dimension_.emplace_back(smaller[each], static_cast<int>(each), rows_after, small_block);
+  by_dimension_.emplace_back(operations, dimension, rows_after, smaller.empty() ? std::size_t{1} << 18 : small_block);
 }
 
 std::uint32_t ZoneStore::add(ZoneView zone) {
-  const std::uint32_t record = shelf_of(zone.dimension).add(zone.data);
+  const std::uint32_t record = of_dimension(zone.dimension).add(zone.data);
   if (has_one()) {
     if (record == uses_.size()) uses_.append();
     return record;
@@ -44,13 +44,13 @@ std::uint32_t ZoneStore::intern(ZoneView zone) {
 void ZoneStore::release(std::uint32_t number) {
   if (--use(number).count != 0) return;
   index_.erase(use(number).upper_hash, number);
-  shelf(number).remove(record(number));
+  holder(number).remove(record(number));
   if (!has_one()) free_.push_back(number);
 }
 
 std::size_t ZoneStore::bytes() const {
   std::size_t sum = uses_.bytes() + places_.bytes() + index_.bytes() + free_.capacity() * sizeof(std::uint32_t);
-  for (const rows::ZoneShelf& each : shelves_) sum += each.bytes();
+  for (const rows::ZonesOfDimension& each : by_dimension_) sum += each.bytes();
   return sum;
 }
 

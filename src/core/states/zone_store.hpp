@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "states/memory.hpp"
-#include "states/rows/zone_shelf.hpp"
+#include "states/rows/zones_of_dimension.hpp"
 #include "zones/zone.hpp"
 
 namespace tachk::states {
@@ -20,11 +20,11 @@ struct ZoneView {
 class ZoneStore {
  public:
   // `smaller`: the operations for each dimension below this one; empty if there are no such zones. `rows_after`: as of
-  // a ZoneShelf.
+  // ZonesOfDimension.
   ZoneStore(const zones::ZoneOperations& operations, int dimension, const std::vector<zones::ZoneOperations>& smaller,
             std::uint32_t rows_after);
 
-  const zones::ZoneOperations& operations(int dimension) const { return shelf_of(dimension).operations(); }
+  const zones::ZoneOperations& operations(int dimension) const { return of_dimension(dimension).operations(); }
 
   // The number of the zone, for one more who needs it; `hash_value`: its hash.
   std::uint32_t intern(ZoneView zone);
@@ -34,19 +34,19 @@ class ZoneStore {
 
   // Whether a zone contains another one of its dimension; with `bounds` (may be null), simulates it.
   bool covers(std::uint32_t number, ZoneView inner, const zones::ClockBounds* bounds = nullptr) const {
-    return shelf(number).covers(record(number), inner.data, bounds);
+    return holder(number).covers(record(number), inner.data, bounds);
   }
   // The other way round.
   bool is_covered(std::uint32_t number, ZoneView outer, const zones::ClockBounds* bounds = nullptr) const {
-    return shelf(number).is_covered(record(number), outer.data, bounds);
+    return holder(number).is_covered(record(number), outer.data, bounds);
   }
   bool equals(std::uint32_t number, ZoneView zone) const {
-    const rows::ZoneShelf& held = shelf(number);
+    const rows::ZonesOfDimension& held = holder(number);
     return held.dimension() == zone.dimension && held.equals(record(number), zone.data);
   }
   // The zone itself, or a copy in `buffer`.
   ZoneView read(std::uint32_t number, zones::ZoneRef buffer) const {
-    const rows::ZoneShelf& held = shelf(number);
+    const rows::ZonesOfDimension& held = holder(number);
     return {held.read(record(number), buffer), held.dimension()};
   }
   // Half of the hash of a zone.
@@ -65,25 +65,29 @@ class ZoneStore {
   };
 
   bool has_one() const { return has_one_; }
-  rows::ZoneShelf& shelf_of(int dimension) { return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)]; }
-  const rows::ZoneShelf& shelf_of(int dimension) const {
-    return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)];
+  rows::ZonesOfDimension& of_dimension(int dimension) {
+    return by_dimension_[has_one() ? 0 : static_cast<std::size_t>(dimension)];
+  }
+  const rows::ZonesOfDimension& of_dimension(int dimension) const {
+    return by_dimension_[has_one() ? 0 : static_cast<std::size_t>(dimension)];
   }
   Place place(std::uint32_t number) const { return *reinterpret_cast<const Place*>(places_[number]); }
-  rows::ZoneShelf& shelf(std::uint32_t number) { return has_one() ? shelves_[0] : shelves_[place(number).dimension]; }
-  const rows::ZoneShelf& shelf(std::uint32_t number) const {
-    return has_one() ? shelves_[0] : shelves_[place(number).dimension];
+  rows::ZonesOfDimension& holder(std::uint32_t number) {
+    return has_one() ? by_dimension_[0] : by_dimension_[place(number).dimension];
+  }
+  const rows::ZonesOfDimension& holder(std::uint32_t number) const {
+    return has_one() ? by_dimension_[0] : by_dimension_[place(number).dimension];
   }
   std::uint32_t record(std::uint32_t number) const { return has_one() ? number : place(number).record; }
   Use& use(std::uint32_t number) { return *reinterpret_cast<Use*>(uses_[number]); }
   const Use& use(std::uint32_t number) const { return *reinterpret_cast<const Use*>(uses_[number]); }
   std::uint32_t add(ZoneView zone);
 
-  bool has_one_;                          // dimension
-  std::vector<rows::ZoneShelf> shelves_;  // one, whose records are the zones, or one for each dimension
-  RecordPool uses_;                       // of each zone
-  RecordPool places_;                     // of each zone; only with several dimensions
-  std::vector<std::uint32_t> free_;       // numbers to be used again; only with several dimensions
+  bool has_one_;                                      // dimension
+  std::vector<rows::ZonesOfDimension> by_dimension_;  // one, whose records are the zones, or one for each dimension
+  RecordPool uses_;                                   // of each zone
+  RecordPool places_;                                 // of each zone; only with several dimensions
+  std::vector<std::uint32_t> free_;                   // numbers to be used again; only with several dimensions
   HashIndex index_;
 };
 

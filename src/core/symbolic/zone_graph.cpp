@@ -75,7 +75,7 @@ ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
       active_(program_, semantics_, operations_, smaller_),
       abstraction_(program_, semantics_, operations_, options.extrapolation, options.bounds),
       representatives_(program_, operations_),
-      twins_(program_, operations_),
+      equivalent_(program_, operations_),
       target_(operations_) {}
 
 SymbolicState ZoneGraph::blank() const {

@@ -14,9 +14,9 @@
 #include "states/store.hpp"
 #include "symbolic/abstraction.hpp"
 #include "symbolic/active_clocks.hpp"
+#include "symbolic/equivalent_processes.hpp"
 #include "symbolic/representative.hpp"
 #include "symbolic/successor.hpp"
-#include "symbolic/twins.hpp"
 #include "zones/federation.hpp"
 #include "zones/patience.hpp"
 #include "zones/zone.hpp"
@@ -161,7 +161,7 @@ class ZoneGraph final {
   ActiveClocks active_;
   Abstraction abstraction_;
   Representatives representatives_;
-  Twins twins_;
+  EquivalentProcesses equivalent_;
   Effect effect_;
   zones::ZoneBuffer target_;
   std::uint32_t actions_ = 0;  // that have been told, for the next look at the time
@@ -184,18 +184,18 @@ void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
   const bool sorts = representatives_.active();
   bool counts = true;
   if constexpr (requires { receiver.counts(); }) counts = receiver.counts();
-  if (sorts) twins_.find(slots, source.zone.get());
+  if (sorts) equivalent_.find(slots, source.zone.get());
   const auto visit = [&](const Action& action, zones::ConstZoneRef guarded) {
     look_at_the_time();
     if constexpr (requires { receiver.admits(action.edges); })
       if (!receiver.admits(action.edges)) return;
-    const bool repeats = sorts && twins_.repeats(action.edges);
+    const bool repeats = sorts && equivalent_.repeats(action.edges);
     if (repeats && !counts) return;
     if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, effect_); })) return;
     receiver.possible(guarded, effect_);
     if (!repeats) follow(action.edges, guarded, effect_, receiver);
   };
-  const auto skips = [&](std::size_t process) { return sorts && !counts && twins_.second(process); };
+  const auto skips = [&](std::size_t process) { return sorts && !counts && equivalent_.second(process); };
   semantics_.for_each_action(slots, source.zone.get(), visit, skips);
 }
 

@@ -59,7 +59,7 @@ def _early_rounds(run: AvoidingRun, obligation: Obligation) -> int:
     return int(obligation.trigger is not None and run.begins == len(run.stem))
 
 
-class _Course:
+class _UnrolledRun:
     """A path with what must hold in its phases so that the goal is avoided from where it is due."""
 
     def __init__(self, model: PreparedNetwork, run: AvoidingRun, obligation: Obligation, rounds: int) -> None:
@@ -119,54 +119,54 @@ def _never_in(phase: int, zone: Zone) -> Requirement:
 
 
 def _ending(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> TimedTrace | None:
-    course = _Course(model, run, obligation, 0)
-    last = len(course.path)
-    here, goal = course.situation(last), course.where(obligation.goal, last)
+    unrolled = _UnrolledRun(model, run, obligation, 0)
+    last = len(unrolled.path)
+    here, goal = unrolled.situation(last), unrolled.where(obligation.goal, last)
     if run.end is RunEnd.STUCK:
         target, ending = avoidance.ends_in_deadlock(here, goal), Ending.STUCK
     else:
-        whole = symbolic.situation(model, course.states[last])
+        whole = symbolic.situation(model, unrolled.states[last])
         target, ending = avoidance.idles_for_ever(whole, goal), Ending.IDLE
         if whole.stopped and whole.invariant is not None:
             # What time leads to is no zone then; the judge tells whether the goal stays unmet.
             target = dbm.subtract_all([whole.invariant], goal)
-    solve = any_solution if any(phase.stopped for phase in course.phases) else earliest
-    durations = solve(course.phases, [*course.requirements, at_end(last, conditions(target))])
+    solve = any_solution if any(phase.stopped for phase in unrolled.phases) else earliest
+    durations = solve(unrolled.phases, [*unrolled.requirements, at_end(last, conditions(target))])
     if durations is None:
         return None
-    return replace(timed_trace(model, course.states, course.phases, course.path, durations), ending=ending)
+    return replace(timed_trace(model, unrolled.states, unrolled.phases, unrolled.path, durations), ending=ending)
 
 
 def _periodic(
     model: PreparedNetwork, run: AvoidingRun, obligation: Obligation, rounds: int, takes_time: bool
 ) -> TimedTrace | None:
-    course = _Course(model, run, obligation, rounds + 1)
-    start = len(course.path) - len(run.loop)
+    unrolled = _UnrolledRun(model, run, obligation, rounds + 1)
+    start = len(unrolled.path) - len(run.loop)
     watched = [obligation.goal]
-    seen = observable_clocks(model, course.states[start:], watched)
-    still = _no_delay(model, len(course.path))
-    durations = repeating(course.phases, [*course.requirements, still], start, seen, takes_time)
+    seen = observable_clocks(model, unrolled.states[start:], watched)
+    still = _no_delay(model, len(unrolled.path))
+    durations = repeating(unrolled.phases, [*unrolled.requirements, still], start, seen, takes_time)
     if durations is None:
         return None
-    trace = timed_trace(model, course.states, course.phases, course.path, durations)
+    trace = timed_trace(model, unrolled.states, unrolled.phases, unrolled.path, durations)
     return replace(trace, ending=Ending.PERIODIC, loop_start=len(trace.steps) - len(run.loop))
 
 
 def _recurrent(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> TimedTrace | None:
-    course = _Course(model, run, obligation, 1 + _early_rounds(run, obligation))
-    start = len(course.path) - len(run.loop)
-    if any(phase.stopped for phase in course.phases):
+    unrolled = _UnrolledRun(model, run, obligation, 1 + _early_rounds(run, obligation))
+    start = len(unrolled.path) - len(run.loop)
+    if any(phase.stopped for phase in unrolled.phases):
         return None
-    again = avoidance.recurring(model, course.states[start:-1], run.loop, obligation.goal)
-    requirements = [*course.requirements, _no_delay(model, len(course.path))]
+    again = avoidance.recurring(model, unrolled.states[start:-1], run.loop, obligation.goal)
+    requirements = [*unrolled.requirements, _no_delay(model, len(unrolled.path))]
     requirements += [
         [tuple(PhaseConstraint(phase, False, c) for c in zone.constraints()) for zone in again]
-        for phase in (start, len(course.path))
+        for phase in (start, len(unrolled.path))
     ]
-    durations = earliest(course.phases, requirements)
+    durations = earliest(unrolled.phases, requirements)
     if durations is None:
         return None
-    trace = timed_trace(model, course.states, course.phases, course.path, durations)
+    trace = timed_trace(model, unrolled.states, unrolled.phases, unrolled.path, durations)
     return replace(trace, ending=Ending.RECURRENT, loop_start=len(trace.steps) - len(run.loop))
 
 

@@ -106,30 +106,30 @@ void test_zones_come_and_go(const std::vector<int>& dimensions, Width width, boo
 void test_the_way_that_takes_less_memory() {
   constexpr int dimension = 6;
   const ZoneOperations operations = select_operations(dimension, Width::wide, true);
-  ZoneShelf shelf(operations, dimension, 64, std::size_t{1} << 10);
+  ZonesOfDimension zones(operations, dimension, 64, std::size_t{1} << 10);
   Random random{std::mt19937(1)};
   ZoneBuffer zone(operations);
   ZoneBuffer buffer(operations);
   std::vector<ZoneBuffer> all;
   const auto add = [&](int range, int rounds) {
     draw(random, operations, dimension, range, rounds, zone.get());
-    CHECK(shelf.add(zone.get()) == all.size());
+    CHECK(zones.add(zone.get()) == all.size());
     all.push_back(zone);
   };
   const auto check_all = [&] {
     for (std::uint32_t record = 0; record < all.size(); ++record)
-      CHECK(same(operations, shelf.read(record, buffer.get()), all[record].get()));
+      CHECK(same(operations, zones.read(record, buffer.get()), all[record].get()));
   };
   while (all.size() < 65) add(2, 2);
-  CHECK(shelf.by_rows());
+  CHECK(zones.by_rows());
   check_all();
   while (all.size() < 1025) add(1 << 20, 2 * dimension);
-  CHECK(!shelf.by_rows());
+  CHECK(!zones.by_rows());
   check_all();
-  const std::size_t whole = shelf.bytes();
+  const std::size_t whole = zones.bytes();
   while (all.size() < 4097) add(3, 2);
-  CHECK(shelf.by_rows());
-  CHECK(shelf.bytes() < 2 * whole);
+  CHECK(zones.by_rows());
+  CHECK(zones.bytes() < 2 * whole);
   check_all();
 }
 
@@ -156,16 +156,16 @@ void test_rows_are_given_back() {
 void test_a_zone_that_goes_gives_its_rows_back() {
   constexpr int dimension = 6;
   const ZoneOperations operations = select_operations(dimension, Width::wide, true);
-  ZoneShelf shelf(operations, dimension, 0, std::size_t{1} << 10);
+  ZonesOfDimension zones(operations, dimension, 0, std::size_t{1} << 10);
   Random random{std::mt19937(1)};
   ZoneBuffer zone(operations);
   std::size_t bytes = 0;
   for (int round = 0; round < 5000; ++round) {
     draw(random, operations, dimension, 1 << 20, 2 * dimension, zone.get());
-    shelf.remove(shelf.add(zone.get()));
-    if (round == 0) bytes = shelf.bytes();
+    zones.remove(zones.add(zone.get()));
+    if (round == 0) bytes = zones.bytes();
   }
-  CHECK(shelf.bytes() < 2 * bytes);
+  CHECK(zones.bytes() < 2 * bytes);
 }
 
 }  // namespace

@@ -8,6 +8,6 @@ namespace tachk::bind {
 void bind_simulation(nanobind::module_& m);
 void bind_trials(nanobind::module_& m);
 void bind_splitting(nanobind::module_& m);
-void bind_course(nanobind::module_& m);
+void bind_unit_run(nanobind::module_& m);
 
 }  // namespace tachk::bind

@@ -57,7 +57,7 @@ std::string path_of(const std::string& uri) {
 
 // Integers stand for everything that is counted here.
 Type integral(Unit& unit, fmi2ValueReference reference) {
-  const auto& variables = unit.blueprint().variables;
+  const auto& variables = unit.resource().variables;
   const Type type = reference < variables.size() ? variables[reference].type : Type::integer;
   return type == Type::enumeration || type == Type::natural ? type : Type::integer;
 }
@@ -110,7 +110,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
 fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
   return guard(component, [](Unit& unit) {
     unit.require(Mode::initialization, "ExitInitializationMode");
-    unit.course().begin();
+    unit.run().begin();
     unit.last = unit.start;
     unit.enter(Mode::step);
   });
@@ -132,7 +132,7 @@ fmi2Status fmi2Reset(fmi2Component component) {
 fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference* references, std::size_t count,
                        fmi2Real* values) {
   return guard(component, [&](Unit& unit) {
-    for (std::size_t n = 0; n < count; ++n) values[n] = unit.course().real(references[n]);
+    for (std::size_t n = 0; n < count; ++n) values[n] = unit.run().real(references[n]);
   });
 }
 
@@ -140,7 +140,7 @@ fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference* ref
                           fmi2Integer* values) {
   return guard(component, [&](Unit& unit) {
     for (std::size_t n = 0; n < count; ++n)
-      values[n] = static_cast<fmi2Integer>(unit.course().number(references[n], integral(unit, references[n])));
+      values[n] = static_cast<fmi2Integer>(unit.run().number(references[n], integral(unit, references[n])));
   });
 }
 
@@ -148,7 +148,7 @@ fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference* ref
                           fmi2Boolean* values) {
   return guard(component, [&](Unit& unit) {
     for (std::size_t n = 0; n < count; ++n)
-      values[n] = unit.course().number(references[n], Type::truth) != 0 ? fmi2True : fmi2False;
+      values[n] = unit.run().number(references[n], Type::truth) != 0 ? fmi2True : fmi2False;
   });
 }
 
@@ -156,7 +156,7 @@ fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference* ref
                           const fmi2Integer* values) {
   return guard(component, [&](Unit& unit) {
     for (std::size_t n = 0; n < count; ++n)
-      unit.course().set_number(references[n], integral(unit, references[n]), values[n]);
+      unit.run().set_number(references[n], integral(unit, references[n]), values[n]);
   });
 }
 
@@ -164,7 +164,7 @@ fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference* ref
                           const fmi2Boolean* values) {
   return guard(component, [&](Unit& unit) {
     for (std::size_t n = 0; n < count; ++n)
-      unit.course().set_number(references[n], Type::truth, values[n] == fmi2False ? 0 : 1);
+      unit.run().set_number(references[n], Type::truth, values[n] == fmi2False ? 0 : 1);
   });
 }
 
@@ -180,8 +180,8 @@ fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
 fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
   return guard(component, [&](Unit& unit) {
     unit.restore(*static_cast<Snapshot*>(state));
-    unit.over = unit.course().ending().has_value();
-    unit.last = unit.course().scale().seconds(unit.course().start() + unit.course().now());
+    unit.over = unit.run().ending().has_value();
+    unit.last = unit.run().scale().seconds(unit.run().start() + unit.run().now());
   });
 }
 
@@ -219,7 +219,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real size, fmi
     const Advance done = unit.advance(time, size, false, true);
     if (done.event) throw std::invalid_argument("time cannot pass before the inputs change");
     unit.over = over = done.over;
-    unit.last = done.over ? unit.course().scale().seconds(unit.course().start() + done.end) : time + size;
+    unit.last = done.over ? unit.run().scale().seconds(unit.run().start() + done.end) : time + size;
   });
   return status == fmi2OK && over ? fmi2Discard : status;
 }

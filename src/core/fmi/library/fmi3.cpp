@@ -17,11 +17,11 @@ extern "C" {
 namespace {
 
 using tachk::fmi::Advance;
-using tachk::fmi::Course;
 using tachk::fmi::Instance;
 using tachk::fmi::Mode;
 using tachk::fmi::Snapshot;
 using tachk::fmi::Type;
+using tachk::fmi::UnitRun;
 
 // What a unit of this version knows beside.
 struct Unit : Instance {
@@ -42,9 +42,9 @@ fmi3Status get(fmi3Instance instance, const fmi3ValueReference* references, std:
     if (wanted != count) throw std::invalid_argument("a variable has one value");
     for (std::size_t n = 0; n < count; ++n) {
       if constexpr (std::is_same_v<Value, double>)
-        values[n] = unit.course().real(references[n]);
+        values[n] = unit.run().real(references[n]);
       else
-        values[n] = static_cast<Value>(unit.course().number(references[n], type));
+        values[n] = static_cast<Value>(unit.run().number(references[n], type));
     }
   });
 }
@@ -55,7 +55,7 @@ fmi3Status set(fmi3Instance instance, const fmi3ValueReference* references, std:
   return guard(instance, [&](Unit& unit) {
     if (given != count) throw std::invalid_argument("a variable has one value");
     for (std::size_t n = 0; n < count; ++n)
-      unit.course().set_number(references[n], type, static_cast<std::int64_t>(values[n]));
+      unit.run().set_number(references[n], type, static_cast<std::int64_t>(values[n]));
   });
 }
 
@@ -97,7 +97,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3F
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
   return guard(instance, [](Unit& unit) {
     unit.require(Mode::initialization, "ExitInitializationMode");
-    unit.course().begin();
+    unit.run().begin();
     unit.enter(unit.event_mode ? Mode::event : Mode::step);
   });
 }
@@ -142,7 +142,7 @@ fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference* referen
                         fmi3Clock* values) {
   return guard(instance, [&](Unit& unit) {
     unit.require(Mode::event, "GetClock");
-    for (std::size_t n = 0; n < count; ++n) values[n] = unit.course().ticks(references[n]);
+    for (std::size_t n = 0; n < count; ++n) values[n] = unit.run().ticks(references[n]);
   });
 }
 
@@ -171,7 +171,7 @@ fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference* referen
   return guard(instance, [&](Unit& unit) {
     unit.require(Mode::event, "SetClock");
     for (std::size_t n = 0; n < count; ++n)
-      if (values[n]) unit.course().set_ticks(references[n]);
+      if (values[n]) unit.run().set_ticks(references[n]);
   });
 }
 
@@ -235,21 +235,21 @@ fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
   return guard(instance, [](Unit& unit) { unit.require(Mode::event, "EvaluateDiscreteStates"); });
 }
 
-// One transition, or all that the surroundings have sent; masters come again while there is more.
+// One transition, or all that the environment has sent; masters come again while there is more.
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* again, fmi3Boolean* over,
                                     fmi3Boolean* nominals_changed, fmi3Boolean* states_changed, fmi3Boolean* known,
                                     fmi3Float64* next_time) {
   return guard(instance, [&](Unit& unit) {
     unit.require(Mode::event, "UpdateDiscreteStates");
-    Course& course = unit.course();
-    const bool happened = course.react();
-    const tachk::flow::Ticks next = course.next_event();
-    *again = happened && (next <= course.now() || course.ticking());
-    *over = course.ending().has_value();
+    UnitRun& run = unit.run();
+    const bool happened = run.react();
+    const tachk::flow::Ticks next = run.next_event();
+    *again = happened && (next <= run.now() || run.ticking());
+    *over = run.ending().has_value();
     *nominals_changed = false;
     *states_changed = false;
     *known = next < tachk::flow::never;
-    *next_time = *known ? unit.course().scale().seconds(course.start() + next) : 0.0;
+    *next_time = *known ? unit.run().scale().seconds(run.start() + next) : 0.0;
   });
 }
 
@@ -257,8 +257,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 size,
                       fmi3Boolean* over, fmi3Boolean* early, fmi3Float64* last) {
   return guard(instance, [&](Unit& unit) {
     const Advance done = unit.advance(time, size, unit.event_mode && unit.early_return, !unit.event_mode);
-    const double end = unit.course().scale().seconds(unit.course().start() + done.end);
-    const bool whole = done.end == unit.course().scale().ticks(time + size) - unit.course().start();
+    const double end = unit.run().scale().seconds(unit.run().start() + done.end);
+    const bool whole = done.end == unit.run().scale().ticks(time + size) - unit.run().start();
     *event = done.event && unit.event_mode;
     *over = done.over;
     *early = !whole && unit.early_return;

@@ -49,14 +49,14 @@ class Builder {
   double end_ = without_end;
 };
 
-struct Stretch {
+struct CommonSegment {
   double start;
   double end;
   double left_at, left_after, left_before;
   double right_at, right_after, right_before;
 };
 
-// The stretches on which both signals are linear.
+// The segments on which both signals are linear.
 template <class Visit>
 void walk(const LinearSignal& left, const LinearSignal& right, Visit visit) {
   std::size_t i = 0;
@@ -71,16 +71,16 @@ void walk(const LinearSignal& left, const LinearSignal& right, Visit visit) {
     before = stop == end ? piece.before : inside(piece, stop, end);
   };
   while (true) {
-    Stretch stretch{};
-    stretch.start = start;
-    stretch.end = std::min(end_of(left, i), end_of(right, j));
-    side(left, i, stretch.end, stretch.left_at, stretch.left_after, stretch.left_before);
-    side(right, j, stretch.end, stretch.right_at, stretch.right_after, stretch.right_before);
-    visit(stretch);
-    if (stretch.end == without_end) return;
-    i += end_of(left, i) == stretch.end;
-    j += end_of(right, j) == stretch.end;
-    start = stretch.end;
+    CommonSegment segment{};
+    segment.start = start;
+    segment.end = std::min(end_of(left, i), end_of(right, j));
+    side(left, i, segment.end, segment.left_at, segment.left_after, segment.left_before);
+    side(right, j, segment.end, segment.right_at, segment.right_after, segment.right_before);
+    visit(segment);
+    if (segment.end == without_end) return;
+    i += end_of(left, i) == segment.end;
+    j += end_of(right, j) == segment.end;
+    start = segment.end;
   }
 }
 
@@ -89,7 +89,7 @@ double difference(double left, double right) { return left == right ? 0 : left -
 template <class Choose>
 LinearSignal chosen(const LinearSignal& left, const LinearSignal& right, Choose choose) {
   Builder result;
-  walk(left, right, [&](const Stretch& s) {
+  walk(left, right, [&](const CommonSegment& s) {
     const double at = choose(s.left_at, s.right_at);
     const double after = choose(s.left_after, s.right_after);
     const double before = choose(s.left_before, s.right_before);
@@ -151,10 +151,9 @@ LinearSignal inner_breaks(const LinearSignal& signal, const LinearWindow& window
   }
 }
 
-// What `strict_until` is worth between two instants, seen in the direction of the witness: near and far end of f and
-// g, and the value with which the far end is left. Fills in the values at some places from 0 (near) to 1 (far),
-// between which it is linear.
-struct Course {
+// The value of `strict_until` between two instants, seen in the direction of the witness: near and far end of f and g,
+// and the value with which the far end is left. It is linear between some places from 0 (near) to 1 (far).
+struct UntilSegment {
   double f_near, f_far, g_near, g_far, beyond;
 
   double f(double u) const { return f_near == f_far ? f_near : f_near + (f_far - f_near) * u; }
@@ -210,7 +209,7 @@ LinearSignal times(LinearSignal signal, double factor) {
 
 LinearSignal plus(const LinearSignal& left, const LinearSignal& right) {
   Builder result;
-  walk(left, right, [&](const Stretch& s) {
+  walk(left, right, [&](const CommonSegment& s) {
     result.until(s.end);
     result.add(s.start, s.left_at + s.right_at, s.left_after + s.right_after, s.left_before + s.right_before);
   });
@@ -288,22 +287,22 @@ LinearSignal supremum(const LinearSignal& signal, const LinearWindow& window) {
 }
 
 LinearSignal strict_until(const LinearSignal& f, const LinearSignal& g) {
-  std::vector<Stretch> stretches;
-  walk(f, g, [&](const Stretch& s) { stretches.push_back(s); });
+  std::vector<CommonSegment> segments;
+  walk(f, g, [&](const CommonSegment& s) { segments.push_back(s); });
   LinearSignal reversed;
   double beyond = -without_end;
-  for (std::size_t n = stretches.size(); n-- > 0;) {
-    const Stretch& s = stretches[n];
-    double first;  // the limit at the start of the stretch
+  for (std::size_t n = segments.size(); n-- > 0;) {
+    const CommonSegment& s = segments[n];
+    double first;  // the limit at the start of the segment
     if (s.end == without_end) {
       first = std::min(s.left_after, s.right_after);
       reversed.push_back({s.start, 0, first, first});
     } else {
-      const Course course{s.left_after, s.left_before, s.right_after, s.right_before, beyond};
-      const std::vector<double> places = course.places(s.start, s.end);
-      double value = course.value(1);
+      const UntilSegment piece{s.left_after, s.left_before, s.right_after, s.right_before, beyond};
+      const std::vector<double> places = piece.places(s.start, s.end);
+      double value = piece.value(1);
       for (std::size_t k = places.size() - 1; k-- > 0;) {
-        const double here = course.value(places[k]);
+        const double here = piece.value(places[k]);
         reversed.push_back({s.start + (s.end - s.start) * places[k], here, here, value});
         value = here;
       }
@@ -319,7 +318,7 @@ LinearSignal strict_until(const LinearSignal& f, const LinearSignal& g) {
 LinearSignal strict_since(const LinearSignal& f, const LinearSignal& g) {
   Builder result;
   double limit = -without_end;  // of the result from the left
-  walk(f, g, [&](const Stretch& s) {
+  walk(f, g, [&](const CommonSegment& s) {
     const double at = std::min(s.left_at, limit);
     const double beyond = std::max(s.right_at, at);
     if (s.end == without_end) {
@@ -327,11 +326,11 @@ LinearSignal strict_since(const LinearSignal& f, const LinearSignal& g) {
       result.add(s.start, at, value, value);
       return;
     }
-    const Course course{s.left_before, s.left_after, s.right_before, s.right_after, beyond};
-    const std::vector<double> places = course.places(s.start, s.end);
-    double value = course.value(1);
+    const UntilSegment piece{s.left_before, s.left_after, s.right_before, s.right_after, beyond};
+    const std::vector<double> places = piece.places(s.start, s.end);
+    double value = piece.value(1);
     for (std::size_t k = places.size() - 1; k-- > 0;) {
-      const double here = course.value(places[k]);
+      const double here = piece.value(places[k]);
       const double start = s.start + (s.end - s.start) * (1 - places[k + 1]);
       result.until(s.start + (s.end - s.start) * (1 - places[k]));
       result.add(start, k + 2 == places.size() ? at : value, value, here);

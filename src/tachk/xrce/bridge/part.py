@@ -42,23 +42,23 @@ class BridgedPart:
     ) -> None:
         """Raises UsageError for a part that cannot run on its own, UnsupportedError for what is not simulated."""
         self._unit: CoSimulationUnit = open_unit(network, names, "part", clocks=True)
-        self._course = _course(self._unit)
+        self._unit_run = _unit_run(self._unit)
         self._places = {variable.name: place for place, variable in enumerate(self._unit.variables)}
         self.hears = self._channels(Role.HEARS)
         self.sends = self._channels(Role.SENDS)
         self._payload = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
-        self._course.set_number(self._places["seed"], FmiType.NATURAL, seed)
-        self._course.set_number(self._places["policy"], FmiType.ENUMERATION, list(Policy).index(policy))
-        self._course.begin()
+        self._unit_run.set_number(self._places["seed"], FmiType.NATURAL, seed)
+        self._unit_run.set_number(self._places["policy"], FmiType.ENUMERATION, list(Policy).index(policy))
+        self._unit_run.begin()
 
     @property
     def is_over(self) -> bool:
         """Whether nothing can happen any more, whatever the others do."""
-        return self._course.over
+        return self._unit_run.over
 
     def next_event(self) -> int | None:
         """When something may happen next, in nanoseconds, rounded up; None if nothing does by itself."""
-        event = self._course.next_event()
+        event = self._unit_run.next_event()
         if event >= _core.latest_end():
             return None
         return -int(-event * _NANOSECONDS // self._unit.second)
@@ -66,8 +66,8 @@ class BridgedPart:
     def advance(self, until: int) -> Iterator[SentEvent]:
         """The outputs up to a moment, in nanoseconds, if there is no input."""
         last = int(until * self._unit.second / _NANOSECONDS)
-        while (event := self._course.next_event()) <= last and not self.is_over:
-            self._course.wait_until(event)
+        while (event := self._unit_run.next_event()) <= last and not self.is_over:
+            self._unit_run.wait_until(event)
             moved = False
             for sent in self._reactions():
                 moved = True
@@ -75,38 +75,38 @@ class BridgedPart:
                     yield sent
             if not moved:
                 break  # nothing can happen until somebody says something
-        if last > self._course.now:
-            self._course.wait_until(last)
+        if last > self._unit_run.now:
+            self._unit_run.wait_until(last)
 
     def hear(self, channel: str, values: Mapping[str, int]) -> Iterator[SentEvent]:
         """The outputs at once after an input over a channel. Raises ValueError for values out of range."""
         for name, value in values.items():
             place = self._places.get(OUTSIDE + name)
             if place is not None:
-                self._course.set_number(place, self._unit.variables[place].kind, value)
-        self._course.set_ticks(self._places[f"{channel}?"])
+                self._unit_run.set_number(place, self._unit.variables[place].kind, value)
+        self._unit_run.set_ticks(self._places[f"{channel}?"])
         yield from (sent for sent in self._reactions() if sent is not None)
 
     def _reactions(self) -> Iterator[SentEvent | None]:
         """One for each transition at this moment, and more for one that sends over several channels."""
-        while self._course.react():
+        while self._unit_run.react():
             yield None
-            now = int(self._course.now * _NANOSECONDS / self._unit.second)
+            now = int(self._unit_run.now * _NANOSECONDS / self._unit.second)
             for channel in self.sends:
-                if self._course.ticks(self._places[f"{channel}!"]):
+                if self._unit_run.ticks(self._places[f"{channel}!"]):
                     yield SentEvent(now, channel, {v.name.removeprefix(SENT): self._value(v) for v in self._payload})
 
     def _value(self, variable: UnitVariable) -> int:
-        return self._course.number(self._places[variable.name], variable.kind)
+        return self._unit_run.number(self._places[variable.name], variable.kind)
 
     def _channels(self, role: Role) -> tuple[str, ...]:
         return tuple(variable.name[:-1] for variable in self._unit.variables if variable.role is role)
 
 
-def _course(unit: CoSimulationUnit) -> _core.Course:
+def _unit_run(unit: CoSimulationUnit) -> _core.UnitRun:
     with NamedTemporaryFile(suffix=".bin", delete=False) as file:
         file.write(resource_file(unit).content)
     try:
-        return _core.Course(file.name)
+        return _core.UnitRun(file.name)
     finally:
         os.unlink(file.name)

@@ -14,11 +14,11 @@
 
 namespace tachk::states::rows {
 
-class ZoneShelf {
+class ZonesOfDimension {
  public:
   // `rows_after`: at how many zones it is looked at first; 0: they always are lists of rows.
-  ZoneShelf(const zones::ZoneOperations& operations, int dimension, std::uint32_t rows_after,
-            std::size_t least_block_bytes);
+  ZonesOfDimension(const zones::ZoneOperations& operations, int dimension, std::uint32_t rows_after,
+                   std::size_t least_block_bytes);
 
   const zones::ZoneOperations& operations() const { return operations_; }
   int dimension() const { return dimension_; }

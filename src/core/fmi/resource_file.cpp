@@ -1,4 +1,4 @@
-#include "fmi/blueprint.hpp"
+#include "fmi/resource_file.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -62,7 +62,7 @@ std::uint64_t little_endian(std::span<const char, 8> bytes) {
 }  // namespace
 
 // The file: 64-bit numbers, the lowest byte first.
-struct Blueprint::Numbers {
+struct ResourceFile::Numbers {
   explicit Numbers(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -107,9 +107,9 @@ struct Blueprint::Numbers {
   std::size_t position = 0;
 };
 
-Blueprint::Blueprint(const std::string& path) : Blueprint(Numbers(path)) {}
+ResourceFile::ResourceFile(const std::string& path) : ResourceFile(Numbers(path)) {}
 
-Blueprint::Blueprint(Numbers numbers)
+ResourceFile::ResourceFile(Numbers numbers)
     : fingerprint{numbers.next(), numbers.next()},
       scale(numbers.time_scale()),
       nudge(numbers.next()),
@@ -131,7 +131,7 @@ Blueprint::Blueprint(Numbers numbers)
   if (nudge != -1 && !within(nudge, program.edges.size())) throw std::invalid_argument("bad edge in the network");
 }
 
-std::string Blueprint::token() const {
+std::string ResourceFile::token() const {
   char text[33];
   std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(fingerprint[0]),
                 static_cast<unsigned long long>(fingerprint[1]));

@@ -1,4 +1,4 @@
-#include "fmi/course.hpp"
+#include "fmi/unit_run.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -50,19 +50,19 @@ void append(std::vector<std::int64_t>& numbers, const std::vector<Value>& values
 
 }  // namespace
 
-Course::Course(std::shared_ptr<const Blueprint> blueprint)
-    : blueprint_(std::move(blueprint)), scale_(blueprint_->scale) {
-  const std::vector<Variable>& variables = blueprint_->variables;
+UnitRun::UnitRun(std::shared_ptr<const ResourceFile> resource)
+    : resource_(std::move(resource)), scale_(resource_->scale) {
+  const std::vector<Variable>& variables = resource_->variables;
   outside_.inputs.resize(variables.size());
   outside_.counts.resize(variables.size());
   outside_.pending.resize(variables.size());
   for (std::size_t n = 0; n < variables.size(); ++n)
     if (variables[n].role == Role::input)
-      outside_.inputs[n] = blueprint_->program.slots[static_cast<std::size_t>(variables[n].number)].initial;
+      outside_.inputs[n] = resource_->program.slots[static_cast<std::size_t>(variables[n].number)].initial;
 }
 
-Course::Course(const Course& other)
-    : blueprint_(other.blueprint_),
+UnitRun::UnitRun(const UnitRun& other)
+    : resource_(other.resource_),
       parameters_(other.parameters_),
       simulator_(other.simulator_ ? std::make_unique<simulation::Simulator>(*other.simulator_) : nullptr),
       scale_(other.scale_),
@@ -79,22 +79,22 @@ Course::Course(const Course& other)
 
 // ---- variables ------------------------------------------------------------------------------------------------------
 
-const Variable& Course::variable(std::uint32_t reference, Type type) const {
-  if (reference >= blueprint_->variables.size()) throw std::invalid_argument("there is no variable with this number");
-  const Variable& found = blueprint_->variables[reference];
+const Variable& UnitRun::variable(std::uint32_t reference, Type type) const {
+  if (reference >= resource_->variables.size()) throw std::invalid_argument("there is no variable with this number");
+  const Variable& found = resource_->variables[reference];
   if (found.type != type) throw std::invalid_argument("the variable has another type");
   return found;
 }
 
-double Course::real(std::uint32_t reference) {
+double UnitRun::real(std::uint32_t reference) {
   const Variable& wanted = variable(reference, Type::real);
   if (wanted.role == Role::time) return scale_.seconds(start_ + now_);
   begin();
-  const flow::Number& number = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
+  const flow::Number& number = resource_->chances.observed[static_cast<std::size_t>(wanted.number)];
   return number.value(simulator_->machine(), simulator_->slots());
 }
 
-std::int64_t Course::number(std::uint32_t reference, Type type) {
+std::int64_t UnitRun::number(std::uint32_t reference, Type type) {
   const Variable& wanted = variable(reference, type);
   switch (wanted.role) {
     case Role::seed:
@@ -116,11 +116,11 @@ std::int64_t Course::number(std::uint32_t reference, Type type) {
       break;
   }
   begin();
-  const flow::Number& found = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
+  const flow::Number& found = resource_->chances.observed[static_cast<std::size_t>(wanted.number)];
   return static_cast<std::int64_t>(found.value(simulator_->machine(), simulator_->slots()));
 }
 
-void Course::set_number(std::uint32_t reference, Type type, std::int64_t value) {
+void UnitRun::set_number(std::uint32_t reference, Type type, std::int64_t value) {
   const Variable& wanted = variable(reference, type);
   switch (wanted.role) {
     case Role::seed:
@@ -142,7 +142,7 @@ void Course::set_number(std::uint32_t reference, Type type, std::int64_t value) 
   }
 }
 
-void Course::choose(Role parameter, std::int64_t value) {
+void UnitRun::choose(Role parameter, std::int64_t value) {
   if (transitions_ > 0 || now_ > 0 || !outside_.intakes.empty()) throw std::invalid_argument("the run has begun");
   if (parameter == Role::policy && (value < 0 || value > static_cast<std::int64_t>(Policy::latest)))
     throw std::invalid_argument("there is no such policy");
@@ -155,22 +155,22 @@ void Course::choose(Role parameter, std::int64_t value) {
   simulator_.reset();
 }
 
-void Course::set_input(std::uint32_t place, std::int64_t value) {
-  const Variable& input = blueprint_->variables[place];
-  const program::Slot& slot = blueprint_->program.slots[static_cast<std::size_t>(input.number)];
+void UnitRun::set_input(std::uint32_t place, std::int64_t value) {
+  const Variable& input = resource_->variables[place];
+  const program::Slot& slot = resource_->program.slots[static_cast<std::size_t>(input.number)];
   if (value < slot.low || value > slot.high) throw std::invalid_argument("the value is outside the variable's range");
   begin();
   outside_.changed |= input.target >= 0 && simulator_->slots()[input.target] != value;
   outside_.inputs[place] = static_cast<std::int32_t>(value);
 }
 
-void Course::set_count(std::uint32_t place, std::int64_t value) {
+void UnitRun::set_count(std::uint32_t place, std::int64_t value) {
   if (value < outside_.counts[place] + outside_.pending[place])
     throw std::invalid_argument("a number of messages went down");
   outside_.pending[place] = value - outside_.counts[place];
 }
 
-bool Course::ticks(std::uint32_t reference) const {
+bool UnitRun::ticks(std::uint32_t reference) const {
   const Variable& wanted = variable(reference, Type::clock);
   if (wanted.role == Role::hears) return outside_.pending[reference] > 0;
   if (!fresh_ || !simulator_) return false;
@@ -178,13 +178,13 @@ bool Course::ticks(std::uint32_t reference) const {
   return std::find(edges.begin(), edges.end(), static_cast<std::uint32_t>(wanted.number)) != edges.end();
 }
 
-void Course::set_ticks(std::uint32_t reference) {
+void UnitRun::set_ticks(std::uint32_t reference) {
   if (variable(reference, Type::clock).role != Role::hears) throw std::invalid_argument("this clock cannot be set");
   outside_.pending[reference] = 1;
 }
 
-bool Course::ticking() const {
-  const std::vector<Variable>& variables = blueprint_->variables;
+bool UnitRun::ticking() const {
+  const std::vector<Variable>& variables = resource_->variables;
   for (std::uint32_t n = 0; n < variables.size(); ++n)
     if (variables[n].role == Role::sends && variables[n].type == Type::clock && ticks(n)) return true;
   return false;
@@ -192,8 +192,8 @@ bool Course::ticking() const {
 
 // ---- the run --------------------------------------------------------------------------------------------------------
 
-void Course::start_at(double start, std::optional<double> stop) {
-  TimeScale scale = blueprint_->scale;
+void UnitRun::start_at(double start, std::optional<double> stop) {
+  TimeScale scale = resource_->scale;
   for (Ticks ticks = flow::finest_ticks; ticks >= flow::coarsest_ticks; ticks /= 10, scale = scale.coarser())
     if (scale.holds(start) && (!stop || (scale.holds(*stop) && scale.holds(*stop - start)))) {
       scale_ = scale;
@@ -203,16 +203,16 @@ void Course::start_at(double start, std::optional<double> stop) {
   start_ = scale_.ticks(start);
 }
 
-void Course::begin() {
+void UnitRun::begin() {
   if (simulator_) return;
-  auto simulator = std::make_unique<simulation::Simulator>(blueprint_->program, blueprint_->chances, blueprint_->tables,
+  auto simulator = std::make_unique<simulation::Simulator>(resource_->program, resource_->chances, resource_->tables,
                                                            parameters_.policy, ticks_per_unit_);
   if (!simulator->begin(parameters_.seed, parameters_.run))
     throw std::invalid_argument("the initial state of the network violates an invariant");
   simulator_ = std::move(simulator);
 }
 
-Ticks Course::next_event() {
+Ticks UnitRun::next_event() {
   if (ending_) return flow::never;
   if (outside_.changed ||
       std::any_of(outside_.pending.begin(), outside_.pending.end(), [](std::int64_t count) { return count > 0; }))
@@ -221,42 +221,42 @@ Ticks Course::next_event() {
   return next <= flow::latest_end ? std::max(next, now_) : flow::never;
 }
 
-void Course::wait_until(Ticks moment) {
+void UnitRun::wait_until(Ticks moment) {
   settled_ = settled_ && moment == now_;
   now_ = moment;
 }
 
-bool Course::react() {
+bool UnitRun::react() {
   fresh_ = false;
   if (ending_) return false;
   bool sent = false;
   for (std::uint32_t n = 0; n < outside_.pending.size(); ++n)
     for (; outside_.pending[n] > 0; --outside_.pending[n], ++outside_.counts[n], sent = true)
-      surroundings_send(static_cast<std::uint32_t>(blueprint_->variables[n].number));
+      environment_sends(static_cast<std::uint32_t>(resource_->variables[n].number));
   if (outside_.changed) {
-    surroundings_send(static_cast<std::uint32_t>(blueprint_->nudge));
+    environment_sends(static_cast<std::uint32_t>(resource_->nudge));
     sent = true;
   }
   return sent || transition();
 }
 
-// The surroundings take a transition of theirs, and the network hears of the new inputs.
-void Course::surroundings_send(std::uint32_t edge) {
+// The environment takes a transition, and the network hears of the new inputs.
+void UnitRun::environment_sends(std::uint32_t edge) {
   outside_.intakes.push_back({transitions_, now_, settled_, edge, outside_.inputs});
   take(outside_.intakes.back());
   outside_.changed = false;
 }
 
-void Course::take(const Intake& intake) {
+void UnitRun::take(const Intake& intake) {
   for (std::size_t n = 0; n < intake.inputs.size(); ++n)
-    if (blueprint_->variables[n].role == Role::input)
-      simulator_->slots()[blueprint_->variables[n].number] = intake.inputs[n];
+    if (resource_->variables[n].role == Role::input)
+      simulator_->slots()[resource_->variables[n].number] = intake.inputs[n];
   if (!simulator_->take(intake.edge, intake.moment))
-    throw std::invalid_argument("the surroundings send what no process can receive now");
+    throw std::invalid_argument("the environment sends what no process can receive now");
   settled_ = false;
 }
 
-bool Course::transition() {
+bool UnitRun::transition() {
   if (settled_) return false;
   simulation::RunLimits limits;
   limits.until = now_;
@@ -271,17 +271,17 @@ bool Course::transition() {
     return true;
   }
   settled_ = true;
-  // In an open network the surroundings may help.
+  // In an open network the environment may help.
   const bool stuck = *ending == Ending::deadlock || *ending == Ending::time_lock;
-  if (*ending != Ending::horizon && !(stuck && blueprint_->open())) ending_ = ending;
+  if (*ending != Ending::horizon && !(stuck && resource_->open())) ending_ = ending;
   return false;
 }
 
-void Course::count() {
+void UnitRun::count() {
   const std::span<const std::uint32_t> edges = simulator_->edges();
-  if (!blueprint_->open() || edges.size() < 2) return;
+  if (!resource_->open() || edges.size() < 2) return;
   for (std::size_t n = 0; n < outside_.counts.size(); ++n) {
-    const Variable& variable = blueprint_->variables[n];
+    const Variable& variable = resource_->variables[n];
     if (variable.role != Role::sends) continue;
     outside_.counts[n] += std::count(edges.begin(), edges.end(), static_cast<std::uint32_t>(variable.number));
   }
@@ -289,12 +289,12 @@ void Course::count() {
 
 // ---- as numbers -----------------------------------------------------------------------------------------------------
 //
-// What is saved is how the run came about: its parameters, how many transitions it has had, and what the surroundings
+// What is saved is how the run came about: its parameters, how many transitions it has had, and what the environment
 // did. That is all there is to know of it, whatever a simulator keeps in mind.
 
-std::vector<std::int64_t> Course::save() const {
-  std::vector<std::int64_t> result{blueprint_->fingerprint[0],
-                                   blueprint_->fingerprint[1],
+std::vector<std::int64_t> UnitRun::save() const {
+  std::vector<std::int64_t> result{resource_->fingerprint[0],
+                                   resource_->fingerprint[1],
                                    static_cast<std::int64_t>(parameters_.seed),
                                    static_cast<std::int64_t>(parameters_.run),
                                    static_cast<std::int64_t>(parameters_.policy),
@@ -319,10 +319,10 @@ std::vector<std::int64_t> Course::save() const {
   return result;
 }
 
-Course Course::restore(std::shared_ptr<const Blueprint> blueprint, std::span<const std::int64_t> numbers) {
-  Course result(std::move(blueprint));
+UnitRun UnitRun::restore(std::shared_ptr<const ResourceFile> resource, std::span<const std::int64_t> numbers) {
+  UnitRun result(std::move(resource));
   Saved saved(numbers);
-  if (saved.next() != result.blueprint_->fingerprint[0] || saved.next() != result.blueprint_->fingerprint[1])
+  if (saved.next() != result.resource_->fingerprint[0] || saved.next() != result.resource_->fingerprint[1])
     throw std::invalid_argument("the state was saved by a unit of another network");
   result.parameters_.seed = saved.natural();
   result.parameters_.run = saved.natural();
@@ -367,8 +367,8 @@ Course Course::restore(std::shared_ptr<const Blueprint> blueprint, std::span<con
   return result;
 }
 
-// The network on its own up to what the surroundings did.
-void Course::go_through(const Intake& intake) {
+// The network on its own up to what the environment did.
+void UnitRun::go_through(const Intake& intake) {
   simulation::RunLimits limits;
   while (transitions_ < intake.transitions) {
     if (simulator_->step(limits)) throw std::invalid_argument("the saved state is not one of this network");

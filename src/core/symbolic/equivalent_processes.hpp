@@ -1,5 +1,5 @@
-// Interchangeable processes between which a state makes no difference: exchanging two of them leaves the state as it
-// is. What one of them can do each can, and the successors differ by an exchange only, so that one of them is enough.
+// Interchangeable processes that are equivalent in a state: their transposition leaves the state as it is. Each of them
+// can do what one can, and the successors differ by a transposition only, so that one of them is enough.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,19 @@
 
 namespace tachk::symbolic {
 
-class Twins final {
+class EquivalentProcesses final {
  public:
-  Twins(const program::Program& program, const zones::ZoneOperations& operations);
+  EquivalentProcesses(const program::Program& program, const zones::ZoneOperations& operations);
 
-  // Looks for members of a group that are twins of the one before.
+  // Finds the members of each group that are equivalent to the one before.
   void find(const std::int32_t* slots, zones::ConstZoneRef zone);
 
-  // Whether a process belongs to a twin of the member before: what it does alone, that one does, too.
-  bool second(std::size_t process) const { return member_of_[process] != nobody && twins_[member_of_[process]] != 0; }
-  // Whether an exchange of twins makes another action of this one, in which earlier members take part: some twin takes
-  // part in this one without the member before it.
+  // Whether a process belongs to a member that is equivalent to the one before: that one can do alone whatever it can.
+  bool second(std::size_t process) const {
+    return member_of_[process] != nobody && equivalent_[member_of_[process]] != 0;
+  }
+  // Whether a transposition of equivalent members makes of this action another one, of earlier members: some member
+  // takes part in it without the equivalent member before it.
   bool repeats(std::span<const std::uint32_t> edges);
 
  private:
@@ -40,7 +42,7 @@ class Twins final {
   zones::ZoneOperations operations_;
   std::vector<Group> groups_;
   std::vector<std::uint32_t> member_of_;  // of each process
-  std::vector<std::uint8_t> twins_;       // of each member, whether it is a twin of the one before
+  std::vector<std::uint8_t> equivalent_;  // of each member, whether it is equivalent to the one before
   std::vector<std::uint8_t> named_;       // of each member of a group
   std::vector<std::uint8_t> taking_part_;
   std::vector<std::uint16_t> sources_;

@@ -22,8 +22,8 @@ enum class Role : std::int64_t {
   policy,       // how processes choose moments
   transitions,  // how many there have been
   observed,     // a value of the network: its place in `Chances::observed`
-  input,        // what the surroundings write: the slot of what they write, and of the variable it is for
-  hears,        // a channel over which the surroundings send: the edge that does it
+  input,        // what the environment writes: the slot of what it writes, and of the variable it is for
+  hears,        // a channel over which the environment sends: the edge that does it
   sends,        // a channel over which the network sends: the edge that takes notice
 };
 
@@ -59,15 +59,15 @@ class TimeScale {
   std::int64_t denominator_ = 1;
 };
 
-struct Blueprint {
+struct ResourceFile {
   // Throws std::invalid_argument if the file is none.
-  explicit Blueprint(const std::string& path);
-  Blueprint(const Blueprint&) = delete;
-  Blueprint& operator=(const Blueprint&) = delete;
+  explicit ResourceFile(const std::string& path);
+  ResourceFile(const ResourceFile&) = delete;
+  ResourceFile& operator=(const ResourceFile&) = delete;
 
   std::array<std::int64_t, 2> fingerprint;
   TimeScale scale;     // of the finest ticks
-  std::int64_t nudge;  // the edge by which the surroundings write without sending; -1 if they never do
+  std::int64_t nudge;  // the edge by which the environment writes without sending; -1 if it never does
   std::vector<Variable> variables;
   program::Program program;
   flow::Chances chances;
@@ -78,7 +78,7 @@ struct Blueprint {
 
  private:
   struct Numbers;
-  explicit Blueprint(Numbers numbers);
+  explicit ResourceFile(Numbers numbers);
 };
 
 }  // namespace tachk::fmi

@@ -1,4 +1,4 @@
-#include "symbolic/twins.hpp"
+#include "symbolic/equivalent_processes.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -6,7 +6,7 @@
 
 namespace tachk::symbolic {
 
-Twins::Twins(const program::Program& program, const zones::ZoneOperations& operations)
+EquivalentProcesses::EquivalentProcesses(const program::Program& program, const zones::ZoneOperations& operations)
     : program_(program),
       operations_(operations),
       member_of_(program.processes.size(), nobody),
@@ -22,11 +22,11 @@ Twins::Twins(const program::Program& program, const zones::ZoneOperations& opera
       ++count;
     }
   }
-  twins_.assign(count, 0);
+  equivalent_.assign(count, 0);
   taking_part_.assign(count, 0);
 }
 
-void Twins::find(const std::int32_t* slots, zones::ConstZoneRef zone) {
+void EquivalentProcesses::find(const std::int32_t* slots, zones::ConstZoneRef zone) {
   for (const Group& group : groups_) {
     const auto members = static_cast<std::uint32_t>(group.parts.slots.size());
     named_.assign(members, 0);
@@ -35,13 +35,13 @@ void Twins::find(const std::int32_t* slots, zones::ConstZoneRef zone) {
       if (member >= 0) named_[static_cast<std::size_t>(member)] = 1;
     }
     for (std::uint32_t member = 1; member < members; ++member)
-      twins_[group.first + member] = exchangeable(group, member, slots, zone) ? 1 : 0;
+      equivalent_[group.first + member] = exchangeable(group, member, slots, zone) ? 1 : 0;
   }
 }
 
 // Whether exchanging a member with the one before leaves the state as it is.
-bool Twins::exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots,
-                         zones::ConstZoneRef zone) {
+bool EquivalentProcesses::exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots,
+                                       zones::ConstZoneRef zone) {
   if (named_[member] != 0 || named_[member - 1] != 0) return false;
   const std::vector<std::uint32_t>& own = group.parts.slots[member];
   const std::vector<std::uint32_t>& others = group.parts.slots[member - 1];
@@ -59,7 +59,7 @@ bool Twins::exchangeable(const Group& group, std::uint32_t member, const std::in
   return stays;
 }
 
-bool Twins::repeats(std::span<const std::uint32_t> edges) {
+bool EquivalentProcesses::repeats(std::span<const std::uint32_t> edges) {
   const auto member_of = [this](std::uint32_t edge) { return member_of_[program_.edges[edge].process]; };
   const auto mark = [&](std::uint8_t value) {
     for (const std::uint32_t edge : edges)
@@ -68,7 +68,7 @@ bool Twins::repeats(std::span<const std::uint32_t> edges) {
   mark(1);
   const bool found = std::any_of(edges.begin(), edges.end(), [&](std::uint32_t edge) {
     const std::uint32_t member = member_of(edge);
-    return member != nobody && twins_[member] != 0 && taking_part_[member - 1] == 0;
+    return member != nobody && equivalent_[member] != 0 && taking_part_[member - 1] == 0;
   });
   mark(0);
   return found;

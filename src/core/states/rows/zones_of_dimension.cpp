@@ -1,12 +1,12 @@
-#include "states/rows/zone_shelf.hpp"
+#include "states/rows/zones_of_dimension.hpp"
 
 #include <cstring>
 #include <utility>
 
 namespace tachk::states::rows {
 
-ZoneShelf::ZoneShelf(const zones::ZoneOperations& operations, int dimension, std::uint32_t rows_after,
-                     std::size_t least_block_bytes)
+ZonesOfDimension::ZonesOfDimension(const zones::ZoneOperations& operations, int dimension, std::uint32_t rows_after,
+                                   std::size_t least_block_bytes)
     : operations_(operations),
       dimension_(dimension),
       least_block_bytes_(least_block_bytes),
@@ -17,7 +17,7 @@ ZoneShelf::ZoneShelf(const zones::ZoneOperations& operations, int dimension, std
   rows_.emplace(operations_.row_bytes);
 }
 
-std::uint32_t ZoneShelf::add(zones::ConstZoneRef zone) {
+std::uint32_t ZonesOfDimension::add(zones::ConstZoneRef zone) {
   if (free_.empty() && next_look_ != 0 && records_.size() == next_look_) reconsider();
   std::uint32_t record = records_.size();
   if (free_.empty()) {
@@ -30,7 +30,7 @@ std::uint32_t ZoneShelf::add(zones::ConstZoneRef zone) {
   return record;
 }
 
-void ZoneShelf::put(std::uint32_t record, zones::ConstZoneRef zone) {
+void ZonesOfDimension::put(std::uint32_t record, zones::ConstZoneRef zone) {
   if (!rows_) {
     std::memcpy(records_[record], zone.bytes, operations_.bytes);
     return;
@@ -38,7 +38,7 @@ void ZoneShelf::put(std::uint32_t record, zones::ConstZoneRef zone) {
   rows_->intern(zone.bytes, dimension_, reinterpret_cast<std::uint32_t*>(records_[record]));
 }
 
-void ZoneShelf::remove(std::uint32_t record) {
+void ZonesOfDimension::remove(std::uint32_t record) {
   if (rows_) {
     const auto* const numbers = reinterpret_cast<const std::uint32_t*>(records_[record]);
     for (int i = 0; i < dimension_; ++i) rows_->release(numbers[i]);
@@ -47,7 +47,7 @@ void ZoneShelf::remove(std::uint32_t record) {
 }
 
 // Only called when no record is free.
-void ZoneShelf::reconsider() {
+void ZonesOfDimension::reconsider() {
   next_look_ *= 4;
   const std::size_t zones = records_.size();
   const std::size_t whole_bytes = zones * operations_.bytes;
@@ -65,7 +65,7 @@ void ZoneShelf::reconsider() {
   rows_ = std::move(rows);
 }
 
-void ZoneShelf::hold_whole() {
+void ZonesOfDimension::hold_whole() {
   RecordPool zones(operations_.bytes, least_block_bytes_);
   for (std::uint32_t record = 0; record < records_.size(); ++record)
     operations_.rows.assemble({zones[zones.append()]}, rows(record), dimension_);
@@ -73,7 +73,7 @@ void ZoneShelf::hold_whole() {
   rows_.reset();
 }
 
-std::size_t ZoneShelf::bytes() const {
+std::size_t ZonesOfDimension::bytes() const {
   return records_.bytes() + (rows_ ? rows_->bytes() : 0) + free_.capacity() * sizeof(std::uint32_t);
 }
 

@@ -1,4 +1,4 @@
-// A run of a unit under way: what it has been given, where it is. A copy goes on on its own.
+// A run of a unit: its inputs so far and its state. A copy goes on by itself.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,16 @@
 #include <span>
 #include <vector>
 
-#include "fmi/blueprint.hpp"
+#include "fmi/resource_file.hpp"
 #include "simulation/simulator.hpp"
 
 namespace tachk::fmi {
 
-class Course {
+class UnitRun {
  public:
-  explicit Course(std::shared_ptr<const Blueprint> blueprint);
-  Course(const Course& other);
-  Course& operator=(const Course& other) = delete;
+  explicit UnitRun(std::shared_ptr<const ResourceFile> resource);
+  UnitRun(const UnitRun& other);
+  UnitRun& operator=(const UnitRun& other) = delete;
 
   // ---- variables. All throw std::invalid_argument for a variable of another type or one that cannot be set, and
   // ModelFault.
@@ -40,7 +40,7 @@ class Course {
   flow::Ticks next_event();
   // To a moment that is not behind `next_event`.
   void wait_until(flow::Ticks moment);
-  // What happens at this moment: what the surroundings have done, or else one transition. False if nothing does.
+  // What happens at this moment: what the environment has done, or else one transition. False if nothing does.
   bool react();
   // Why nothing can happen any more.
   std::optional<simulation::Ending> ending() const { return ending_; }
@@ -48,10 +48,10 @@ class Course {
   // ---- as numbers
   std::vector<std::int64_t> save() const;
   // Throws std::invalid_argument if the numbers were not saved by a unit of the same network.
-  static Course restore(std::shared_ptr<const Blueprint> blueprint, std::span<const std::int64_t> saved);
+  static UnitRun restore(std::shared_ptr<const ResourceFile> resource, std::span<const std::int64_t> saved);
 
  private:
-  // What the surroundings did, and when.
+  // What the environment did, and when.
   struct Intake {
     std::uint64_t transitions;  // of the network before it
     flow::Ticks moment;
@@ -66,7 +66,7 @@ class Course {
   };
 
   // What is known of those who run the network together with others.
-  struct Surroundings {
+  struct Environment {
     std::vector<std::int32_t> inputs;   // of each variable
     std::vector<std::int64_t> counts;   // of each variable: how often its channel was used
     std::vector<std::int64_t> pending;  // of each variable: how often they still have to send
@@ -78,18 +78,18 @@ class Course {
   void choose(Role parameter, std::int64_t value);
   void set_input(std::uint32_t place, std::int64_t value);
   void set_count(std::uint32_t place, std::int64_t value);
-  void surroundings_send(std::uint32_t edge);
+  void environment_sends(std::uint32_t edge);
   void take(const Intake& intake);
   bool transition();
   void count();
   void go_through(const Intake& intake);
 
-  std::shared_ptr<const Blueprint> blueprint_;
+  std::shared_ptr<const ResourceFile> resource_;
   Parameters parameters_;
   std::unique_ptr<simulation::Simulator> simulator_;  // null before the run has begun
   TimeScale scale_;
   flow::Ticks ticks_per_unit_ = flow::finest_ticks;
-  flow::Ticks start_ = 0;  // of the run, in the time of the surroundings
+  flow::Ticks start_ = 0;  // of the run, in the time of the environment
   flow::Ticks now_ = 0;    // since the start
   std::uint64_t transitions_ = 0;
   std::uint64_t at_once_ = 0;  // transitions without time between them
@@ -97,7 +97,7 @@ class Course {
   bool settled_ = false;       // the network has been asked to act at this moment, and did not
   bool fresh_ = false;         // what happened last is the last transition of the network
   std::optional<simulation::Ending> ending_;
-  Surroundings outside_;
+  Environment outside_;
 };
 
 }  // namespace tachk::fmi
