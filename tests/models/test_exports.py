@@ -10,7 +10,7 @@ import pytest
 
 from tachk.base.resources import data_root
 from tachk.base.span import Source
-from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.catalogue import export_model
 from tachk.formats.exported import Writing
 from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
@@ -25,8 +25,8 @@ _END = re.compile(r"\bsystem\b[^;{}]*;\s*(progress\s*\{[^{}]*\}\s*)?(gantt\s*\{.
 @pytest.mark.parametrize("path", WRITTEN, ids=lambda path: path.stem)
 def test_uppaal_takes_the_export(path: Path) -> None:
     model = load_model(str(path))
-    xml = export_model(model, ExportFormat.XML, Writing()).text
-    xta = export_model(model, ExportFormat.XTA, Writing()).text
+    xml = export_model(model, "xml", Writing()).text
+    xta = export_model(model, "xta", Writing()).text
     ends = [next(ElementTree.fromstring(xml).iter("system")).text, xta]
     assert all(end is not None and _END.search(_COMMENT.sub("", end)) for end in ends)
     for name, text in (("again.xml", xml), ("again.xta", xta)):
@@ -47,7 +47,7 @@ property read : A[] P.A;
     model = load_model(Source("model.ta", text))
     version = UppaalVersion.UPPAAL_5_0
     assert [d.span.text for d in portability(model, version) if d.code == "E0815"] == ["deadlock"]
-    xml = export_model(model, ExportFormat.XML, Writing()).text
+    xml = export_model(model, "xml", Writing()).text
     assert "/* UPPAAL does not check: A[] !deadlock */" in xml
     again = load_model(Source("again.xml", xml))
     assert [query.name for query in again.queries] == ["stuck", "read"]
@@ -68,6 +68,6 @@ Q = P();
 property p : A[] n == 0 expect holds if FEW else fails;
 """
     model = load_model(Source("model.ta", text))
-    xml = export_model(model, ExportFormat.XML, Writing()).text
+    xml = export_model(model, "xml", Writing()).text
     section = next(ElementTree.fromstring(xml).iter("system")).text
     assert section is not None and section.split("\n") == ["const bool FEW = true;", "Q = P();", "system P;", ""]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -17,7 +18,6 @@ if not (ROOT / "CONTRIBUTING.md").is_file():
 
 USED_OTHERWISE = {
     "tachk.meaning.avoidance.elapse_before": "the oracle that the search for lassos is tested against",
-    "tachk.xrce.captures.DDS_XRCE": "tachk.base.plugins: a row of a table",
     "tachk.formats.network_json.network.network_from_json": "docs/uppaal.md: networks from JSON",
     "tachk.formats.network_json.network.same_network": "docs/uppaal.md",
     "tachk.logic.patterns.patterns": "docs/sentence_pictures.py",
@@ -27,6 +27,9 @@ USED_OTHERWISE = {
     "tachk.cli.commands.verifyta.run": "pyproject.toml: a console script",
 }
 """Modules, or names in them."""
+
+_ROW = re.compile(r"tachk[\w.]*:\w+")
+"""An object as tables name it: `tachk.base.plugins`."""
 
 _MEANT_FOR_PYTHON = {"__all__", "__getattr__", "__dir__", "__version__"}
 
@@ -63,6 +66,8 @@ def _used(module: str, tree: ast.Module, modules: set[str]) -> Iterator[str]:
         if isinstance(node, ast.Name):
             if isinstance(node.ctx, ast.Load):
                 yield f"{module}.{node.id}"
+        elif isinstance(node, ast.Constant) and _ROW.fullmatch(str(node.value)):
+            yield str(node.value).replace(":", ".")
         elif isinstance(node, ast.Attribute):
             if isinstance(node.value, ast.Name):
                 attributes.add((node.value.id, node.attr))

@@ -9,7 +9,7 @@ import pytest
 from tachk.api import model as api
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Source
-from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.catalogue import export_model
 from tachk.formats.exported import Writing
 from tachk.formats.loading.load import load_model
 from tachk.syntax.parsing.parser import parse_document
@@ -63,7 +63,7 @@ def test_chains(body: str, value: int) -> None:
     again, diagnostics = parse_document(Source("again.ta", print_document(document)))
     assert again is not None and diagnostics == () and print_document(again) == print_document(document)
     loaded = load_model(Source("model.ta", text))
-    exported = load_model(Source("again.xml", export_model(loaded, ExportFormat.XML, Writing()).text))
+    exported = load_model(Source("again.xml", export_model(loaded, "xml", Writing()).text))
     for each in (loaded, exported):
         assert [verdict.answer for verdict in api.Model(each).verify()] == ["holds"]
 

@@ -1,7 +1,7 @@
-"""Tables that lower packages read and whose rows stand in higher ones, which they do not import; and distributions of
-their own that tachk calls where they are installed.
+"""Objects that tables name as ``module:object``, and that are loaded when they are needed.
 
-A row is named ``module:object`` and loaded when its table is first read.
+Rows of tables that lower packages read and whose modules stand in higher ones, which they do not import; distributions
+of their own that tachk calls where they are installed; formats, of which a command line uses one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _SEPARATE = {"munta export": "tachk_munta.writer:to_muntax", "munta proofs": "ta
 @cache
 def plugins(table: str) -> tuple[Any, ...]:
     """The rows of a table, in order."""
-    return tuple(map(_loaded, _ROWS[table]))
+    return tuple(map(load_object, _ROWS[table]))
 
 
 def separate_plugin(use: str) -> Any:
@@ -35,9 +35,10 @@ def separate_plugin(use: str) -> Any:
     except ModuleNotFoundError:
         distribution = package.replace("_", "-")
         raise UsageError(f"the plug-in {distribution} is not installed", f"pip install {distribution}") from None
-    return _loaded(row)
+    return load_object(row)
 
 
-def _loaded(row: str) -> Any:
+def load_object(row: str) -> Any:
+    """What a row names, such as ``tachk.formats.dot:to_dot``."""
     module, _, name = row.partition(":")
     return getattr(import_module(module), name)

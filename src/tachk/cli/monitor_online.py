@@ -16,7 +16,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import StoppedError, check_job
 from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
+from tachk.cli.reporting import Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments, exit_status, print_warnings
 from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, hidden_formulas
@@ -151,6 +151,10 @@ class TextOnlineReport(OnlineReport):
                     self._out.write(f"{verdict.name}: {count} {'violation' if count == 1 else 'violations'}\n")
 
 
+_ONLINE_REPORTS = {"text": TextOnlineReport, "json": JsonOnlineReport, "jsonl": LineOnlineReport}
+"""By the formats of reports that can be written while a trace is recorded."""
+
+
 class _AwaitedFile:
     """A file read beyond its end: whoever reads waits for more, until the time is over."""
 
@@ -193,8 +197,10 @@ def run_online(
     Args:
         stream: the rows, where they come from standard input.
     """
-    if reporting.form is ReportForm.JUNIT:
-        raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
+    if reporting.form not in _ONLINE_REPORTS:
+        raise UsageError(
+            f"{reporting.form} reports are written about whole traces", "leave out --online, or take --format json"
+        )
     recording = _open(arguments, rows, stream)
     if arguments.run is not None:
         raise UsageError("row by row a file is one run", "leave out --run, or --online and --follow")
@@ -222,7 +228,9 @@ def run_online(
     elif isinstance(recording, JsonStream):
         recording = replace(recording, decimals=arguments.decimals)
     with growing_destination(reporting.output, reporting.quiet) as out:
-        report = _online_report(monitor, reporting.form, out, arguments.trace)
+        report = OnlineReport(monitor, arguments.trace)
+        if out is not None:
+            report = _ONLINE_REPORTS[reporting.form](monitor, arguments.trace, out)
         # A file that is there to its end is read to its end where bounds or violations go on after the decision.
         whole = violations.all_violations or (evaluation.robustness and arguments.trace != "-" and not rows.follow)
         ended = _fed(monitor, recording, report, whole and not rows.fail_fast, rows.fail_fast)
@@ -231,18 +239,6 @@ def run_online(
             report.changed(monitor.take_violations())
         report.end()
     return exit_status({verdict.truth for verdict in verdicts})
-
-
-def _online_report(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str) -> OnlineReport:
-    match form:
-        case _ if out is None:
-            return OnlineReport(monitor, name)
-        case ReportForm.JSON:
-            return JsonOnlineReport(monitor, name, out)
-        case ReportForm.JSONL:
-            return LineOnlineReport(monitor, name, out)
-        case _:
-            return TextOnlineReport(monitor, name, out)
 
 
 def _open(

@@ -13,7 +13,6 @@ import click
 from tachk.base.job import limited
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
-from tachk.cli.reporting import ReportForm
 
 type_of_file = click.Path(path_type=Path)
 """A file to read or write. The command checks if it exists, as only the command knows if it must."""
@@ -115,8 +114,9 @@ def agent_ports(help: str) -> Callable[[Decorated], Decorated]:
     return click.option("ports", "--port", metavar="PORT", type=Count(1, 65535), multiple=True, help=help)
 
 
-def report(*forms: ReportForm) -> Callable[[Decorated], Decorated]:
-    """``--format``, ``--output`` and ``--quiet`` of a command that reports in one of these forms: its `Reporting`."""
+def report(*forms: str) -> Callable[[Decorated], Decorated]:
+    """``--format``, ``--output`` and ``--quiet`` of a command that reports in one of these forms, the first
+    by default: its `Reporting`."""
 
     def add(function: Decorated) -> Decorated:
         function = click.option("quiet", "--quiet", is_flag=True, help="Print no report; only set the exit status.")(
@@ -128,8 +128,8 @@ def report(*forms: ReportForm) -> Callable[[Decorated], Decorated]:
         return click.option(
             "form",
             "--format",
-            type=Choice(forms),
-            default=forms[0].value,
+            type=click.Choice(forms),
+            default=forms[0],
             show_default=True,
             help="Form of the report.",
         )(function)

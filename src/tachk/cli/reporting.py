@@ -8,27 +8,6 @@ from pathlib import Path
 from tachk.base.records import dataclass
 
 
-class ReportForm(StrEnum):
-    """The forms of reports. Each command has some of them."""
-
-    TEXT = "text"
-    JSON = "json"
-    JSONL = "jsonl"
-    JUNIT = "junit"
-    VERIFYTA = "verifyta"
-    SARIF = "sarif"
-    GITHUB = "github"
-    CSV = "csv"
-
-
-class TableForm(StrEnum):
-    """The forms of a table."""
-
-    TEXT = "text"
-    CSV = "csv"
-    JSON = "json"
-
-
 class EvidenceChoice(StrEnum):
     """The runs that can be the evidence for an answer."""
 
@@ -51,11 +30,12 @@ class Reporting:
     """The form and the destination of a report.
 
     Attributes:
+        form: one of those that the command offers.
         output: the file of the report; None: standard output.
         quiet: nothing is reported; only the exit status gives the answer.
     """
 
-    form: ReportForm = ReportForm.TEXT
+    form: str = "text"
     output: Path | None = None
     quiet: bool = False
 

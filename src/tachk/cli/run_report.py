@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TextIO
@@ -11,10 +10,11 @@ from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedE
 from tachk.base.job import StoppedError
 from tachk.base.records import dataclass
 from tachk.cli.guard import without_result
-from tachk.cli.reporting import EvidenceChoice, ReportForm, Reporting
+from tachk.cli.reporting import EvidenceChoice, Reporting
 from tachk.cli.terminal import console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.display import RunDisplay
+from tachk.report.run_formats import Presentation, report_writer
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +39,11 @@ class RunReporting(Reporting):
 
 
 class RunReport:
-    """What people read is written about each model when it has been checked, what programs read at the end."""
+    """Gathers what was found about each model, also about those that cannot be read, for the writer of the format."""
 
     def __init__(self, out: TextIO | None, reporting: RunReporting, display: RunDisplay) -> None:
-        self._out = out
-        self._reporting = reporting
-        self._telling = display
+        presentation = Presentation(console, reporting.tells_every_run, reporting.evidence.value, display)
+        self._writer = None if out is None else report_writer(reporting.form, out, presentation)
         self._records: list[RunRecord | NotRead] = []
 
     @contextmanager
@@ -71,37 +70,11 @@ class RunReport:
 
     def add(self, record: RunRecord) -> None:
         """One model has been checked."""
-        if self._out is not None and self._reporting.form is ReportForm.TEXT:
-            if any(isinstance(before, RunRecord) for before in self._records):
-                self._out.write("\n")
-            from tachk.report.text_report import print_run
-
-            print_run(record, console(self._out), self._reporting.tells_every_run, self._telling)
-        elif self._out is not None and self._reporting.form is ReportForm.VERIFYTA:
-            self._write_as_verifyta(record, self._out)
+        if self._writer is not None:
+            self._writer.add(record)
         self._records.append(record)
-
-    def _write_as_verifyta(self, record: RunRecord, out: TextIO) -> None:
-        """The report, and on standard error the traces that were asked for: where verifyta writes them."""
-        from tachk.report.run.verifyta_trace import concrete_trace
-        from tachk.report.verifyta_report import run_to_verifyta
-
-        wanted = self._reporting.tells_every_run and self._reporting.evidence is not EvidenceChoice.NONE
-        out.write(run_to_verifyta(record, self._reporting.evidence.value if wanted else "no"))
-        for verdict in record.verdicts:
-            if wanted and verdict.trace is not None:
-                print(concrete_trace(record.network, verdict.trace), file=sys.stderr)
 
     def finish(self) -> None:
         """All models have been checked."""
-        if self._out is None:
-            return
-        if self._reporting.form is ReportForm.JSON:
-            from tachk.report.json_report import runs_to_json
-            from tachk.report.json_text import json_text
-
-            self._out.write(json_text(runs_to_json(self._records, self._telling.every_step)))
-        elif self._reporting.form is ReportForm.JUNIT:
-            from tachk.report.junit_report import runs_to_junit
-
-            self._out.write(runs_to_junit(self._records))
+        if self._writer is not None:
+            self._writer.finish(self._records)

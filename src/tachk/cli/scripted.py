@@ -9,7 +9,6 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.records import dataclass
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import TableForm
 from tachk.cli.run_signals import judged_run, write_run
 from tachk.cli.simulated_model import model_of_run
 from tachk.cli.trace_arguments import exit_status
@@ -31,7 +30,7 @@ class ScriptArguments:
     record: tuple[str, ...]
     formulas: str | None
     output: Path | None
-    form: TableForm
+    form: str
 
 
 def run_script(arguments: ScriptArguments) -> ExitStatus:
@@ -48,7 +47,7 @@ def run_script(arguments: ScriptArguments) -> ExitStatus:
     truths = judged_run(names, replayed.trace, formulas, str(arguments.file))
     texts = {formula.name: formula.text for formula in formulas}
     end = replayed.trace.states[-1].time
-    if arguments.form is TableForm.JSON:
+    if arguments.form == "json":
         summary = {
             "model": arguments.model,
             "script": str(arguments.file),

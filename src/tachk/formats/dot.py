@@ -8,8 +8,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.base.job import check_job
+from tachk.formats.exported import Exported, Writing
 from tachk.formats.network_text import expression_text, type_text
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Edge, Location, Network, Process
+
+
+def export_dot(model: LoadedModel, writing: Writing) -> Exported:
+    """A row of `tachk.formats.catalogue`."""
+    return Exported(to_dot(model.network))
 
 
 def to_dot(network: Network) -> str:

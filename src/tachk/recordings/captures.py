@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.plugins import plugins
 
 if TYPE_CHECKING:
@@ -43,3 +44,11 @@ def capture_readers() -> tuple[CaptureReader, ...]:
 def capture_reader(path: Path) -> CaptureReader | None:
     """The reader of a file, by the ending of its name; None if it is no capture."""
     return next((each for each in capture_readers() if path.suffix.lower() in each.suffixes), None)
+
+
+def open_capture(path: Path, time: str | None, unit: str | None, ports: Sequence[int] = ()) -> TraceSource:
+    """A capture as columns of values over time. Raises InputError, and UsageError, also where no protocol is read."""
+    reader = capture_reader(path)
+    if reader is None:
+        raise UsageError(f"no protocol that tachk knows is read from {path.suffix} files")
+    return reader.open_trace(path, time, unit, ports)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -194,3 +195,11 @@ def _escaped(text: str) -> str:
 
 def _escaped_field(text: str) -> str:
     return _escaped(text).replace(":", "%3A").replace(",", "%2C")
+
+
+CHECK_FORMATS: dict[str, Callable[[Sequence[Checked]], str]] = {
+    "json": lambda checks: json.dumps(checks_to_json(checks), indent=2) + "\n",
+    "sarif": lambda checks: json.dumps(checks_to_sarif(checks), indent=2) + "\n",
+    "github": lambda checks: "".join(f"{line}\n" for line in checks_to_github(checks)),
+}
+"""The formats for programs, each with what writes it about all models."""

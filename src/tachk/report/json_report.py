@@ -23,7 +23,9 @@ from tachk.meaning.run_view import (
 )
 from tachk.model.network import Network
 from tachk.model.run import Due, RunTimeFault, TimedTrace
+from tachk.report.json_text import json_text
 from tachk.report.record import NotChecked, NotRead, RunRecord
+from tachk.report.run_formats import ReportWriter
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.verdict import Extreme, Extremes, Verdict
 
@@ -31,6 +33,13 @@ Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 
 _WrittenSpans = dict[tuple[str, str, str], tuple[Span, ...]]
 """By process, source and target: the places of the edge that was taken last."""
+
+
+class JsonReport(ReportWriter):
+    """Writes all at the end."""
+
+    def finish(self, records: Sequence[RunRecord | NotRead]) -> None:
+        self.out.write(json_text(runs_to_json(records, self.presentation.display.every_step)))
 
 
 def runs_to_json(records: Iterable[RunRecord | NotRead], every_step: bool = False) -> dict[str, Json]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from xml.etree import ElementTree
 
@@ -14,6 +14,7 @@ from tachk.report.extreme_text import value_lines
 from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_text import print_trace
+from tachk.report.run_formats import ReportWriter
 from tachk.report.text_report import print_fault
 from tachk.verify.verdict import Answer, Verdict
 
@@ -21,6 +22,13 @@ _NUMBERED = re.compile(r"q\d+")
 """The names of queries that have no name of their own."""
 
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+class JunitReport(ReportWriter):
+    """Writes all at the end."""
+
+    def finish(self, records: Sequence[RunRecord | NotRead]) -> None:
+        self.out.write(runs_to_junit(records))
 
 
 def runs_to_junit(records: Iterable[RunRecord | NotRead]) -> str:

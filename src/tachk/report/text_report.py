@@ -26,6 +26,7 @@ from tachk.report.record import RunRecord
 from tachk.report.reductions_text import reduction_lines
 from tachk.report.run.display import Ends, RunDisplay
 from tachk.report.run.trace_text import event_lines, print_trace
+from tachk.report.run_formats import ReportWriter
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.verdict import Answer, Verdict
 
@@ -86,6 +87,18 @@ _NAMES_SHOWN = 20
 """Of the properties that are unknown for the same reason."""
 
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
+
+
+class TextReport(ReportWriter):
+    """Writes about each model when it has been checked, with an empty line between two models."""
+
+    _separator = ""
+
+    def add(self, record: RunRecord) -> None:
+        self.out.write(self._separator)
+        self._separator = "\n"
+        shown = self.presentation
+        print_run(record, shown.console(self.out), shown.every_trace, shown.display)
 
 
 def print_run(

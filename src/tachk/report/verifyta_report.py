@@ -6,6 +6,7 @@ holds words that scripts take for a verdict.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, assert_never
 
@@ -14,6 +15,8 @@ from tachk.engine.options import SearchOrder
 from tachk.model.run import Ending, TimedTrace
 from tachk.report.extreme_text import verifyta_values
 from tachk.report.record import NotChecked, RunRecord
+from tachk.report.run.verifyta_trace import concrete_trace
+from tachk.report.run_formats import ReportWriter
 from tachk.report.verifyta_notes import harmless, memory_lines, note
 from tachk.verify.verdict import Answer, Verdict
 
@@ -28,6 +31,19 @@ _ORDERS = {
     SearchOrder.PROGRESS: "by progress",
 }
 OUT_OF_MEMORY = "memory limit"
+
+
+class VerifytaReport(ReportWriter):
+    """Writes about each model when it has been checked, and the runs that were asked for to standard error, where
+    verifyta writes them."""
+
+    def add(self, record: RunRecord) -> None:
+        shown = self.presentation
+        wanted = shown.every_trace and shown.evidence != "none"
+        self.out.write(run_to_verifyta(record, shown.evidence if wanted else "no"))
+        for verdict in record.verdicts:
+            if wanted and verdict.trace is not None:
+                sys.stderr.write(concrete_trace(record.network, verdict.trace) + "\n")
 
 
 def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:

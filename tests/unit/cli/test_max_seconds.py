@@ -17,10 +17,9 @@ from tachk.base.span import Source
 from tachk.cli.commands.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app, load_command
-from tachk.cli.reporting import ReportForm
 from tachk.engine import liveness, measuring, zone
 from tachk.engine.outcome import INTERRUPTED
-from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.catalogue import export_model
 from tachk.formats.layout.placement.template import place_template
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
@@ -149,7 +148,7 @@ def test_a_model_without_time_is_in_the_reports_and_keeps_no_other_from_being_ch
     folder: Path, capsys: pytest.CaptureFixture[str], looks: Iterator[int]
 ) -> None:
     (folder / "small.ta").write_text("process P() { init location A; }\nsystem P;\n")
-    status = run_check(("m.ta", "small.ta"), (), form=ReportForm.JSON, seconds=60)
+    status = run_check(("m.ta", "small.ta"), (), form="json", seconds=60)
     assert status is ExitStatus.UNKNOWN
     long, short = json.loads(capsys.readouterr().out)["models"]
     assert long["size"] is None
@@ -169,8 +168,8 @@ def template_of(model: LoadedModel) -> ast.Template:
 @pytest.mark.parametrize(
     ("work", "seconds"),
     [
-        (lambda model: export_model(model, ExportFormat.JSON), 40),
-        (lambda model: export_model(model, ExportFormat.DOT), 40),
+        (lambda model: export_model(model, "json"), 40),
+        (lambda model: export_model(model, "dot"), 40),
         (lambda model: place_template(template_of(model)), 4),
     ],
 )

@@ -19,7 +19,7 @@ from tachk.cli import monitor_online
 from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
-from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
+from tachk.cli.reporting import Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments, exit_status
 from tachk.recordings.monitors.offline import EvaluationOptions
@@ -163,7 +163,7 @@ def test_events_come_as_json_lines(monkeypatch: pytest.MonkeyPatch, capsys: pyte
     feed(monkeypatch, ["time [s],p\n0,1\n2,0\n3,1\n", "5,1\n6,0\n"])
     formulas = TraceArguments("G p", "-")
     every = ViolationReporting(all_violations=True)
-    assert run_monitor(formulas, violations=every, reporting=Reporting(ReportForm.JSONL)) is ExitStatus.NOT_AS_EXPECTED
+    assert run_monitor(formulas, violations=every, reporting=Reporting("jsonl")) is ExitStatus.NOT_AS_EXPECTED
     events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     for each in events:
         jsonschema.validate(each, schema)

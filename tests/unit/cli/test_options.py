@@ -11,7 +11,7 @@ from tachk.cli import main
 from tachk.cli.main import COMMANDS, SECTIONS, app
 from tachk.cli.options import distributed
 from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
-from tachk.formats.catalogue import SUFFIXES, ExportFormat
+from tachk.formats.catalogue import EXPORT_FORMATS, SUFFIXES
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.trace_files import FORMATS
@@ -66,7 +66,7 @@ def test_a_command_without_a_section_comes_last(monkeypatch: pytest.MonkeyPatch)
     [
         ("verify", "order", SearchOrder),
         ("verify", "extrapolation", Extrapolation),
-        ("export", "format", [*ExportFormat, "fmu"]),
+        ("export", "format", [*EXPORT_FORMATS, "fmu"]),
         ("check", "version", UppaalVersion),
         ("monitor", "ending", TraceEnding),
         ("monitor", "interpolation", Interpolation),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tachk.base.span import Source
-from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.catalogue import export_model
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.loading.load import load_model
 from tachk.verify.verify import verify
@@ -46,13 +46,13 @@ system left, right, Train, Lamp;
 """
 
 
-def exported(text: str, format_: ExportFormat = ExportFormat.XTA, observers: bool = True) -> Exported:
+def exported(text: str, format_: str = "xta", observers: bool = True) -> Exported:
     return export_model(load_model(Source("model.ta", text)), format_, Writing(observers=observers))
 
 
 def test_the_exported_model_has_the_same_verdicts() -> None:
     original = load_model(Source("model.ta", MODEL))
-    written = load_model(Source("model.xml", exported(MODEL, ExportFormat.XML).text))
+    written = load_model(Source("model.xml", exported(MODEL, "xml").text))
     asked = [query for query in original.queries if query.observer is not None]
     before = {verdict.query.name: verdict.answer for verdict in verify(original.network, asked, trace=False)}
     queries = [query for query in written.queries if query.name in before]
@@ -81,26 +81,26 @@ def test_one_observer_is_chosen_for_each_run() -> None:
 
 
 def test_queries_say_which_formula_they_are_about() -> None:
-    queries = exported(MODEL, ExportFormat.QUERIES).text
+    queries = exported(MODEL, "q").text
     assert "A[] !Observer_opens.Bad\n/* EXPECT:F */" in queries
     assert "opens: the gates open in turn\nG (left.Down -> F[0, 3] right.Up)" in queries
     assert "whenever busy becomes true, within 3 s, !Train(1).Cross must be true.\nG (rise(busy)" in queries
 
 
 def test_a_question_about_deadlocks_is_set_aside_where_observers_can_always_act() -> None:
-    assert "/* UPPAAL does not check: A[] !deadlock */" in exported(MODEL, ExportFormat.QUERIES).text
-    assert "\nA[] !deadlock\n" in exported(MODEL, ExportFormat.QUERIES, observers=False).text
+    assert "/* UPPAAL does not check: A[] !deadlock */" in exported(MODEL, "q").text
+    assert "\nA[] !deadlock\n" in exported(MODEL, "q", observers=False).text
 
 
 def test_without_observers_temporal_properties_are_comments() -> None:
-    text = exported(MODEL, ExportFormat.QUERIES, observers=False).text
+    text = exported(MODEL, "q", observers=False).text
     assert "/* UPPAAL does not check: G (left.Down -> F[0, 3] right.Up) */" in text
     assert "Observer" not in exported(MODEL, observers=False).text
 
 
 def test_what_only_a_run_without_end_violates_stays_a_comment() -> None:
     model = "process P() { init location A { to A; } } system P; property endless : G(P.A -> F !P.A);"
-    found = exported(model, ExportFormat.QUERIES)
+    found = exported(model, "q")
     assert "UPPAAL does not check" in found.text
     assert any("`endless` stays a comment: a run without end" in step.text for step in found.steps)
 
@@ -114,7 +114,7 @@ def test_what_cannot_be_repeated_stays_a_comment_with_the_reason() -> None:
     property nested : G (rise(H[0, 3] P1.A) -> P1.A);
     system P1, P2;
     """
-    found = exported(model, ExportFormat.QUERIES)
+    found = exported(model, "q")
     assert found.text.count("UPPAAL does not check") == 3
     reasons = [step.text for step in found.steps if "stays a comment" in step.text]
     assert "`array` stays a comment: `P1.a` is neither a location nor a variable of one number" in reasons
@@ -124,7 +124,7 @@ def test_what_cannot_be_repeated_stays_a_comment_with_the_reason() -> None:
 
 def test_a_model_that_is_not_checked_whole_gets_no_observers() -> None:
     text = MODEL + "clock h; process Q() { init location A { to A { assign h += 1; } } }\n"
-    found = exported(text.replace("system left", "system Q, left"), ExportFormat.XML)
+    found = exported(text.replace("system left", "system Q, left"), "xml")
     assert found.text.count("UPPAAL does not check") == 4
     assert {step.text for step in found.steps if "stays a comment" in step.text} == {
         f"`{name}` stays a comment: something in the model is not checked"
@@ -134,6 +134,6 @@ def test_a_model_that_is_not_checked_whole_gets_no_observers() -> None:
 
 def test_comments_stay_where_they_are_beside_what_observers_declare() -> None:
     text = MODEL.replace("    clock x;", "    // how long the gate has rested\n    clock x;", 1)
-    xml = exported(text, ExportFormat.XML).text
+    xml = exported(text, "xml").text
     assert xml.index("int[0, 4] observed") < xml.index("how long the gate has rested") < xml.index("clock x;")
     assert xml.index("<template>") < xml.index("how long the gate has rested")

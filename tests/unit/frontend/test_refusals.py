@@ -14,7 +14,7 @@ from tachk.cli.commands.check import run_check
 from tachk.cli.commands.convert import run_convert
 from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.catalogue import export_model
 from tachk.formats.loading.load import load_model
 from tests.support.queries import elaborate_queries
 
@@ -58,8 +58,8 @@ def test_no_analysis_gets_the_network() -> None:
     assert loaded.heading.constants == (("N", 3),)
 
 
-@pytest.mark.parametrize("format_", [ExportFormat.DOT, ExportFormat.JSON, ExportFormat.TCHECKER])
-def test_a_format_made_from_the_network_is_refused(format_: ExportFormat) -> None:
+@pytest.mark.parametrize("format_", ["dot", "json", "tchecker"])
+def test_a_format_made_from_the_network_is_refused(format_: str) -> None:
     with pytest.raises(UnsupportedError):
         export_model(load_model(Source("m.ta", MODEL)), format_)
 
@@ -137,7 +137,7 @@ def test_a_dynamic_template_is_kept(tmp_path: Path) -> None:
     )
     loaded = load_model(Source("m.ta", text))
     assert {refusal.code for refusal in loaded.refusals} == {"E0750"}
-    assert "dynamic Q" in export_model(loaded, ExportFormat.XTA).text
+    assert "dynamic Q" in export_model(loaded, "xta").text
 
 
 def labels(text: str) -> str:
@@ -268,7 +268,7 @@ def test_scalar_sets_inside_types_stay_different(find: Any) -> None:
 
 def test_a_template_without_locations_is_written_and_read(tmp_path: Path) -> None:
     loaded = load_model(Source("m.ta", "process P() { int n; }\nsystem P;\n"))
-    again = load_model(Source("again.xta", export_model(loaded, ExportFormat.XTA).text))
+    again = load_model(Source("again.xta", export_model(loaded, "xta").text))
     assert [refusal.message for refusal in again.refusals] == [refusal.message for refusal in loaded.refusals]
 
 
@@ -331,7 +331,7 @@ def test_functions_of_a_foreign_library_are_refused_where_they_are_called(
     )
     assert [(refusal.code, refusal.span.text) for refusal in loaded.refusals] == expected
     assert [warning.code for warning in loaded.warnings] == ["W0407"]
-    assert LIBRARY.splitlines()[0] in export_model(loaded, ExportFormat.XTA).text
+    assert LIBRARY.splitlines()[0] in export_model(loaded, "xta").text
 
 
 def test_a_foreign_library_declares_nothing_else(find: Any) -> None:

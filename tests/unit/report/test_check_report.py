@@ -9,7 +9,6 @@ import pytest
 
 from tachk.cli.commands.check import run_check
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm
 from tachk.formats.uppaal.versions import UppaalVersion
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/check.schema.json"
@@ -27,7 +26,7 @@ def models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
 
 
 def report(models: tuple[str, ...], format: str, capsys: pytest.CaptureFixture[str], **more: Any) -> str:
-    assert run_check(models, (), form=ReportForm(format), **more) is ExitStatus.BAD_INPUT
+    assert run_check(models, (), form=format, **more) is ExitStatus.BAD_INPUT
     captured = capsys.readouterr()
     assert captured.err == ""
     return captured.out
@@ -93,7 +92,7 @@ def test_a_report_goes_to_a_file(models: tuple[str, ...], capsys: pytest.Capture
 def test_a_deep_check_in_every_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     monkeypatch.chdir(tmp_path)
     Path("stuck.ta").write_text("process P() { clock x; init location a { invariant x <= 3; } }\nsystem P;\n")
-    assert run_check(("stuck.ta",), (), form=ReportForm.JSON, deep=True) is ExitStatus.AS_EXPECTED
+    assert run_check(("stuck.ta",), (), form="json", deep=True) is ExitStatus.AS_EXPECTED
     data = json.loads(capsys.readouterr().out)
     jsonschema.validate(data, json.loads(SCHEMA.read_text(encoding="utf-8")))
     deep = data["models"][0]["deep"]
@@ -102,12 +101,12 @@ def test_a_deep_check_in_every_form(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert (always["code"], always["trace"]) == ("W0610", None)
     assert (finding["code"], finding["place"]["line"], finding["place"]["column"]) == ("W0605", 1, 52)
     assert [state["time"] for state in finding["trace"]] == ["0"]
-    run_check(("stuck.ta",), (), form=ReportForm.SARIF, deep=True)
+    run_check(("stuck.ta",), (), form="sarif", deep=True)
     assert [found["ruleId"] for found in json.loads(capsys.readouterr().out)["runs"][0]["results"]] == [
         "W0605",
         "W0610",
     ]
-    run_check(("stuck.ta",), (), form=ReportForm.GITHUB, deep=True)
+    run_check(("stuck.ta",), (), form="github", deep=True)
     assert capsys.readouterr().out.startswith("::warning file=stuck.ta,line=1,endLine=1,col=52")
     run_check(("stuck.ta",), (), deep=True)
     captured = capsys.readouterr()

@@ -7,7 +7,7 @@ import pytest
 import tachk
 from tachk.api import model as api
 from tachk.base.span import Source
-from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.catalogue import export_model
 from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import other_readings_of
 from tachk.report.verifyta_report import run_to_verifyta
@@ -81,4 +81,4 @@ def test_an_answer_that_a_limit_keeps_from_being_confirmed_rests_on_its_reading(
 
 
 def test_the_declaration_is_written_as_it_was_read() -> None:
-    assert "chan priority a < b;" in export_model(model().loaded, ExportFormat.XTA).text
+    assert "chan priority a < b;" in export_model(model().loaded, "xta").text

@@ -16,7 +16,6 @@ from tachk.base.resources import data_root
 from tachk.base.span import Source
 from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm
 from tachk.cli.run_report import RunReporting
 from tachk.engine import core_search, liveness, measuring, zone
 from tachk.engine.options import Limits, Options
@@ -155,7 +154,7 @@ def test_properties_share_the_time_and_leave_what_they_do_not_need(
 def test_a_time_limit_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str) -> None:
     model = tmp_path / "m.ta"
     model.write_text(text, encoding="utf-8")
-    as_json = RunReporting(ReportForm.JSON)
+    as_json = RunReporting("json")
     assert run_verify(VerifyArguments((str(model),)), limits=Limits(seconds=0), reporting=as_json) is ExitStatus.UNKNOWN
     captured = capsys.readouterr()
     assert captured.err == "error: the time limit was over before there was a result\n"

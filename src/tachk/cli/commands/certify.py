@@ -17,7 +17,7 @@ from tachk.cli import options
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.formats.network_json.digest import digest
 from tachk.frontend.loaded import LoadedModel
 from tachk.meaning.discrete import prepare
@@ -51,7 +51,7 @@ from tachk.verify.questions import Questions, checked
     help="python: shares no code with the engine. native: C++, for large certificates; it shares the compiled "
     "expressions of the model.",
 )
-@options.report(ReportForm.TEXT, ReportForm.JSON)
+@options.report("text", "json")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
     """Check certificates: proofs of verdicts, without a search.
@@ -83,7 +83,7 @@ def run_certify(arguments: CertifyArguments, reporting: Reporting = Reporting())
             judgements = list(_judgements(model.loaded, read_certificates(stream), checker))
             if not judgements:
                 raise UsageError(f"{arguments.file}: there is no certificate in it")
-            if out is not None and reporting.form is ReportForm.JSON:
+            if out is not None and reporting.form == "json":
                 found = judgements_to_json(arguments.model, str(arguments.file), checker.value, judgements)
                 out.write(json_text(found))
             elif out is not None:

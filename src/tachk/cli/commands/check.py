@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -18,13 +17,12 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics, without_result
-from tachk.cli.reporting import ReportForm
 from tachk.engine.compiler.features import uncomputed_chances, undrawn_ends
 from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
-from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
+from tachk.report.check_report import CHECK_FORMATS, Checked, Size
 
 
 @click.command(name="check")
@@ -39,8 +37,8 @@ from tachk.report.check_report import Checked, Size, checks_to_github, checks_to
 @click.option(
     "form",
     "--format",
-    type=options.Choice((ReportForm.TEXT, ReportForm.JSON, ReportForm.SARIF, ReportForm.GITHUB)),
-    default=ReportForm.TEXT.value,
+    type=click.Choice(("text", *CHECK_FORMATS)),
+    default="text",
     show_default=True,
     help="Form of the report: text for people, json for programs, sarif for code scanning, github for annotations.",
 )
@@ -63,7 +61,7 @@ def run_check(
     models: tuple[str, ...],
     definitions: tuple[str, ...],
     version: UppaalVersion | None = None,
-    form: ReportForm = ReportForm.TEXT,
+    form: str = "text",
     output: Path | None = None,
     strict_xta: bool = False,
     seconds: float | None = None,
@@ -73,8 +71,8 @@ def run_check(
 
     Args:
         version: of UPPAAL; report also what it would refuse or treat otherwise.
-        form: TEXT for people, one line about each model that has no error, the rest on standard error; or JSON, SARIF
-            or GITHUB, with everything in one report.
+        form: ``text`` for people, one line about each model that has no error, the rest on standard error; or one of
+            `CHECK_FORMATS`, with everything in one report.
         output: the file of the report, standard output without.
         strict_xta: refuse what tachk adds to the language of UPPAAL.
         seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
@@ -86,19 +84,12 @@ def run_check(
         assert out is not None
         for path in models:
             checks.append(_within(seconds, path, constants, version, strict_xta, deep))
-            if form is ReportForm.TEXT:
+            if form == "text":
                 _tell(checks[-1], version, len(models) > 1, out)
             if _is_interrupted(checks[-1]):
                 break
-        match form:
-            case ReportForm.JSON:
-                print(json.dumps(checks_to_json(checks), indent=2), file=out)
-            case ReportForm.SARIF:
-                print(json.dumps(checks_to_sarif(checks), indent=2), file=out)
-            case ReportForm.GITHUB:
-                out.writelines(f"{line}\n" for line in checks_to_github(checks))
-            case ReportForm.TEXT | ReportForm.JSONL | ReportForm.JUNIT | ReportForm.VERIFYTA | ReportForm.CSV:
-                pass
+        if form != "text":
+            out.write(CHECK_FORMATS[form](checks))
     return worst(_status(check) for check in checks)
 
 

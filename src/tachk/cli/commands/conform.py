@@ -16,7 +16,7 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.engine.options import Limits
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.recordings.conformance.coverage import coverage
@@ -74,7 +74,7 @@ from tachk.report.conformance.text import conformance_to_text, coverage_to_text
 @click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
 @options.max_states()
 @options.max_seconds()
-@options.report(ReportForm.TEXT, ReportForm.JSON)
+@options.report("text", "json")
 def command(seconds: float | None, **given: Any) -> None:
     """Ask whether recordings of the real system are runs of a model.
 
@@ -127,10 +127,10 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:
-                case ReportForm.TEXT:
+                case "text":
                     out.writelines(conformance_to_text(each, arguments.model) for each in found)
                     out.write(coverage_to_text(covered) if covered else "")
-                case ReportForm.JSON:
+                case "json":
                     json.dump(conformance_to_json(found, arguments.model, covered), out, indent=2)
                     out.write("\n")
                 case _:

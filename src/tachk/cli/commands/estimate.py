@@ -20,7 +20,7 @@ from tachk.cli.arguments import parse_definitions, split_models_and_queries
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.cli.simulated_model import simulated_model
 from tachk.engine.outcome import INTERRUPTED
 from tachk.frontend.queries.queries import is_statistical
@@ -78,7 +78,7 @@ def _share(name: str, letter: str, default: float, help: str) -> Callable[[optio
     type=options.type_of_file,
     help="Draw when goals are reached, how means are spread, and trajectories into this .svg, .png or .pdf file.",
 )
-@options.report(ReportForm.TEXT, ReportForm.JSON)
+@options.report("text", "json")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
     """Answer statistical queries of a model by random runs: Pr, E and simulate.
@@ -167,7 +167,7 @@ def run_estimate(request: EstimateArguments, reporting: Reporting) -> ExitStatus
 
         plot_estimates(answered, network.time_unit, request.picture)
     with destination(reporting.output, reporting.quiet) as out:
-        if out is not None and reporting.form is ReportForm.JSON:
+        if out is not None and reporting.form == "json":
             out.write(json_text(estimates_document(models[0], found, settings)))
         elif out is not None:
             out.writelines(f"{line}\n" for each in found for line in answer_lines(each, settings))

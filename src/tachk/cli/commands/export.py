@@ -18,7 +18,7 @@ from tachk.cli import options
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.formats.catalogue import ExportFormat, export_model, format_of
+from tachk.formats.catalogue import EXPORT_FORMATS, export_model, format_of
 from tachk.formats.exported import Exported, Writing
 from tachk.simulation.fmi.archive import write_unit
 from tachk.simulation.fmi.description import FmiVersion
@@ -71,7 +71,7 @@ _UNIT = "fmu"
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="The file to write.")
 @click.option(
     "--format",
-    type=click.Choice([*(format_.value for format_ in ExportFormat), _UNIT]),
+    type=click.Choice([*EXPORT_FORMATS, _UNIT]),
     help="The format; by default the one that the ending of FILE stands for.",
 )
 @options.definitions
@@ -97,16 +97,15 @@ def command(
         options.finish(lambda: run_export_unit(output=output, fmi=fmi or "3", processes=processes, **given), seconds)
         return
 
-    wanted = None if format is None else ExportFormat(format)
     for_unit = tuple(name for name, value in (("--fmi", fmi), ("--processes", processes)) if value is not None)
-    options.finish(lambda: run_export(output=output, format=wanted, for_unit=for_unit, **given), seconds)
+    options.finish(lambda: run_export(output=output, format=format, for_unit=for_unit, **given), seconds)
 
 
 def run_export(
     *,
     model: str,
     output: Path | None,
-    format: ExportFormat | None,
+    format: str | None,
     definitions: tuple[str, ...],
     explain: bool,
     keep_names: bool,
@@ -123,7 +122,7 @@ def run_export(
     if for_unit:
         raise UsageError(f"{for_unit[0]} goes with --format fmu")
     constants = parse_definitions(definitions)
-    wanted = format or (ExportFormat.XTA if output is None else format_of(output))
+    wanted = format or ("xta" if output is None else format_of(output))
     source = api.load(model, **constants)
     print_diagnostics(source.warnings)
     exported = export_model(source.loaded, wanted, Writing(tuple(constants), not keep_names, observers))

@@ -15,7 +15,7 @@ from tachk.cli import options, trace_options
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.recordings.monitors.formulas import check_order
 from tachk.recordings.monitors.mined_ranges import named_ranges
 from tachk.recordings.traces.conventions import TraceEnding
@@ -46,7 +46,7 @@ from tachk.recordings.traces.conventions import TraceEnding
     help="With strong, what is open at the end of a trace counts as violated, else as satisfied.",
 )
 @options.max_seconds()
-@options.report(ReportForm.TEXT, ReportForm.JSON)
+@options.report("text", "json")
 def command(seconds: float | None, **given: Any) -> None:
     """Find the tightest value of a name in a formula with which recorded traces satisfy it.
 
@@ -90,7 +90,7 @@ def run_mine(arguments: MineArguments, reporting: Reporting = Reporting()) -> Ex
         select=() if arguments.name is None else (arguments.name,),
     )
     with destination(reporting.output, reporting.quiet) as out:
-        if out is not None and reporting.form is ReportForm.JSON:
+        if out is not None and reporting.form == "json":
             json.dump(found.to_dict(), out, indent=2)
             out.write("\n")
         elif out is not None:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import click
 
@@ -20,16 +20,15 @@ from tachk.base.whole_files import whole_text
 from tachk.cli import options, trace_options
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
+from tachk.cli.reporting import Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.terminal import console
 from tachk.cli.trace_arguments import TraceArguments, exit_status, print_warnings
 from tachk.recordings.monitors.formulas import NamedFormula, names_file
 from tachk.recordings.monitors.offline import EvaluationOptions, judge
-from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
-from tachk.report.monitor.text import print_monitor
+from tachk.report.monitor.formats import MONITOR_FORMATS, write_monitor
 
 _PIECE = 1 << 16
 
@@ -140,7 +139,7 @@ def _reader() -> Callable[[int], bytes | None]:
 @click.option("--live", is_flag=True, help="TRACE is a capture of packets that is being made: - or a file.")
 @click.option("--fail-fast", is_flag=True, help="Read row by row, and stop at the first verdict that is false.")
 @options.max_seconds()
-@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JSONL, ReportForm.JUNIT)
+@options.report(*MONITOR_FORMATS)
 def command(seconds: float | None, **given: Any) -> None:
     """Check formulas, sentences or the properties of a model on a recorded trace.
 
@@ -190,7 +189,7 @@ def run_monitor(
         record = replace(record, trace=replace(record.trace, name=arguments.called))
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
-            _write(record, reporting.form, out, violations.all_violations)
+            write_monitor(reporting.form, record, out, console, violations.all_violations)
     if violations.signals is not None:
         from tachk.report.monitor.formula_signals import write_signals
 
@@ -207,7 +206,7 @@ def _run_several(
     reporting: Reporting,
 ) -> ExitStatus:
     """Judges each run of a file."""
-    if reporting.form not in (ReportForm.TEXT, ReportForm.JSON) or violations.signals is not None:
+    if reporting.form not in ("text", "json") or violations.signals is not None:
         raise UsageError(
             f"{recording.name} holds several runs: they are reported as text or JSON, without --signals",
             f"choose one run: --run {next(iter(recording.runs))}",
@@ -216,31 +215,9 @@ def _run_several(
 
     records = {number: judge(formulas, run, evaluation) for number, run in recording.runs.items()}
     with destination(reporting.output, reporting.quiet) as out:
-        if out is not None and reporting.form is ReportForm.TEXT:
+        if out is not None and reporting.form == "text":
             print_runs(recording.name, records, console(out), violations.all_violations)
         elif out is not None:
             json.dump(runs_to_json(recording.name, records, violations.all_violations), out, indent=2)
             out.write("\n")
     return exit_status({verdict.truth for record in records.values() for verdict in record.verdicts})
-
-
-def _write(record: MonitorRecord, form: ReportForm, out: TextIO, all_violations: bool) -> None:
-    match form:
-        case ReportForm.TEXT:
-            print_monitor(record, console(out), all_violations)
-        case ReportForm.JSON:
-            from tachk.report.monitor.json import monitor_to_json
-
-            json.dump(monitor_to_json(record, all_violations), out, indent=2)
-            out.write("\n")
-        case ReportForm.JSONL:
-            from tachk.report.monitor.event_lines import record_events
-
-            for event in record_events(record, all_violations):
-                out.write(json.dumps(event) + "\n")
-        case ReportForm.JUNIT:
-            from tachk.report.monitor.junit import monitor_to_junit
-
-            out.write(monitor_to_junit(record, all_violations))
-        case _:
-            raise UsageError(f"unknown format {form}")

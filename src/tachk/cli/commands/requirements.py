@@ -16,7 +16,6 @@ from tachk.cli import options, trace_options
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm
 from tachk.engine.options import Limits
 from tachk.logic.durations import scaled
 from tachk.recordings.monitors.formulas import NamedFormula, in_trace_units, read_formulas
@@ -110,17 +109,15 @@ def to_json(analysis: RequirementAnalysis, named: tuple[NamedFormula, ...], unit
 @click.option(
     "form",
     "--format",
-    type=options.Choice((ReportForm.TEXT, ReportForm.JSON)),
-    default=ReportForm.TEXT.value,
+    type=click.Choice(("text", "json")),
+    default="text",
     show_default=True,
     help="Form of the report.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
 @trace_options.definitions
 @options.max_seconds("Stop each search after this time; what it was to find out is then not known.")
-def command(
-    file: str, form: ReportForm, output: Path | None, seconds: float | None, definitions: tuple[str, ...]
-) -> None:
+def command(file: str, form: str, output: Path | None, seconds: float | None, definitions: tuple[str, ...]) -> None:
     """Examine requirements before there is a model: can all be satisfied, can two deadlines collide, does one follow
     from others, does what one speaks of never happen?
 
@@ -132,7 +129,7 @@ def command(
 
 def run_requirements(
     file: str,
-    form: ReportForm = ReportForm.TEXT,
+    form: str = "text",
     output: Path | None = None,
     seconds: float | None = None,
     definitions: tuple[str, ...] = (),
@@ -150,7 +147,7 @@ def run_requirements(
     whole = [(each.name, scaled(formula, Fraction(scale))) for each, formula in zip(named, formulas, strict=True)]
     analysis = analyse(whole, Limits(seconds=seconds))
     with destination(output) as out:
-        if form is ReportForm.JSON:
+        if form == "json":
             print(json.dumps(to_json(analysis, named, unit, scale), indent=2, ensure_ascii=False), file=out)
         else:
             console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)

@@ -23,7 +23,6 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.reporting import TableForm
 from tachk.cli.scripted import ScriptArguments, run_script
 from tachk.cli.simulated_model import simulated_model
 from tachk.cli.trace_arguments import exit_status
@@ -133,8 +132,8 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
 @click.option(
     "form",
     "--format",
-    type=options.Choice((TableForm.TEXT, TableForm.JSON)),
-    default=TableForm.TEXT.value,
+    type=click.Choice(("text", "json")),
+    default="text",
     show_default=True,
     help="Form of the summary; json with -o FILE.json writes it there.",
 )
@@ -167,7 +166,7 @@ class SimulateArguments:
     formulas: str | None = None
     definitions: tuple[str, ...] = ()
     output: Path | None = None
-    form: TableForm = TableForm.TEXT
+    form: str = "text"
     script: Path | None = None
     all_runs: bool = False
     confidence: float = 0.95
@@ -175,7 +174,7 @@ class SimulateArguments:
     @property
     def summary(self) -> Path | None:
         """The file of the summary, where the output is that and not runs; else None, for standard output."""
-        is_summary = self.form is TableForm.JSON and self.output is not None and self.output.suffix.lower() == ".json"
+        is_summary = self.form == "json" and self.output is not None and self.output.suffix.lower() == ".json"
         return self.output if is_summary else None
 
     @property
@@ -306,7 +305,7 @@ def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tal
 
 
 def _print(arguments: SimulateArguments, tally: _Tally, network: Network, formulas: Iterable[NamedFormula]) -> None:
-    if arguments.form is TableForm.JSON:
+    if arguments.form == "json":
         with destination(arguments.summary) as out:
             print(json.dumps(_json(arguments, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
         return

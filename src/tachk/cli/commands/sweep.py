@@ -25,7 +25,7 @@ from tachk.cli.arguments import parse_size
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import Limits
 from tachk.model.grid import grid_of
@@ -73,7 +73,7 @@ from tachk.verify.verdict import Answer
     help="Compute so many cells at a time; without it as many as the machine has cores.",
 )
 @click.option("dask", "--dask", metavar="ADDRESS", help="Compute on the Dask cluster with this scheduler.")
-@options.report(ReportForm.TEXT, ReportForm.CSV, ReportForm.JSON)
+@options.report("text", "csv", "json")
 @click.option(
     "picture",
     "--heat-map",
@@ -263,9 +263,9 @@ def _write(found: Sweep, reporting: Reporting) -> None:
         if out is None:
             return
         match reporting.form:
-            case ReportForm.CSV:
+            case "csv":
                 out.write(found.to_csv())
-            case ReportForm.JSON:
+            case "json":
                 json.dump(found.to_dict(), out, indent=2)
                 out.write("\n")
             case _:
@@ -279,7 +279,7 @@ def _write_table(found: Sweep, reporting: Reporting) -> bool:
     match reporting.output.suffix.lower(), reporting.form:
         case ".parquet", _:
             found.to_parquet(reporting.output)
-        case ".csv", ReportForm.TEXT:
+        case ".csv", "text":
             write_whole(reporting.output, found.to_csv(), newline="")
         case _:
             return False

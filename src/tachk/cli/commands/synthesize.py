@@ -19,7 +19,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.progress import ProgressLine
-from tachk.cli.reporting import ReportForm, Reporting, WantedAnswer
+from tachk.cli.reporting import Reporting, WantedAnswer
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import Limits
 from tachk.model.grid import Grid, grid_of
@@ -48,7 +48,7 @@ from tachk.verify.verdict import Answer
     show_default=True,
     help="Which answer the region is to have.",
 )
-@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.CSV)
+@options.report("text", "json", "csv")
 @click.option(
     "certificates",
     "--certificates",
@@ -166,12 +166,12 @@ def _found(
             progress.clear()
 
 
-def _report(found: Synthesis, arguments: SynthesizeArguments, form: ReportForm, picture: Path | None) -> str:
-    if form is ReportForm.JSON:
+def _report(found: Synthesis, arguments: SynthesizeArguments, form: str, picture: Path | None) -> str:
+    if form == "json":
         from tachk.report.json_text import json_text
 
         return json_text(found.to_dict())
-    if form is ReportForm.CSV:
+    if form == "csv":
         from tachk.report.region.json import region_to_csv
 
         return region_to_csv(found.region)

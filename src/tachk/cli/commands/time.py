@@ -18,7 +18,6 @@ from tachk.cli.arguments import split_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
-from tachk.cli.reporting import TableForm
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.model.grid import grid_of
@@ -63,8 +62,8 @@ from tachk.verify.times import Times
 @click.option(
     "form",
     "--format",
-    type=options.Choice(TableForm),
-    default=TableForm.TEXT.value,
+    type=click.Choice(("text", "csv", "json")),
+    default="text",
     show_default=True,
     help="Form of the report.",
 )
@@ -82,7 +81,7 @@ def command(
     over: tuple[str, ...],
     traces: bool,
     definitions: tuple[str, ...],
-    form: TableForm,
+    form: str,
     output: Path | None,
     states: int | None,
     seconds: float | None,
@@ -114,7 +113,7 @@ class TimeArguments:
 def run_time(
     arguments: TimeArguments,
     limits: Limits = Limits(),
-    form: TableForm = TableForm.TEXT,
+    form: str = "text",
     output: Path | None = None,
     traces: bool = False,
 ) -> ExitStatus:
@@ -146,13 +145,13 @@ def run_time(
                     break
         between = TimedInterval(arguments.model, arguments.start, arguments.end, arguments.last)
         match form:
-            case TableForm.TEXT:
+            case "text":
                 out.write(times_to_text(between, rows, traces))
-            case TableForm.CSV:
+            case "csv":
                 out.write(times_to_csv(rows))
-            case TableForm.JSON:
+            case _:
                 print(json.dumps(times_to_json(between, rows), indent=2), file=out)
-    if form is not TableForm.TEXT:
+    if form != "text":
         for reason in dict.fromkeys(row.times.reason for row in rows if row.times.reason):
             print(f"some times are unknown: {reason}", file=sys.stderr)
     return worst(_statuses(rows))

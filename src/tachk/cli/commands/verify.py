@@ -23,7 +23,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
-from tachk.cli.reporting import EvidenceChoice, ReportForm
+from tachk.cli.reporting import EvidenceChoice
 from tachk.cli.run_report import RunReport, RunReporting
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import (
@@ -40,6 +40,7 @@ from tachk.engine.options import (
 from tachk.engine.outcome import INTERRUPTED
 from tachk.report.record import RunRecord
 from tachk.report.run.display import RunDisplay
+from tachk.report.run_formats import RUN_FORMATS
 from tachk.verify.strategy import DisagreementError
 
 _DEFAULT = Options()
@@ -93,7 +94,7 @@ _DEFAULT = Options()
     "fewest transitions, which may take longer to find. fastest: one that takes the least time of all, which takes "
     "several searches. slowest: the run that was found, as late as it can be.",
 )
-@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT, ReportForm.VERIFYTA)
+@options.report(*RUN_FORMATS)
 @click.option(
     "certificate",
     "--certificate",

@@ -12,9 +12,11 @@ from itertools import islice
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.base.job import check_job
 from tachk.base.words import Direction
+from tachk.formats.exported import Exported, Writing
 from tachk.formats.network_json.expression_reader import ExpressionReader
 from tachk.formats.network_json.expression_writer import ExpressionWriter
 from tachk.formats.network_json.types import Json
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Branching, Chance, Edge, Location, Network, Process, Signal, Synchronisation
 
 FORMAT, VERSION = "tachk network", 1
@@ -38,6 +40,11 @@ def network_to_json(network: Network) -> Json:
         "processes": processes,
         "signals": signals,
     }
+
+
+def export_json(model: LoadedModel, writing: Writing) -> Exported:
+    """A row of `tachk.formats.catalogue`."""
+    return Exported(network_to_json_text(model.network))
 
 
 def network_to_json_text(network: Network) -> str:

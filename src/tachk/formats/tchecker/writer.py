@@ -12,16 +12,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from tachk.analysis.conditions import split_conjunction
 from tachk.analysis.fold import Known, fold_place, known_values
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label, UnsupportedError
 from tachk.base.span import Span
 from tachk.base.words import Direction
+from tachk.formats.exported import Exported, Writing
 from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choices
 from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, refused, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.cell_layout import begun_clocks, cell_range
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Network, Process
@@ -44,6 +47,11 @@ class TCheckerModel:
 
     text: str
     labels: tuple[QueryLabels, ...]
+
+
+def export_tchecker(model: LoadedModel, writing: Writing) -> Exported:
+    """A row of `tachk.formats.catalogue`; the system has the name of the model's file."""
+    return Exported(to_tchecker(model.network, model.queries, Path(model.document.span.source.name).stem).text)
 
 
 def to_tchecker(network: Network, queries: Sequence[Query] = (), name: str = "network") -> TCheckerModel:

@@ -6,110 +6,63 @@ A format is loaded when a trace of it is opened: the command line names all of t
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.plugins import load_object
 from tachk.recordings.traces.compressed import COMPRESSED_SUFFIXES, is_compressed, plain_suffix
 
 if TYPE_CHECKING:
     from tachk.recordings.traces.trace import Trace, TraceSource
 
 
-def _csv(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.trace_csv import open_csv
-
-    return open_csv(path, time, unit)
-
-
-def _parquet(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.trace_parquet import open_parquet
-
-    return open_parquet(path, time, unit)
-
-
-def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.trace_vcd import open_vcd
-
-    if time is not None:
-        raise UsageError("a value change dump has no time column to choose")
-    return open_vcd(path, unit)
-
-
-def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.captures import capture_reader
-
-    reader = capture_reader(path)
-    if reader is None:
-        raise UsageError(f"no protocol that tachk knows is read from {path.suffix} files")
-    return reader.open_trace(path, time, unit, ports)
-
-
-def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.logs.trace_jsonl import open_jsonl
-
-    return open_jsonl(path, time, unit)
-
-
-def _mcap(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.logs.trace_mcap import open_mcap
-
-    return open_mcap(path, time, unit)
-
-
-def _bag(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.logs.trace_rosbag import open_bag
-
-    return open_bag(path, time, unit)
-
-
-def _hdf5(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.logs.trace_hdf5 import open_hdf5
-
-    return open_hdf5(path, time, unit)
-
-
-def _mdf(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> TraceSource:
-    from tachk.recordings.traces.logs.trace_mdf import open_mdf
-
-    if time is not None:
-        raise UsageError("channels of an MDF file have times of their own, none to choose")
-    return open_mdf(path, unit)
-
-
 class TraceFormat(NamedTuple):
-    """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told.
+    """A format of files.
 
     Attributes:
+        name: as people call it.
+        suffixes: how its files end.
+        reader: the function that opens a file, given its path, the name of the time column and the unit of times; that
+            of captures takes the ports of `open_trace` as well.
         compressed: a file of it is also read compressed, with the ending of `COMPRESSED_SUFFIXES` behind its own.
     """
 
     name: str
     suffixes: tuple[str, ...]
-    open: Callable[[Path, str | None, str | None, Sequence[int]], TraceSource]
+    reader: str
     compressed: bool = False
 
+    def open(self, path: Path, time: str | None, unit: str | None, ports: Sequence[int] = ()) -> TraceSource:
+        opened: TraceSource = load_object(self.reader)(path, time, unit, *([ports] if ports else []))
+        return opened
 
-CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv, compressed=True)
+
+CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), "tachk.recordings.traces.trace_csv:open_csv", compressed=True)
 """A file without an ending is read as CSV too."""
 
-PACKETS = TraceFormat("pcap", (".pcap", ".pcapng"), _packets)
+PACKETS = TraceFormat("pcap", (".pcap", ".pcapng"), "tachk.recordings.captures:open_capture")
 """A capture of a network."""
 
-JSON_LINES = TraceFormat("JSON lines", (".jsonl", ".ndjson"), _jsonl, compressed=True)
+JSON_LINES = TraceFormat(
+    "JSON lines", (".jsonl", ".ndjson"), "tachk.recordings.traces.logs.trace_jsonl:open_jsonl", compressed=True
+)
 """An object for each line."""
+
+BAG = TraceFormat("ROS bag", (".bag", ".db3"), "tachk.recordings.traces.logs.trace_rosbag:open_bag")
+"""Of ROS; that of ROS 2 is a folder."""
 
 FORMATS = (
     CSV,
     JSON_LINES,
-    TraceFormat("Parquet", (".parquet", ".pq"), _parquet),
-    TraceFormat("VCD", (".vcd",), _vcd, compressed=True),
+    TraceFormat("Parquet", (".parquet", ".pq"), "tachk.recordings.traces.trace_parquet:open_parquet"),
+    TraceFormat("VCD", (".vcd",), "tachk.recordings.traces.trace_vcd:open_vcd", compressed=True),
     PACKETS,
-    TraceFormat("MCAP", (".mcap",), _mcap, compressed=True),
-    TraceFormat("ROS bag", (".bag", ".db3"), _bag),
-    TraceFormat("HDF5", (".h5", ".hdf5"), _hdf5),
-    TraceFormat("MDF", (".mf4", ".mdf"), _mdf),
+    TraceFormat("MCAP", (".mcap",), "tachk.recordings.traces.logs.trace_mcap:open_mcap", compressed=True),
+    BAG,
+    TraceFormat("HDF5", (".h5", ".hdf5"), "tachk.recordings.traces.logs.trace_hdf5:open_hdf5"),
+    TraceFormat("MDF", (".mf4", ".mdf"), "tachk.recordings.traces.logs.trace_mdf:open_mdf"),
 )
 
 TRACE_SUFFIXES = tuple(
@@ -203,7 +156,7 @@ def _opened(source: Any, time: str | None, unit: str | None, ports: Sequence[int
         return open_table(source, time, unit)
     if os.path.isdir(path):  # unlike Path.is_dir false for a name that is too long
         if (path / "metadata.yaml").is_file():
-            return _bag(path, time, unit, ports)
+            return BAG.open(path, time, unit)
         return _bag_without_metadata(path, time, unit, ports)
     known = _format_of(path)
     if known is not None:

@@ -108,7 +108,7 @@ def _stated(name: str, stream: VcdStream) -> tuple[tuple[str, ...], tuple[str, .
     return (), ()
 
 
-def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
+def open_vcd(path: str | Path, time: str | None = None, unit: str | None = None) -> VcdRecording:
     """Reads the declarations of a file.
 
     Args:
@@ -116,8 +116,10 @@ def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
 
     Raises:
         InputError: E0917.
-        UsageError: the file cannot be read, or two variables have one name.
+        UsageError: the file cannot be read, two variables have one name, or a time column is named.
     """
+    if time is not None:
+        raise UsageError("a value change dump has no time column to choose")
     name = str(path)
     try:
         with VcdStream(name) as stream:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, TextIO
 
 from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal
@@ -11,6 +13,15 @@ from tachk.recordings.monitors.record import MonitorRecord
 from tachk.recordings.traces.node_signal import Truth
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import FORMS, exact, first_finding, verdict_to_json, with_notes
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def write_lines(record: MonitorRecord, out: TextIO, console: Callable[[TextIO], Console], all_violations: bool) -> None:
+    """A row of `tachk.report.monitor.formats`."""
+    for event in record_events(record, all_violations):
+        out.write(json.dumps(event) + "\n")
 
 
 def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[str, Json]]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal
@@ -15,6 +16,15 @@ from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.verdict_explanation import Finding, TruthReason
 from tachk.report.json_report import Json
 from tachk.report.monitor.words import explain_verdict
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def write_json(record: MonitorRecord, out: TextIO, console: Callable[[TextIO], Console], all_violations: bool) -> None:
+    """A row of `tachk.report.monitor.formats`."""
+    json.dump(monitor_to_json(record, all_violations), out, indent=2)
+    out.write("\n")
 
 
 def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict[str, Json]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, TextIO
 from xml.etree import ElementTree
 
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
@@ -10,6 +11,14 @@ from tachk.recordings.traces.node_signal import Truth
 from tachk.report.junit_report import clean
 from tachk.report.monitor.text import answer_text
 from tachk.report.monitor.words import count_violations, explain_finding, explain_verdict
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def write_junit(record: MonitorRecord, out: TextIO, console: Callable[[TextIO], Console], all_violations: bool) -> None:
+    """A row of `tachk.report.monitor.formats`."""
+    out.write(monitor_to_junit(record, all_violations))
 
 
 def monitor_to_junit(record: MonitorRecord, all_violations: bool = False) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import TextIO
 
 from rich.console import Console
 from rich.table import Table
@@ -16,6 +18,11 @@ from tachk.recordings.traces.violations import Violations
 from tachk.report.monitor.words import count_violations, explain_verdict, seen_values
 
 STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
+
+
+def write_text(record: MonitorRecord, out: TextIO, console: Callable[[TextIO], Console], all_violations: bool) -> None:
+    """A row of `tachk.report.monitor.formats`."""
+    print_monitor(record, console(out), all_violations)
 
 
 def print_monitor(record: MonitorRecord, console: Console, all_violations: bool = False) -> None:

@@ -20,7 +20,7 @@ from tachk.base.words import QueryKind
 from tachk.cli.commands.certify import CertifyArguments, run_certify
 from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.cli.run_report import RunReporting
 from tachk.engine.options import Limits
 from tachk.meaning.judge.certificate import (
@@ -619,7 +619,7 @@ def test_json_says_who_has_judged_each_certificate(asked: Checker, tmp_path: Pat
     model, proofs, report = tmp_path / "counter.ta", tmp_path / "counter.cert", tmp_path / "report.json"
     model.write_text(COUNTER + "property few : A[] n <= 3;", encoding="utf-8")
     run_verify(VerifyArguments((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))
-    run_certify(CertifyArguments(str(model), proofs, (), asked.value), Reporting(ReportForm.JSON, report))
+    run_certify(CertifyArguments(str(model), proofs, (), asked.value), Reporting("json", report))
     told = json.loads(report.read_text(encoding="utf-8"))
     judges = {entry["property"]: entry["checker"] for entry in told["certificates"]}
     assert judges == dict.fromkeys(("met", "answered", "kept", "few"), asked.value)

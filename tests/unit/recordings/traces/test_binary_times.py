@@ -10,7 +10,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli.commands.monitor import run_monitor
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import Reporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments
 from tachk.recordings.monitors.offline import EvaluationOptions
@@ -51,7 +51,7 @@ def test_multiples_and_what_is_said_row_by_row(tmp_path: Path, ending: str, caps
     path = written(tmp_path / f"a.{ending}", [repr(row * 0.005) for row in range(200)])
     formula = "G (x == 0 -> F[0.03, 0.03] x == 6)"
     for rows in (RowByRow(), RowByRow(online=True)):
-        run_monitor(TraceArguments(formula, str(path)), rows=rows, reporting=Reporting(form=ReportForm.JSON))
+        run_monitor(TraceArguments(formula, str(path)), rows=rows, reporting=Reporting(form="json"))
         told = json.loads(capsys.readouterr().out)
         assert told["results"][0]["verdict"] == "undetermined"
         assert (told["end"], told["notes"]) == ("0.995", ["times are rounded to 9 decimals"])

@@ -10,7 +10,6 @@ import pytest
 import tachk
 from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm
 from tachk.cli.run_report import RunReporting
 from tachk.engine.options import Limits
 from tachk.formats.written_reports import validator
@@ -91,11 +90,11 @@ def test_forms_of_reports(tmp_path: Path) -> None:
     path = tmp_path / "m.ta"
     path.write_text(MODEL + TESTS + "property bad : Pr[<=1](<> A.t) >= 0.5;\nproperty s : simulate [<=1; 2] {x};\n")
     out = tmp_path / "out"
-    for form in (ReportForm.JSON, ReportForm.JUNIT, ReportForm.TEXT):
+    for form in ("json", "junit", "text"):
         status = run_verify(VerifyArguments((str(path),)), reporting=RunReporting(form, out))
         assert status is ExitStatus.NOT_AS_EXPECTED
         text = out.read_text()
-        if form is ReportForm.JSON:
+        if form == "json":
             document = json.loads(text)
             validator("verify").validate(document)
             (run,) = document["runs"]
@@ -103,7 +102,7 @@ def test_forms_of_reports(tmp_path: Path) -> None:
                 whole = {**{name: each[name] for name in ("seed", "confidence", "alpha", "beta", "delta")}, "model": ""}
                 validator("estimate").validate({**whole, "answers": [each["found"]]})
             assert [each["met"] for each in run["estimates"]] == [True, True, True, True, False, True]
-        elif form is ReportForm.JUNIT:
+        elif form == "junit":
             assert 'tests="6" failures="1" errors="0" skipped="0"' in text
             assert '<failure message="bad: Pr[&lt;=1](&lt;&gt; A.t) &gt;= 0.5: fails"' in text
         else:

@@ -11,7 +11,6 @@ import pytest
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.commands.requirements import run_requirements
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm
 from tachk.verify.requirements.analysis import FindingKind
 
 ROOT = Path(__file__).parents[4]
@@ -20,7 +19,7 @@ SCHEMA = json.loads((ROOT / "docs/schema/requirements.schema.json").read_text(en
 
 def found(tmp_path: Path, file: str) -> tuple[ExitStatus, dict]:
     output = tmp_path / "found.json"
-    status = run_requirements(file, ReportForm.JSON, output)
+    status = run_requirements(file, "json", output)
     told = json.loads(output.read_text(encoding="utf-8"))
     jsonschema.validate(told, SCHEMA)
     return status, told

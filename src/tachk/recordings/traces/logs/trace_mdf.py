@@ -70,11 +70,13 @@ class MdfRecording:
         return JoinedRecording(self.name, tuple(tables), places).read(names)
 
 
-def open_mdf(path: Path, unit: str | None) -> TraceSource:
+def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
     """Lists the channels of a file; times are in seconds. Raises UsageError, also where asammdf is not installed.
 
     A channel whose name another one has too is called after its group, ``speed_2``.
     """
+    if time is not None:
+        raise UsageError("channels of an MDF file have times of their own, none to choose")
     try:
         import asammdf  # noqa: F401
     except ModuleNotFoundError:
