@@ -122,16 +122,25 @@ def universe(dimension: int) -> Zone:
 
 
 def constrain(zone: Zone, constraint: Constraint) -> Zone | None:
-    """The part of the zone where the constraint holds; quadratic, since only paths through the new entry can change."""
+    """The part of the zone where the constraint holds: only paths through the new entry can change.
+
+    As a zone is canonical, a path from ``p`` through the new entry to any clock is shorter than the old one only if the
+    one to ``j`` is, and a path from any clock to ``q`` only if the one from ``i`` is.
+    """
     i, j, raw = constraint
     n, d = zone.dimension, zone.bounds
     if raw >= d[i * n + j]:
         return zone
     if add(raw, d[j * n + i]) < LESS_EQUAL_ZERO:
         return None
-    to_i = [add(d[p * n + i], raw) for p in range(n)]
-    from_j = d[j * n : j * n + n]
-    return Zone(n, tuple(min(d[p * n + q], add(to_i[p], from_j[q])) for p in range(n) for q in range(n)))
+    from_j = [(q, d[j * n + q]) for q in range(n) if add(raw, d[j * n + q]) < d[i * n + q]]
+    bounds = list(d)
+    for p in range(n):
+        to_j = add(d[p * n + i], raw)
+        if to_j < d[p * n + j]:
+            for q, rest in from_j:
+                bounds[p * n + q] = min(bounds[p * n + q], add(to_j, rest))
+    return Zone(n, tuple(bounds))
 
 
 def constrain_all(zone: Zone, constraints: Iterable[Constraint]) -> Zone | None:
@@ -156,14 +165,14 @@ def up(zone: Zone, stopped: frozenset[int] = frozenset()) -> Zone:
     """
     n = zone.dimension
     standing = stopped | {0}
-    result = close(
-        n,
-        (
-            INFINITY if i not in standing and j in standing else raw
-            for i in range(n)
-            for j, raw in enumerate(zone.bounds[i * n : i * n + n])
-        ),
+    bounds = tuple(
+        INFINITY if i not in standing and j in standing else raw
+        for i in range(n)
+        for j, raw in enumerate(zone.bounds[i * n : i * n + n])
     )
+    if not stopped:
+        return Zone(n, bounds)  # canonical: a path to clock 0 was cut everywhere
+    result = close(n, bounds)
     assert result is not None
     return result
 
