@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from tachk.base.diagnostics.diagnostic import Severity
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import NOWHERE, Source
 from tachk.base.words import Direction, QueryKind
@@ -454,6 +455,13 @@ def test_fragments_of_uppaal_xml() -> None:
         parser.parse_declarations,
     ):
         assert read(empty_list, "") == ()
+
+
+@pytest.mark.parametrize("text", ["const int[0, 1+= id", "const int[0, 1", "(", "x[", "const int id {", "a)"])
+def test_brackets_of_parameters_that_do_not_match_are_an_error(text: str) -> None:
+    """Read again as an old text they are no more than that either."""
+    _, diagnostics = parser.parse_parameters(Source("p", text))
+    assert {found.severity for found in diagnostics} == {Severity.ERROR}
 
 
 def test_comments_line_ends_and_byte_order_marks_are_tolerated() -> None:

@@ -35,8 +35,8 @@ def as_legacy(tokens: list[Token], comparisons: dict[str, str], start: str) -> l
     rewritten = _constants(_conjunctions(_comparisons(tokens, comparisons), start == "constraint_fragment"))
     if start == "parameters_fragment":
         output: list[Token] = []
-        _parameter_list(rewritten, 0, 1, output)
-        return output
+        behind = _parameter_list(rewritten, 0, 1, output)
+        return [*output, *rewritten[behind:]]
     return _parameters(rewritten)
 
 
@@ -139,8 +139,6 @@ def _parameter_list(tokens: list[Token], index: int, depth: int, output: list[To
                 start = Span(token.span.source, token.span.start, token.span.start)
                 output.append(Token("AMPERSAND", "&", start))
         output.append(token)
-    if depth == 1 and index < len(tokens):
-        output += tokens[index:]
     return index
 
 
