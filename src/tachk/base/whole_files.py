@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-import shutil
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
+from tachk.base.unfinished_files import UNFINISHED, own_prefix, remove
+
 _TRIES = 100
-_unfinished: set[Path] = set()
-"""The files that are being written, of this process and of those that it is a copy of."""
 
 
 @contextmanager
@@ -30,14 +30,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         if part.exists():
             os.replace(part, target)
     finally:
-        _remove(part)
-
-
-def remove_unfinished() -> None:
-    """Removes what is being written: for a program that ends without unwinding."""
-    own = _prefix()
-    for part in [part for part in _unfinished if part.name.startswith(own)]:
-        _remove(part)
+        remove(str(part))
 
 
 @contextmanager
@@ -69,30 +62,19 @@ def _empty_part(target: Path) -> Path | None:
     if target.exists() and not os.access(target, os.W_OK):
         return None
     for number in range(_TRIES):
-        part = target.with_name(f"{_prefix()}{number}.part")
-        if part in _unfinished:
+        part = target.with_name(f"{own_prefix()}{number}.part")
+        if str(part) in UNFINISHED:
             continue
-        _unfinished.add(part)  # before it is there: an interrupt may come in between
+        UNFINISHED.add(str(part))  # before it is there: an interrupt may come in between
         try:
             os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         except FileExistsError:
-            _unfinished.discard(part)
+            UNFINISHED.discard(str(part))
             continue
         except OSError:
-            _unfinished.discard(part)
+            UNFINISHED.discard(str(part))
             return None
         with suppress(OSError):
-            shutil.copymode(target, part)
+            os.chmod(part, stat.S_IMODE(target.stat().st_mode))
         return part
     return None
-
-
-def _remove(part: Path) -> None:
-    with suppress(OSError):
-        part.unlink(missing_ok=True)
-    _unfinished.discard(part)
-
-
-def _prefix() -> str:
-    """Of the names of the files that this process writes."""
-    return f".tachk-{os.getpid()}-"

@@ -6,17 +6,20 @@ options, its help and what it does.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterable
 from importlib import import_module
-from pkgutil import iter_modules
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 from click.exceptions import NoSuchCommand
-from click.shell_completion import CompletionItem
 
 import tachk
 from tachk.cli import commands
 from tachk.cli.console_script import end_program
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 SECTIONS = {
     "Verify": {
@@ -65,12 +68,19 @@ SECTIONS = {
 }
 """The commands by their sections of the help, each with its first line, so that the help need not import them."""
 
+
+def _modules_of(folders: Iterable[str]) -> set[str]:
+    """The names of the modules in some folders; `pkgutil` would take a millisecond of each start for it."""
+    names = {name.removesuffix(".py") for folder in folders for name in os.listdir(folder) if name.endswith(".py")}
+    return names - {"__init__"}
+
+
 _OTHERS = "More commands"
 """The section of commands that stand in the folder but not in a section."""
 
 COMMANDS = (
     *(name for section in SECTIONS.values() for name in section),
-    *sorted({module.name for module in iter_modules(commands.__path__)}.difference(*SECTIONS.values())),
+    *sorted(_modules_of(commands.__path__).difference(*SECTIONS.values())),
 )
 """In the order of the help: those of the sections, then all others of the folder."""
 
@@ -111,6 +121,8 @@ class _Commands(click.Group):
                 formatter.write_dl([(name.ljust(width), summary) for name, summary in summaries.items()])
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
         summaries = {name: summary for section in _summaries().values() for name, summary in section.items()}
         names = [CompletionItem(name, help=help) for name, help in summaries.items() if name.startswith(incomplete)]
         return [*names, *click.Command.shell_complete(self, ctx, incomplete)]

@@ -12,7 +12,7 @@ from time import monotonic
 from types import FrameType
 from typing import NoReturn
 
-from tachk.base.whole_files import remove_unfinished
+from tachk.base.unfinished_files import remove_unfinished
 from tachk.cli.terminal import end_by
 
 _SECONDS_OF_ONE_INTERRUPT = 0.25

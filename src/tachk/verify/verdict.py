@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.job import unhurried
@@ -13,9 +14,11 @@ from tachk.base.words import QueryKind
 from tachk.engine.outcome import Statistics
 from tachk.model.query import Expectation, Query
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
-from tachk.transform.observed import ObserverMove
-from tachk.transform.transformation import Transformation
-from tachk.verify.plan import Task
+
+if TYPE_CHECKING:
+    from tachk.transform.observed import ObserverMove
+    from tachk.transform.transformation import Transformation
+    from tachk.verify.plan import Task
 
 
 class Answer(StrEnum):

@@ -20,7 +20,6 @@ from tachk.cli.guard import complain, print_diagnostics, without_result
 from tachk.engine.compiler.features import uncomputed_chances, undrawn_ends
 from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.loading.load import load_model
-from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.report.check_report import CHECK_FORMATS, Checked, Size
 
@@ -139,7 +138,11 @@ def _check(
         sum(len(process.edges) for process in processes),
         len(model.properties),
     )
-    other = None if version is None else portability(model.loaded, version)
+    other = None
+    if version is not None:
+        from tachk.formats.uppaal.portability import portability
+
+        other = portability(model.loaded, version)
     of_simulations = (*_uncomputed(model, strict_xta), *undrawn_ends(model.network))
     return Checked(path, size, (*model.warnings, *of_simulations), other), model
 

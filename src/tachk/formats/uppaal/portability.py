@@ -17,7 +17,7 @@ from tachk.formats.plain.expansion import expand_document
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.condition_types import condition_findings
 from tachk.formats.uppaal.limits import refuses_deadlock
-from tachk.formats.uppaal.query_reader import is_set_aside
+from tachk.formats.uppaal.query_asides import is_set_aside
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel

@@ -1,14 +1,18 @@
-"""Entries of UPPAAL's list of queries that are no properties, as comments of a text: headings, and wrong queries.
+"""Entries of UPPAAL's list of queries that are no properties of the text, or none for UPPAAL.
 
-When XML is written they come back from there, in their order among the properties.
+Headings and wrong queries are comments of a text; when XML is written they come back from there, in their order among
+the properties. A formula that UPPAAL refuses is a comment of the XML.
 """
 
 from __future__ import annotations
 
 import re
 
+from tachk.base.span import Span
 from tachk.syntax.picture_layout import QueryLayout
 
+_ASIDE = "/* UPPAAL does not check: "
+_SET_ASIDE = re.compile(rf"\s*{re.escape(_ASIDE)}(?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 _WRONG = "// a query that is wrong: "
 _HEADING = "// a heading among the queries: "
 _HEADING_FORMULA = "// a heading in place of a query: "
@@ -43,6 +47,22 @@ def aside_in(comment: str) -> QueryLayout | None:
             formula, _, said = comment.removeprefix(word).partition(_BEHIND)
             return QueryLayout("", _unescaped(said.strip()), formula.strip())
     return None
+
+
+def set_aside(formula: str) -> str:
+    """A formula that UPPAAL refuses, as a comment from which it can be read again."""
+    return f"{_ASIDE}{formula} */"
+
+
+def is_set_aside(formula: Span) -> bool:
+    """Whether a formula stands in a comment that `set_aside` made, so that UPPAAL does not see it."""
+    return formula.source.text[: formula.start].endswith(_ASIDE)
+
+
+def formula_place(span: Span) -> Span:
+    """The place of the formula itself, also of one that `set_aside` made a comment."""
+    found = _SET_ASIDE.fullmatch(span.text)
+    return span if found is None else Span(span.source, span.start + found.start(1), span.start + found.end(1))
 
 
 def _joined(formula: str, comment: str) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 from tachk.formats.plain.plain_model import PlainQuery
 from tachk.formats.uppaal.limits import refused
-from tachk.formats.uppaal.query_reader import set_aside
+from tachk.formats.uppaal.query_asides import set_aside
 from tachk.syntax import ast
 from tachk.syntax.printing.query_printer import print_expected, print_query
 

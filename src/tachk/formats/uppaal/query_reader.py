@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from tachk.base.span import Source, Span
 from tachk.base.words import QueryKind
-from tachk.formats.uppaal.query_asides import heading
+from tachk.formats.uppaal.query_asides import formula_place, heading
 from tachk.formats.uppaal.template_reader import plain_text
 from tachk.formats.uppaal.xml_text import Extract, Extracted
 from tachk.formats.uppaal.xml_tree import Element
@@ -28,8 +28,6 @@ _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"])
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect (?:holds|fails) if [^\n]+))\Z")
-_ASIDE = "/* UPPAAL does not check: "
-_SET_ASIDE = re.compile(rf"\s*{re.escape(_ASIDE)}(?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 _HEADING = re.compile(r"\s*([=#*_~])\1")
 """How people set off headings in a list of queries; no formula begins like that."""
 MEASURES = (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
@@ -70,7 +68,7 @@ class QueriesReader:
 
     def formulas(self, texts: Extracted) -> list[Span]:
         """The places of all formulas."""
-        return [_formula_place(texts.text(formula)) for element in self.elements for formula in element.all("formula")]
+        return [formula_place(texts.text(formula)) for element in self.elements for formula in element.all("formula")]
 
     def build(self, texts: Extracted) -> list[ast.PropertyDeclaration]:
         """The properties; `broken` and `layouts` are filled."""
@@ -80,7 +78,7 @@ class QueriesReader:
         used: set[str] = set()
         for number, (element, said) in enumerate(zip(self.elements, described, strict=True), 1):
             formula = element.first("formula")
-            place = None if formula is None else _formula_place(texts.text(formula))
+            place = None if formula is None else formula_place(texts.text(formula))
             results = tuple(child.span.text for child in element.children if child.name in ("expect", "result"))
             kept = QueryLayout("", options=_options(element.children), results=results)
             comment = _child_text(element, "comment")
@@ -127,22 +125,6 @@ class QueriesReader:
                 )
             )
         return found
-
-
-def set_aside(formula: str) -> str:
-    """A formula that UPPAAL refuses, as a comment from which it can be read again."""
-    return f"{_ASIDE}{formula} */"
-
-
-def is_set_aside(formula: Span) -> bool:
-    """Whether a formula stands in a comment that `set_aside` made, so that UPPAAL does not see it."""
-    return formula.source.text[: formula.start].endswith(_ASIDE)
-
-
-def _formula_place(span: Span) -> Span:
-    """The place of the formula itself, also of one that `set_aside` made a comment."""
-    found = _SET_ASIDE.fullmatch(span.text)
-    return span if found is None else Span(span.source, span.start + found.start(1), span.start + found.end(1))
 
 
 def comment_of(node: ast.PropertyDeclaration) -> str:

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from tachk.base.span import Source
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery
 from tachk.formats.uppaal.limits import refused, refuses_deadlock
-from tachk.formats.uppaal.query_asides import aside_in
+from tachk.formats.uppaal.query_asides import aside_in, set_aside
 from tachk.formats.uppaal.query_reader import (
     MEASURES,
     comment_of,
     conditional_in,
     outcome,
     says,
-    set_aside,
 )
 from tachk.formats.uppaal.xml_tree import parse_xml
 from tachk.frontend.loaded import LoadedModel

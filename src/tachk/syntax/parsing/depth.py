@@ -8,7 +8,6 @@ written in Python need memory for it only, and of the thread's stack what `STACK
 from __future__ import annotations
 
 import sys
-import threading
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
@@ -82,8 +81,11 @@ def _stack_size() -> int:
     """The minimal size of the stack of this thread in bytes."""
     if sys.platform == "win32":
         return 2**20
-    if sys.platform == "darwin" and threading.current_thread() is not threading.main_thread():
-        return _SMALL_STACK
+    if sys.platform == "darwin":
+        import threading
+
+        if threading.current_thread() is not threading.main_thread():
+            return _SMALL_STACK
     import resource
 
     limit = resource.getrlimit(resource.RLIMIT_STACK)[0]
