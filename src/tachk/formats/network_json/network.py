@@ -13,8 +13,7 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.base.job import check_job
 from tachk.base.words import Direction
 from tachk.formats.exported import Exported, Writing
-from tachk.formats.network_json.expression_reader import ExpressionReader
-from tachk.formats.network_json.expression_writer import ExpressionWriter
+from tachk.formats.network_json.expressions import ExpressionReader, ExpressionWriter
 from tachk.formats.network_json.types import Json
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Branching, Chance, Edge, Location, Network, Process, Signal, Synchronisation
