@@ -2,7 +2,8 @@
 
 `strategies` tells how a verdict is decided: tables of strategies, in their order, each with what can be believed of it.
 `verify` is the way of a query; `plan` puts queries together that one search answers; `strategy` has the loop over a
-table. What strategies do stands in `reachability` (with the witness of an answer), `over_approximations`, `liveness`,
-`extremes` and `smt`. `deadlines` and `observed_liveness` make other queries into such of `liveness`. Beside an answer
-`vacuity`, `momentary` and `unexamined` find what a user should know, `pace` another run, and `certificates` a proof.
+table. The strategies themselves stand in `reachability` (with the witness of an answer), `over_approximations`, `liveness`,
+`extremes` and `smt`. `deadlines` and `observed_liveness` turn other queries into queries of `liveness`. Beside an answer
+`vacuity`, `momentary` and `unexamined` give notes for users, `time_optimal` a fastest or slowest run, and
+`certificates` a proof.
 """

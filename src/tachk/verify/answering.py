@@ -26,7 +26,7 @@ def answers(
     """The verdicts about the queries, each with the assumption on which it rests where readings differ.
 
     Args:
-        queries: what is asked about the model as it is taken first.
+        queries: the queries about the model with its first values.
 
     Raises InputError and UnsupportedError as `verify` does.
     """

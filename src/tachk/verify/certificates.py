@@ -42,7 +42,7 @@ from tachk.verify.verdict import Verdict, answers_of
 
 
 class Checker(StrEnum):
-    """Who checks a certificate."""
+    """The checkers of certificates."""
 
     PYTHON = "python"
     """Plain Python over the semantics of the model, which shares no code with the engine."""
@@ -147,8 +147,8 @@ def _cover(
 
 
 def _exchanges(network: Network, query: Query) -> tuple[SymmetryGroup, ...]:
-    """What is interchangeable, as far as it can be proved without what the search believes, and the search can do with
-    it."""
+    """The groups of interchangeable processes that can be proved without trusting the search, and that the search can
+    use."""
     predicates = _predicates(query)
     by_clocks = query.target is None and any(asks_deadlock(one) or clock_in(one) is not None for one in predicates)
     if by_clocks or not coarse_partition(network).repeats:
@@ -176,7 +176,8 @@ def _header(network: Network, model: str, query: Query, groups: tuple[SymmetryGr
 
 
 _LEAST_ZONES, _MOST_ZONES = 20, 20_000
-"""Of how many zones a proof is made smaller: not of very few, and not of so many that the checker takes long."""
+"""The least and the largest number of zones of a proof that is made smaller: with few zones there is nothing to gain,
+and with many the checker takes long."""
 
 
 def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> Proof:
@@ -197,8 +198,7 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
 def _native_check(
     network: Network, query: Query, header: CertificateHeader
 ) -> Callable[[Iterable[Columns]], Objection | None]:
-    """What the native checker says of symbolic states of so many locations and cells, and clocks, if their groups are
-    believed.
+    """The native check of symbolic states of a header's locations, cells and clocks, with its groups taken as proved.
 
     Raises MalformedCertificateError.
     """
@@ -273,7 +273,7 @@ def check_natively(
 def _objection_to_groups(
     network: Network, query: Query, header: CertificateHeader, columns: Callable[[], Iterable[Columns]]
 ) -> Objection | None:
-    """That exchanges are none of the model; None if they map it, and what is asked of it, onto itself.
+    """The objection that permutations of a header are no automorphisms; None if they map model and query to themselves.
 
     Raises MalformedCertificateError.
     """

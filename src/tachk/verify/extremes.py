@@ -3,9 +3,9 @@
 Values are taken over the reachable states that satisfy a restriction. Integers are measured in one exploration, all
 together. So is a clock, with clock bounds that keep its values apart up to a time bound
 (`tachk.engine.compiler.lower.MeasuredExpression`): an extreme value up to there is the true one. Where the clock is
-found beyond, the time bound is doubled, unless the path that was found shows that the clock grows without limit. What
-is neither an integer nor a clock, and what is asked for where there is a deadlock, is found by bisection, with one
-search for each question whether it can be beyond a number.
+found beyond, the time bound is doubled, unless the path that was found shows that the clock grows without limit. An
+expression that is neither an integer nor a clock, or whose restriction contains `deadlock`, is bisected: each search
+decides if the value can be beyond a number.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from tachk.verify.verdict import Answer, Extreme, Extremes, Verdict
 NEVER = "no reachable state satisfies the restriction, so that there is no value"
 
 DOUBLINGS = 12
-"""How often the time bound is doubled, from the largest constant of the model on."""
+"""The number of times that the time bound is doubled, from the largest constant of the model on."""
 
 LARGEST_BOUND = 2**29
 
@@ -117,7 +117,7 @@ def _with_values(search: ExtremeSearch, verdict: Verdict) -> Verdict | None:
 
 
 def _directions(query: Query) -> tuple[bool, ...]:
-    """Whether the largest values are asked for, or the least ones, or first these and then those."""
+    """The directions of a query: True for the largest values, False for the least ones; both for `bounds`."""
     if query.kind is QueryKind.BOUNDS:
         return False, True
     return (query.kind is QueryKind.SUPREMUM,)
@@ -161,7 +161,7 @@ class UndecidedExtremeError(Exception):
 
 
 Question = tuple[Expression, bool]
-"""An expression, and whether its largest value is asked for rather than the least."""
+"""An expression, and whether the query is about its largest value rather than the least."""
 
 
 Way = Callable[["ExtremeSearch"], None]
@@ -356,8 +356,8 @@ def _beyond(expression: Expression, threshold: int, largest: bool) -> Expression
 
 
 def _growing(expression: Expression, largest: bool) -> tuple[Expression, ...] | None:
-    """What grows, and what is subtracted if anything is, where the value of a clock or of a difference of two goes to
-    the asked end; no clock goes below 0."""
+    """The clock that grows, and the clock that is subtracted if there is one, as the value goes to its largest or least
+    end; no clock goes below 0."""
     match expression:
         case Binary(BinaryOperator.SUBTRACT, left, right) if isinstance(left.type, ClockType) and isinstance(
             right.type, ClockType
@@ -370,7 +370,7 @@ def _growing(expression: Expression, largest: bool) -> tuple[Expression, ...] | 
 
 
 def begun(problem: Problem, query: Query) -> ExtremeSearch:
-    """A search in the cone of influence of all that is asked for."""
+    """A search in the cone of influence of all expressions of the queries."""
     where = restriction(query)
     targets = [_where_it_is(where, expression, 0) for expression in query.operands]
     return ExtremeSearch(problem, query, where, reduced_for(problem.network, targets, problem.options))

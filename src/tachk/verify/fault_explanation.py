@@ -51,7 +51,7 @@ _IN_QUERIES = {
     RuntimeErrorKind.LOOP: _WHAT[RuntimeErrorKind.LOOP][2],
 }
 _IN_OTHER_QUERIES = "say in the query when it counts: `condition && ...`, after A[] `condition imply ...`"
-"""The help where what is asked goes wrong, for which no edge is to blame."""
+"""The help where the query itself meets the run-time error, for which no edge is to blame."""
 
 
 def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
@@ -104,8 +104,8 @@ def _detail(model: PreparedNetwork, fault: RunTimeFault, run: TimedTrace | None)
 
 
 def _place(network: Network, fault: RunTimeFault) -> Span:
-    """Where it happened; the edge that was tried, where the instruction has no place of its own: of a loop that does
-    not end it is any."""
+    """The place of a run-time error; the edge that was tried, where the instruction has no place: the place of a loop
+    that does not end is arbitrary."""
     placed = fault.span.source is not NOWHERE.source and fault.kind is not RuntimeErrorKind.LOOP
     if placed or fault.transition is None:
         return fault.span

@@ -182,7 +182,7 @@ def _is_answer(model: PreparedNetwork, query: Query, searched: SearchedRun) -> b
 def _counts(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> bool:
     """Whether a run that avoids the goal meets what it has to meet again and again, or ends where it may.
 
-    What is asked speaks of locations and variables only.
+    The queries speak of locations and variables only.
     """
     states, _ = discrete_run(model, [*run.stem, *run.loop])
 
@@ -210,8 +210,8 @@ def _recurring(network: Network, obligation: Obligation, options: Options, limit
 
 
 def _counted(network: Network, query: Query, instrumented: DoubledNetwork) -> Expression:
-    """What shows again and again that a run counts: time passes, or an observer has seen a violation, after which it
-    does not matter how the run goes on."""
+    """The predicate that a run that counts meets again and again: time passes, or an observer has seen a violation,
+    after which the rest of the run does not matter."""
     if query.observer is None:
         return instrumented.mark
     return either(instrumented.mark, LocationTest(len(network.processes) - 1, query.observer.bad))
@@ -228,7 +228,7 @@ _INEXACT = "the stopwatches make the search inexact, and the run it found may no
 NO_DELAYS = "a run that shows it was found, but there was no time to find its delays"
 
 SECONDS_FOR_DELAYS, LEAST_SECONDS_FOR_DELAYS = 30.0, 1.0
-"""How long the delays of a run that was found are looked for at most, and at least, whatever the limits."""
+"""The longest and the shortest time that the search for the delays of a found run gets, whatever the limits."""
 
 
 def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:

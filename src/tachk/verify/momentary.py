@@ -74,8 +74,8 @@ class _EdgeEnd:
 _Ends = Mapping[tuple[Variable, bool], set[_EdgeEnd]]
 
 _OPEN, _LASTING, _RISEN = Constant(0), Constant(1), Constant(2)
-"""What is noted of a condition: it was false when the chain began; it was true then; it was false and has been true
-since. Where no chain is open, nothing is noted, which is as if it were false."""
+"""The note about a condition in a chain: it was false when the chain began; it was true then; it was false and has been
+true since. Where no chain is open, there is no note, which counts as false."""
 
 Deciding = Callable[[Network, Sequence[Query], Limits], Sequence[Verdict]]
 """The function that answers queries about a network."""
@@ -116,14 +116,14 @@ def _stops_time(location: Location) -> bool:
 
 
 def _somebody_stops_time(network: Network) -> Expression | None:
-    """Whether some process is in a committed or urgent location. None: there is no such location."""
+    """The predicate that some process is in a committed or urgent location. None: there is no such location."""
     return _some_stops_time(
         network, ((p, n) for p, process in enumerate(network.processes) for n, _ in enumerate(process.locations))
     )
 
 
 def _kinds_of_locations(network: Network) -> str:
-    """Which kinds of locations that stop time the network has, in words."""
+    """The kinds of locations that stop time in the network, in words."""
     locations = [location for process in network.processes for location in process.locations]
     committed = any(location.committed for location in locations)
     urgent = any(location.urgent for location in locations)
@@ -150,7 +150,7 @@ def _noted(verdict: Verdict, notes: Mapping[_MomentaryCondition, str]) -> Verdic
 def _reached(
     network: Network, goals: Mapping[_MomentaryCondition, Expression], limits: Limits, decide: Deciding
 ) -> Mapping[_MomentaryCondition, Verdict]:
-    """Whether each of the goals is reached."""
+    """The verdicts whether each of the goals is reached."""
     queries = [Query(f"momentary {number}", QueryKind.POSSIBLY, goal) for number, goal in enumerate(goals.values())]
     verdicts = decide(network, queries, limits) if queries else ()
     return dict(zip(goals, verdicts, strict=True))
@@ -174,8 +174,8 @@ def _not_known(of: _MomentaryCondition, where: str, answer: Verdict) -> str:
 
 
 def _left_in_chains(network: Network, ends: _Ends, condition: Expression) -> Expression | None:
-    """Where a transition of a chain begins that may change the condition: a participant is in one of these committed
-    locations, or anybody in one of these urgent ones. None where no such transition may."""
+    """The predicate that a transition of a chain may begin that changes the condition: a participant is in one of these
+    committed locations, or any process in one of these urgent ones. None where no such transition may."""
     read = {node.variable for node in _nodes(condition) if isinstance(node, Reference)}
     placed = {(node.process, node.location) for node in _nodes(condition) if isinstance(node, LocationTest)}
     found: set[tuple[int, int]] = set()
@@ -197,7 +197,7 @@ def _urgent_places(network: Network) -> Iterator[tuple[int, int]]:
 
 
 def _some_stops_time(network: Network, places: Iterable[tuple[int, int]]) -> Expression | None:
-    """Whether some process is in one of its locations that are named, of those that stop time; None: none does."""
+    """The predicate that some process is in one of the given locations and this stops time; None: none of them does."""
     tests: list[Expression] = [
         LocationTest(process, location)
         for process, location in sorted(places)

@@ -2,8 +2,8 @@
 
 An *ending* of the observer has a condition that holds while time passes there. A violation is a run that never leaves
 an ending and whose states all satisfy its condition: as for ``A<>``, it is enough that what is awaited is there for no
-time, between two steps at one instant. Elsewhere such values do not count. So it is asked first whether some run never
-leaves an ending, whatever its condition; where only such a run exists, the verdict says what it rests on.
+time, between two steps at one instant. Elsewhere such values do not count. So the first search asks if some run never
+leaves an ending, whatever its condition; where only such a run exists, the verdict says so.
 """
 
 from __future__ import annotations

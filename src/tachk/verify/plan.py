@@ -20,11 +20,11 @@ class Analysis(StrEnum):
     """A task: the question that decides a query."""
 
     REACHABILITY = "reachability"
-    """Whether some state of a set is reached."""
+    """Is some state of a set reached?"""
     LIVENESS = "liveness"
-    """Whether some run never reaches a state of a set."""
+    """Is there a run that never reaches a state of a set?"""
     EXTREMES = "extremes"
-    """How large or small expressions become."""
+    """The largest and least values of expressions."""
 
 
 def analysis_of(query: Query) -> Analysis:
@@ -41,7 +41,7 @@ def analysis_of(query: Query) -> Analysis:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A query, and its number among those that were asked."""
+    """A query, and its number among all queries of the user."""
 
     number: int
     query: Query
@@ -69,7 +69,7 @@ class Search:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of its queries."""
+        """The names of its queries."""
         return tuple(task.query.name for task in self.tasks)
 
     def without(self, numbers: Collection[int]) -> Search:

@@ -83,12 +83,12 @@ class Questions:
 
 
 def checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[Query, ...]:
-    """Those that are of a kind that tachk checks."""
+    """The queries of the kinds that tachk checks."""
     return tuple(formula for formula in formulas if isinstance(formula, Query))
 
 
 def why_not(query: UncheckedQuery) -> str:
-    """Why a query is not checked."""
+    """The reason why a query is not checked."""
     if query.diagnostics:
         return query.diagnostics[0].message
     return f"{query.family} query" + (": see `tachk estimate`" if query.family == "statistical" else "")

@@ -1,4 +1,4 @@
-"""How verdicts are decided: for each kind of question, the strategies in the order in which they are tried.
+"""The tables that decide verdicts: for each kind of question, the strategies in the order in which they are tried.
 
 A new strategy is a row here. The module of its function describes what it does. The last strategy of a table always
 answers, if the limits allow it; those before save states.
@@ -110,7 +110,7 @@ REACHABILITY = (
     ),
     Strategy("zones", "search all states", explored, plain=True, parts=equal_parts),
 )
-"""Whether some state of a set can be reached: `E<>`, `A[]`, and formulas with deadlines by their observers."""
+"""For reachability of a set of states: `E<>`, `A[]`, and formulas with deadlines by their observers."""
 
 
 SMT = (
@@ -161,7 +161,7 @@ LIVENESS = (
         plain=True,
     ),
 )
-"""Whether some run avoids a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
+"""For runs that avoid a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
 
 EXTREMES = (
     Strategy(
@@ -180,7 +180,7 @@ EXTREMES = (
         plain=True,
     ),
 )
-"""How large or small expressions become: `sup`, `inf`, `bounds`. Each leaves open values to the next one."""
+"""For extreme values of expressions: `sup`, `inf`, `bounds`. Each strategy leaves open values to the next one."""
 
 
 def every_strategy() -> tuple[Strategy, ...]:
@@ -212,7 +212,7 @@ def check_names(without: Collection[str]) -> None:
 def reachable(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
-    """Whether the targets of a search can be reached, as verdicts by the numbers of its tasks."""
+    """Verdicts, by the numbers of the tasks, whether the targets of a search can be reached."""
     watched = observed(model.network, search.observer)
     problem = Problem(prepare(watched.network), watched, search.tasks, options, limits, trace)
     match options.engine:
@@ -253,7 +253,7 @@ def _by_both(problem: Problem) -> dict[int, Verdict]:
 def avoidable(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
-    """Whether runs avoid the goals of a search for ever, as verdicts by the numbers of its tasks."""
+    """Verdicts, by the numbers of the tasks, whether runs avoid the goals of a search for ever."""
     return _one_by_one(LIVENESS, model, search, options, limits, trace)
 
 

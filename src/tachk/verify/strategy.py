@@ -235,7 +235,7 @@ def _is_final(strategy: Strategy, verdict: Verdict) -> bool:
 
 
 def _claim(verdict: Verdict) -> Exactness:
-    """What a strategy has to be exact about for its verdict to be right."""
+    """The exactness that a strategy needs for its verdict to be right."""
     if verdict.answer is Answer.UNKNOWN:
         return Exactness.ERRORS
     found = verdict.answer is answers_of(verdict.query)[0]

@@ -30,12 +30,12 @@ class Times:
 
     Attributes:
         best: the least one; its run ends with the second event. None where the second event never follows, or where it
-            was not asked for.
+            was not requested.
         worst: the largest one, among the runs on which the second event follows; None as `best`. Without a value where
             there is no limit: it may come as late as one likes.
         waiting: how long the second event can fail to come, whether or not it comes at last; None where the first one
             never comes. Without a value: some runs wait for it for ever.
-        reason: why something that was asked for is not known; empty if all is.
+        reason: why a requested time is not known; empty if all are.
         fault: whether that is a run-time error of the model.
         states: stored by the largest search.
         seconds: of all searches.
@@ -75,7 +75,7 @@ def times_between(
     Args:
         start: None for the start of the run.
         last: from the last occurrence of the first event before the second one, not from the first.
-        asked: BEST, WORST or both.
+        requested: BEST, WORST or both.
         trace: make the runs that take these times.
 
     Raises:

@@ -1,10 +1,10 @@
-"""Answers that hold for no reason of interest: what a property is about never happens.
+"""Properties that hold vacuously: their trigger never happens.
 
 ``A[] (a imply b)`` holds where ``a`` is never true, whatever ``b`` says. Whether ``a`` is ever true, the search that
 decides the property sees on its way: it is one more goal that it does not go on for. Only where a formula without
-deadline holds, a search of its own asks for it (`observed_liveness`). What would make the search larger, or could go
-wrong where the property itself does not, is not asked: a trigger that compares clocks or asks for deadlock, one that
-may be a run-time error, and one that the constants of the model decide.
+deadline holds, a search of its own asks for it (`observed_liveness`). Some triggers are left out, as they would make
+the search larger, or could meet an error where the property itself does not: a trigger that compares clocks or contains
+`deadlock`, one that may be a run-time error, and one that the constants of the model decide.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Trigger:
 
 
 def triggers_of(tasks: Iterable[Task], network: Network) -> tuple[Trigger, ...]:
-    """The left sides of the implications that properties consist of, as far as they may be asked for on the way.
+    """The left sides of the implications of properties, as far as they may be checked on the way.
 
     An implication under ``forall`` is one however it is held: as a quantifier, or as one copy for each value.
     """

@@ -54,7 +54,7 @@ class Extreme:
 
 @dataclass(frozen=True, slots=True)
 class Extremes:
-    """``expression``: as text. An extreme that was not asked for is None."""
+    """``expression``: as text. An extreme that was not requested is None."""
 
     expression: str
     least: Extreme | None = None
@@ -105,7 +105,7 @@ class Verdict:
 
     @property
     def met(self) -> bool | None:
-        """Whether the answer is the expected one (without ``expect``: whether it is HOLDS); None for UNKNOWN."""
+        """True if the answer is the expected one (without ``expect``: HOLDS); None for UNKNOWN."""
         if self.answer is Answer.UNKNOWN:
             return None
         expected = self.query.expectation or Expectation.HOLDS

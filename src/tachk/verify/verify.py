@@ -20,7 +20,7 @@ from tachk.model.query import Query
 from tachk.model.selections import check_selections
 from tachk.transform.cone_of_influence import every_action_counts
 from tachk.transform.observed import check_observable
-from tachk.verify import pace
+from tachk.verify import time_optimal
 from tachk.verify.fault_explanation import with_blame
 from tachk.verify.plan import Analysis, Search, Task, analysis_of, plan
 from tachk.verify.scheduling.in_order import Shares, in_order, processes
@@ -148,10 +148,10 @@ def _analysed(
 ) -> dict[int, Verdict]:
     found = _deciding(search)(model, search, options, limits, trace)
     if search.analysis is Analysis.REACHABILITY:
-        return pace.at_pace(model, search, found, options, limits)
+        return time_optimal.time_optimal(model, search, found, options, limits)
     if options.engine is Engine.BOTH:
         found = {number: verdict.noted(_UNCOMPARED) for number, verdict in found.items()}
-    return pace.unpaced(found, options)
+    return time_optimal.without_optimum(found, options)
 
 
 _UNCOMPARED = "only the zone engine has answered: the engine smt answers E<> and A[]"

@@ -53,7 +53,7 @@ def concretise(
 
 
 @dataclass(frozen=True, slots=True)
-class Paced:
+class TimeOptimalRun:
     """A run along a path that is as fast or as slow as possible.
 
     Attributes:
@@ -67,9 +67,9 @@ class Paced:
     attained: bool
 
 
-def paced(
+def time_optimal_run(
     model: PreparedNetwork, path: Sequence[Transition], predicate: Expression, latest: bool, seconds: float | None
-) -> Paced | None:
+) -> TimeOptimalRun | None:
     """A run that takes the transitions of a path and ends in a state of the predicate; None if there is none.
 
     Args:
@@ -84,7 +84,7 @@ def paced(
     found = extreme_solution(phases, requirements, latest, None if seconds is None else int(seconds * 1000))
     if found is None:
         return None
-    return Paced(timed_trace(model, states, phases, path, found.durations), found.total, found.attained)
+    return TimeOptimalRun(timed_trace(model, states, phases, path, found.durations), found.total, found.attained)
 
 
 def requirements_of(

@@ -18,7 +18,7 @@ BATCH_SECONDS = 0.5
 """The intended duration of a batch."""
 
 PATIENCE = "10s"
-"""How long the scheduler is waited for."""
+"""The longest wait for the scheduler."""
 
 _FIRST = 4
 _MOST = 1000

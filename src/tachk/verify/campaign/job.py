@@ -81,7 +81,7 @@ class Verification:
 
     Attributes:
         names: of the constants that vary.
-        asked: the names of the properties, in order.
+        property_names: the names of the properties, in order.
         limits: of each cell.
         judge: judges random runs of each cell.
         frames: how deep Python may recurse. Chains of the model that have thousands of links have raised it where the
@@ -100,11 +100,11 @@ class Verification:
 
     @property
     def asks_queries(self) -> bool:
-        """Whether queries or properties are asked, or formulas only."""
+        """Whether there are queries or properties to check, or formulas only."""
         return self.judge is None or len(self.property_names) > len(self.judge.names)
 
     def parts(self) -> dict[str, str]:
-        """What must be the same for finished cells to count: names as a user would say them, each with its value."""
+        """The settings that finished cells must share with this job to count: a name for users, and its value."""
         texts = {item.span.source.text for item in self.model.items} | {self.model.document.span.source.text}
         text = sha256("\0".join(sorted(texts)).encode()).hexdigest()
         typed = [source.text.strip() for source in self.questions.typed]
@@ -172,7 +172,7 @@ def verification(
     settings: Settings | None = None,
     judge: JudgedRuns | None = None,
 ) -> Verification:
-    """The job of checking what is asked.
+    """The job that checks the given queries and properties in each cell.
 
     Raises:
         InputError, UsageError: a query is wrong, there is no such property or constant, or nothing to check.

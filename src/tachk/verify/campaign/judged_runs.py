@@ -32,12 +32,12 @@ class FormulaCounts:
 
 @dataclass(frozen=True, slots=True)
 class JudgedRuns:
-    """How runs are drawn, and by what they are judged; as for `tachk simulate --monitor`.
+    """Random runs and the formulas that are evaluated on them, as of `tachk simulate --monitor`.
 
     Attributes:
         source: the text of the formulas, as `tachk.recordings.monitors.formulas.formula_source` reads it: other
             processes and machines do not need the file, which may change meanwhile.
-        until: how long the runs are, such as ``100`` or ``2 h``.
+        until: the length of the runs, such as ``100`` or ``2 h``.
 
     Raises UsageError where no run is to be drawn.
     """
@@ -53,7 +53,7 @@ class JudgedRuns:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the formulas. Raises InputError and UsageError for a text that states none."""
+        """The names of the formulas. Raises InputError and UsageError for a text that states none."""
         return tuple(formula.name for formula in formulas_in(self.source))
 
     def __str__(self) -> str:

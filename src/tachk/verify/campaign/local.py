@@ -22,7 +22,7 @@ from tachk.model.grid import Values
 from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
 
 ATTEMPTS = 2
-"""How often a cell is given to a process."""
+"""The number of processes that try a cell, one after another, if the first ones die."""
 
 _CONTEXT = get_context("spawn")
 _UNGUARDED = 75

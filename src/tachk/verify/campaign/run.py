@@ -20,12 +20,12 @@ from tachk.verify.campaign.store import Store, opened
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a campaign is.
+    """The progress of a campaign.
 
     Attributes:
-        cells: how many there are.
-        finished: how many of them are finished, those of earlier runs included.
-        earlier: how many were finished before this run.
+        cells: their number.
+        finished: the number of finished cells, those of earlier runs included.
+        earlier: the number of cells that were finished before this run.
         seconds: since this run began.
     """
 
@@ -65,7 +65,7 @@ class Campaign:
     """The results of a campaign.
 
     Attributes:
-        cells: how many there are in the part of the grid that is told.
+        cells: their number in the part of the grid that is reported.
         rows: of all finished ones of these, in the order of the grid.
         earlier: how many cells were finished before this run.
         unfinished: how many cells are not finished: the time was over, or the user stopped it.
@@ -88,11 +88,11 @@ Computing = Callable[[Verification, tuple[Values, ...], float | None], Iterator[
 
 
 def computing(processes: int | None, dask: Any) -> Computing:
-    """How cells are computed: by a Dask cluster where there is one, else by processes here.
+    """The function that computes cells: on a Dask cluster if there is one, else in processes here.
 
     Args:
         dask: the address of its scheduler, a `distributed.Client` or a cluster; or None.
-        processes: how many; None: as many as the machine has cores.
+        processes: their number; None: as many as the machine has cores.
     """
     if dask is not None:
         return partial(compute_on_cluster, cluster=dask)
@@ -114,7 +114,7 @@ def run_campaign(
     Args:
         file: None to keep what is found in memory only.
         compute: see `computing`.
-        part: the cells that are computed and told.
+        part: the cells that are computed and reported.
         others: files of the same campaign, whose cells are taken over before.
         seconds: the limit on the time of this run; what is not finished then can be computed by another run.
 

@@ -125,7 +125,7 @@ class RequirementAnalysis:
 
 
 def analyse(named: Iterable[tuple[str, Formula]], limits: Limits = Limits()) -> RequirementAnalysis:
-    """Whether requirements are consistent, can collide, are redundant or vacuous.
+    """The analysis of requirements: are they consistent, can they collide, is one redundant or vacuous?
 
     Args:
         named: durations are whole numbers of one unit of time.
@@ -222,7 +222,7 @@ class _Analyst:
 
     def _collisions(self) -> None:
         """Sets of requirements that can collide, each of which is as small as possible; sets that share all but one
-        requirement with one that was told are not looked for."""
+        requirement with one that is reported already are not looked for."""
         left = self.followed
         while self._dead_end(left):
             core = self._smallest(left, lambda chosen: bool(self._dead_end(chosen)))

@@ -17,7 +17,7 @@ from tachk.verify.requirements.rules import Demand, RequirementRule, Requirement
 from tachk.verify.requirements.signals import Signals
 
 SETTLED = "World.Running"
-"""Where the run is between two changes."""
+"""The location between two changes."""
 
 NOW, NEXT, CHOSEN = "s", "n", "a"
 """Prefixes of the values before a change, after it, and of those that are tried."""
@@ -54,7 +54,7 @@ class World:
         return "\n".join((*lines, f"system {', '.join(names)};", *properties))
 
     def triggered(self, trigger: RequirementTrigger) -> str:
-        """That a trigger is there at the instant of a change."""
+        """The predicate that a trigger is there at the instant of a change."""
         return f"World.Chosen && {self._at(trigger, NEXT)}"
 
     @property
@@ -154,7 +154,7 @@ class World:
     # ---- conditions -------------------------------------------------------------------------------------------------
 
     def _at(self, trigger: RequirementTrigger, after: str) -> str:
-        """That the trigger is there at a change to the values of ``after``."""
+        """The predicate that the trigger is there at a change to the values of ``after``."""
         parts = [self._text(condition, after) for condition in trigger.conditions]
         for condition in trigger.rises:
             before, now = self._text(condition, NOW), self._text(condition, after)

@@ -23,11 +23,11 @@ Answer = Callable[[Search, Limits], dict[int, Verdict]]
 
 
 class Shares:
-    """What is left for the searches that have not begun."""
+    """The shares of time, states and memory for the searches that have not begun."""
 
     def __init__(self, limits: Limits, tasks: int) -> None:
         """Args:
-        tasks: how many all searches have.
+        tasks: the number of tasks of all searches.
         """
         self._limits = limits
         self._started = monotonic()
@@ -49,7 +49,7 @@ class Shares:
 
 
 def processes(options: Options) -> int:
-    """How many searches run at the same time."""
+    """The number of searches that run at the same time."""
     if not hasattr(os, "fork"):
         return 1
     return options.processes or min(os.cpu_count() or 1, 8)

@@ -144,7 +144,7 @@ def _received(one: _Running) -> Statistics | dict[int, Verdict] | Exception:
         one.process.join()
         return none_begun(one.search.tasks, _ended_by(one.process.exitcode or 0))
     if isinstance(message, dict):
-        # The variables of the network are told apart by identity, and a copy of the query has others.
+        # The variables of the network are distinguished by identity, and a copy of the query has others.
         return {task.number: replace(message[task.number], query=task.query) for task in one.search.tasks}
     return message
 

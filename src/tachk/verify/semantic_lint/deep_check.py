@@ -1,4 +1,4 @@
-"""One exploration and what can be told from it, then what the model alone tells."""
+"""One exploration and the findings from it, then the findings from the model alone."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Explored:
 
     Attributes:
         bounds: the locations that limit time; None where clocks stop.
-        guards: what was asked of guards; ``unmet``: what of it was not reached.
+        guards: the questions about guards; ``unmet``: those that were not reached.
         ends: whether a time-lock and whether a plain deadlock is reached, in this order.
         flows: whether a state is reached in which time may pass for ever.
     """
@@ -139,7 +139,7 @@ def deep_check(
     """Looks for what is odd about a network although no property asks for it.
 
     Args:
-        warnings: what is known about it already, and not told again.
+        warnings: the known findings about it, which are not reported again.
         unused: the names of its text that nothing uses; None where there is no text.
 
     A limit that is hit, a run-time error and a construct that cannot be checked leave questions undecided; each says
@@ -309,10 +309,10 @@ def _zeno_part(explored: Explored, options: Options, limits: Limits) -> LintAnsw
 
 
 _LEAST_STATES, _TIMES_AS_MANY = 20_000, 4
-"""How many states the search for a Zeno run may store: so many, or so many times those of the model."""
+"""The limit on states of the search for a Zeno run: this number, or this multiple of the states of the model."""
 
 _LEAST_SECONDS = 1.0
-"""For what needs no search, and is asked when the search has used all the time."""
+"""For the checks that need no search, and come after the search has used all the time."""
 
 
 def _fault_parts(outcome: Outcome) -> tuple[LintAnswer, ...]:

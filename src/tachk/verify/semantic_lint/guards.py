@@ -29,7 +29,7 @@ class GuardGoal:
     """States in which the process is where the edge begins and its guard has a value (``when``).
 
     Only what the guard says about integers is looked at: to ask where a comparison of clocks is false would make the
-    search tell more zones apart. A guard with clocks is therefore asked for being true alone.
+    search distinguish more zones. A guard with clocks is therefore only checked for being true somewhere.
     """
 
     process: int
@@ -77,11 +77,11 @@ def always_true_findings(network: Network, unmet: list[GuardGoal], goals: list[G
     """Guards that are true whenever a process of the template is where the edge begins.
 
     Args:
-        unmet: what was not reached.
-        asked: all that was asked for.
+        unmet: the goals that were not reached.
+        goals: all goals.
     """
     never_false = {(goal.process, goal.edge) for goal in unmet if not goal.when}
-    # A guard that is never asked in a process of the template, because it is constant there, is not told.
+    # A guard that is never evaluated in a process of the template, because it is constant there, is not reported.
     reached = {(goal.process, goal.edge) for goal in goals if goal.when} - {
         (goal.process, goal.edge) for goal in unmet if goal.when
     }
@@ -102,5 +102,5 @@ def always_true_findings(network: Network, unmet: list[GuardGoal], goals: list[G
 
 
 def never_true(unmet: list[GuardGoal]) -> set[tuple[int, int]]:
-    """The edges whose guard is false wherever it is asked."""
+    """The edges whose guard is false wherever it is evaluated."""
     return {(goal.process, goal.edge) for goal in unmet if goal.when}

@@ -1,4 +1,4 @@
-"""Locations that no run reaches and edges that none takes, told once for each template."""
+"""Locations that no run reaches and edges that no run takes, reported once for each template."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def untaken_edges(network: Network, taken: Places) -> Iterator[tuple[int, int]]:
 
 
 def unreached_findings(network: Network, taken: Places, known: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The locations that no process of a template reaches. What is ``known`` already is not told again."""
+    """The locations that no process of a template reaches. ``known`` ones are not reported again."""
     known_spans = [finding.span for finding in known]
     findings = []
     for process, place in in_no_process(network, set(unreached_locations(network, taken))):
@@ -72,7 +72,7 @@ def untaken_findings(
 
     Args:
         never_true: edges whose guard is false in every state for its integer part alone.
-        known: what is known already, and not told again.
+        known: the known findings, which are not reported again.
     """
     known_spans = [finding.span for finding in known]
     untaken = set(untaken_edges(network, taken))
@@ -103,7 +103,7 @@ def in_no_process(network: Network, missing: Places) -> Iterator[tuple[Process, 
 
 
 def in_some_process(network: Network, missing: Places) -> int:
-    """How many things are missing in a process, but not in every process of its template."""
+    """The number of places that are not reached in a process, but in another one of its template."""
     everywhere = {(process.template, place) for process, place in in_no_process(network, missing)}
     return sum((network.processes[process].template, place) not in everywhere for process, place in missing)
 
@@ -129,7 +129,7 @@ def _of(network: Network, process: Process) -> str:
 
 
 def _met(known_spans: Iterable[Span], spans: Iterable[Span]) -> bool:
-    """Whether something has been told about a place inside one of the spans."""
+    """Whether there is a finding about a place inside one of the spans."""
     return any(
         one.source is span.source and one.start < span.end and span.start < one.end
         for one in known_spans

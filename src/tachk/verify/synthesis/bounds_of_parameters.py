@@ -1,4 +1,4 @@
-"""Which constants are upper or lower bounds only, so that moving them one way can only add behaviour.
+"""Constants that are upper or lower bounds only, so that moving them one way can only add behaviour.
 
 *Theorem* (T. Hune, J. Romijn, M. Stoelinga, F. Vaandrager, Linear parametric model checking of timed automata, Journal
 of Logic and Algebraic Programming 52-53, 2002). In a parametric timed automaton let a parameter occur only in upper
@@ -18,7 +18,7 @@ monotone only if
   urgent channel, which stops time where it is possible;
 - each occurrence, with constants that are computed from it, is in a comparison ``x < e``, ``x <= e``, ``x > e`` or
   ``x >= e`` of a clock or a difference of two clocks in a guard, an invariant or the query, where ``e`` is a sum in
-  which the factor of the constant has one sign for all values that are asked about, and in which nothing exceeds 32
+  which the factor of the constant has one sign for all values in question, and in which nothing exceeds 32
   bits (where numbers wrap around);
 - all occurrences agree about the direction. A comparison in the query counts as it is in the states that are looked
   for.
@@ -83,11 +83,11 @@ class ParameterBound(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NoBound:
-    """Why a constant is not known to be monotone.
+    """The reason why a constant is not known to be monotone.
 
     Attributes:
         reason: such as "it is compared with `==`".
-        span: where that is.
+        span: its place.
     """
 
     reason: str
@@ -108,7 +108,7 @@ def bounds_of_parameters(
 
     Args:
         network, query: elaborated with the open constants.
-        ranges: the least and the largest value of each that is asked about.
+        ranges: the least and the largest value of each in question.
     """
     limits = {constants.variables[name]: limit for name, limit in ranges.items()}
     return {name: _bound(network, query, constants, name, limits) for name in ranges}
@@ -154,8 +154,8 @@ def _bound(
 def _in_bounds_only(
     network: Network, query: Query, constants: OpenConstants, name: str, limits: _Limits
 ) -> ParameterBound | NoBound:
-    """Of a constant that bounds a property and nothing else: whatever the runs of the network are, the formula is true
-    of more of them or of fewer."""
+    """The direction of a constant that bounds a property and nothing else: whatever the runs of the network are, the
+    formula is true of more of them with more of it, or of fewer."""
     directions = constants.in_bounds[name]
     if query.observer is not None and query.observer.endings:
         return NoBound("the formula speaks of what happens eventually", query.span)
@@ -232,7 +232,7 @@ def _check_channel(edge: Edge, guard: Expression, constant: _Occurrences) -> Non
 
 @dataclass(frozen=True, slots=True)
 class _Occurrences:
-    """Where a constant occurs.
+    """The occurrences of a constant.
 
     Attributes:
         variable: the constant.
@@ -303,7 +303,7 @@ class _Occurrences:
                 yield (ParameterBound.UPPER if growing is (sign > 0) else ParameterBound.LOWER), place
 
     def _signs(self, term: Expression) -> Iterator[int]:
-        """Whether a term grows (1) or falls (-1) as the constant grows, for each occurrence.
+        """1 if a term grows as the constant grows, -1 if it falls, for each occurrence.
 
         Raises _Other where that is not known.
         """

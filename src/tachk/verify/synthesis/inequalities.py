@@ -21,7 +21,7 @@ _MOST_INEQUALITIES = 3
 _MOST_POINTS = 100_000
 _FIRST_CHOICES = 40
 _AT_ONCE = 256
-"""How many left sides are computed in one go."""
+"""The number of left sides that are computed in one go."""
 
 Points = NDArray[np.int64]
 

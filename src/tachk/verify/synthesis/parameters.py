@@ -1,4 +1,4 @@
-"""Which constants are varied, and over which values."""
+"""The constants that are varied, and their values."""
 
 from __future__ import annotations
 

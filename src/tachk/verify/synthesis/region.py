@@ -18,7 +18,7 @@ from tachk.verify.verdict import Answer, Verdict
 
 
 class CellEvidence(StrEnum):
-    """How the answer of a cell is known."""
+    """The evidence for the answer of a cell."""
 
     SEARCH = "search"
     """A search of its own: a replayed run, or all states explored."""
@@ -46,7 +46,7 @@ class RegionCell:
         values: in the order of the parameters.
         reason: why the answer is unknown, else empty.
         verdict: of the search, or with the run; None where the answer is implied or not known.
-        certificate: a proof that was checked, if proofs were asked for and there is one.
+        certificate: a proof that was checked, if proofs were requested and there is one.
     """
 
     values: tuple[int, ...]
@@ -59,14 +59,14 @@ class RegionCell:
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """Where in a box of values a property has the wanted answer.
+    """The cells of a box of values in which a property has the wanted answer.
 
     Attributes:
         model: the path of the model.
         query: as it is with the first values.
-        wanted: the answer that is asked for.
-        parameters: what is varied.
-        bounds: what is proved about each of them, in their order.
+        wanted: the answer whose region this is.
+        parameters: the constants that are varied.
+        bounds: the proved direction of each of them, in their order.
         cells: all of them, the values of the last parameter changing fastest.
         description: inequalities that agree with all decided cells, where there are some.
         interrupted: Ctrl-C ended the work.
@@ -86,7 +86,7 @@ class Region:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many values each parameter has."""
+        """The number of values of each parameter."""
         return tuple(len(parameter.values) for parameter in self.parameters)
 
     @property
@@ -100,7 +100,7 @@ class Region:
 
     @property
     def searched(self) -> int:
-        """How many cells were searched."""
+        """The number of cells that were searched."""
         return sum(cell.evidence is CellEvidence.SEARCH for cell in self.cells)
 
     def at(self, **values: int) -> RegionCell:
@@ -138,7 +138,7 @@ class Region:
                 yield cell
 
     def _changes(self, cell: RegionCell, numbers: tuple[int, ...], axis: int) -> bool | None:
-        """Whether the answer changes along an axis; None if the cell is between others of the same answer, or one of
+        """True if the answer changes along an axis; None if the cell is between others of the same answer, or one of
         them implies it."""
         edge = differs = False
         for step in self._sides(cell, axis):

@@ -1,4 +1,4 @@
-"""Which cells of a box have to be decided so that all are known.
+"""The choice of cells of a box that have to be decided so that all are known.
 
 A cell is a combination of values. Along axes that are known to be monotone one answer stands for many: where the states
 that are looked for are reached, they are reached in every cell with more behaviour, and where they are not, in none
@@ -28,7 +28,7 @@ class CellStatus(IntEnum):
 
 
 class AxisKind(IntEnum):
-    """How the behaviour depends on a value."""
+    """The direction in which the behaviour depends on a value."""
 
     LESS = -1
     """It shrinks, or stays, as the value grows."""

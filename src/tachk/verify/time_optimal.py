@@ -1,4 +1,4 @@
-"""The fastest and the slowest run in the place of the run that was found.
+"""Time-optimal traces: the fastest and the slowest run in place of the run that was found.
 
 The fastest run of all: a clock that nothing resets is added to the network, and bisection finds the least bound on it
 with which the target is still reached. Along one path all times are solutions of difference constraints with integer
@@ -14,7 +14,7 @@ from dataclasses import replace
 from tachk.base.job import StoppedError, current_job
 from tachk.base.operators import BinaryOperator
 from tachk.base.words import QueryKind
-from tachk.engine.exact.concretise import Paced, paced
+from tachk.engine.exact.concretise import TimeOptimalRun, time_optimal_run
 from tachk.engine.options import Limits, Options, Pace
 from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT
 from tachk.meaning.discrete import PreparedNetwork, prepare
@@ -36,14 +36,14 @@ from tachk.verify.strategies import reachable
 from tachk.verify.verdict import Verdict
 
 
-def at_pace(
+def time_optimal(
     model: PreparedNetwork,
     search: Search,
     found: dict[int, Verdict],
     options: Options,
     limits: Limits,
 ) -> dict[int, Verdict]:
-    """Verdicts with the runs that the options ask for, and what is known about their times as a note."""
+    """Verdicts with the fastest or slowest runs, as the options say, and a note about their times."""
     if options.pace is Pace.EARLY:
         return found
     watched = observed(model.network, search.observer)
@@ -53,19 +53,19 @@ def at_pace(
         verdict = found[task.number]
         if verdict.trace is None:
             continue
-        hunt = _Hunt(whole, task.target, replace(options, pace=Pace.EARLY))
+        optimal = _TimeOptimalSearch(whole, task.target, replace(options, pace=Pace.EARLY))
         try:
             if options.pace is Pace.SLOWEST:
-                best, note = hunt.slowest(verdict.path)
+                best, note = optimal.slowest(verdict.path)
             else:
-                best, note = hunt.fastest(verdict.path, limits)
+                best, note = optimal.fastest(verdict.path, limits)
         except (TimeoutError, StoppedError):
             best, note = None, f"the run is not the {options.pace.value} one: {TIME_LIMIT}"
         result[task.number] = _with_run(watched, task, verdict, best, note)
     return result
 
 
-def unpaced(found: dict[int, Verdict], options: Options) -> dict[int, Verdict]:
+def without_optimum(found: dict[int, Verdict], options: Options) -> dict[int, Verdict]:
     """Verdicts whose runs go on for ever or belong to values, so that none is the fastest."""
     if options.pace is Pace.EARLY:
         return found
@@ -73,7 +73,9 @@ def unpaced(found: dict[int, Verdict], options: Options) -> dict[int, Verdict]:
     return {n: v if v.trace is None else replace(v, notes=(*v.notes, note)) for n, v in found.items()}
 
 
-def _with_run(watched: ObservedNetwork, task: Task, verdict: Verdict, best: Paced | None, note: str) -> Verdict:
+def _with_run(
+    watched: ObservedNetwork, task: Task, verdict: Verdict, best: TimeOptimalRun | None, note: str
+) -> Verdict:
     verdict = replace(verdict, notes=(*verdict.notes, note))
     if best is None:
         return verdict
@@ -82,53 +84,53 @@ def _with_run(watched: ObservedNetwork, task: Task, verdict: Verdict, best: Pace
     return replace(verdict, trace=watched.lift(run), moves=watched.moves(run), path=run.path)
 
 
-class _Hunt:
-    """The search for a fast run to a target."""
+class _TimeOptimalSearch:
+    """The search for a fastest or a slowest run to a target."""
 
     def __init__(self, model: PreparedNetwork, target: Expression, options: Options) -> None:
         self._model = model
         self._target = target
         self._options = options
 
-    def slowest(self, path: Sequence[Transition]) -> tuple[Paced | None, str]:
-        """The slowest run along a path, and what is to be said about it."""
-        best = paced(self._model, path, self._target, True, current_job().seconds_left)
+    def slowest(self, path: Sequence[Transition]) -> tuple[TimeOptimalRun | None, str]:
+        """The slowest run along a path, and a note about its time."""
+        best = time_optimal_run(self._model, path, self._target, True, current_job().seconds_left)
         if best is None or best.total is None:
             return best, "along this path the last step can be as late as one likes"
         if best.attained:
             return best, f"along this path the last step is at {best.total} at the latest"
         return best, f"along this path the last step comes as close to {best.total} as one likes, and is never at it"
 
-    def fastest(self, path: Sequence[Transition], limits: Limits) -> tuple[Paced | None, str]:
-        """The fastest run to the target, and what is to be said about it.
+    def fastest(self, path: Sequence[Transition], limits: Limits) -> tuple[TimeOptimalRun | None, str]:
+        """The fastest run to the target, and a note about its time.
 
         Times are counted in halves: 2 * t is "exactly t", 2 * t + 1 "more than t, as close to it as one likes".
         """
-        best = paced(self._model, path, self._target, False, current_job().seconds_left)
+        best = time_optimal_run(self._model, path, self._target, False, current_job().seconds_left)
         if best is not None and any(place.rates for p in self._model.network.processes for place in p.locations):
             return (
                 best,
                 f"along this path no run takes less than {best.total}; clocks stop, so no other was looked at",
             )
         low = 0
-        while best is not None and low < _half(best):
-            middle = (low + _half(best)) // 2
+        while best is not None and low < _half_units(best):
+            middle = (low + _half_units(best)) // 2
             verdict = self._within(middle, limits)
             if verdict.reason:
                 return best, f"a faster run may exist: {verdict.reason}"
             if verdict.trace is None:
                 low = middle + 1
                 continue
-            best = paced(self._model, verdict.path, self._target, False, current_job().seconds_left)
+            best = time_optimal_run(self._model, verdict.path, self._target, False, current_job().seconds_left)
         if best is None:  # what the engine has found cannot be without a run
             raise AssertionError("a path that was found has no run")
         if best.attained:
             return best, f"no run takes less than {best.total}"
         return best, f"runs take as little more than {best.total} as one likes, and none takes {best.total}"
 
-    def _within(self, halves: int, limits: Limits) -> Verdict:
-        """Whether some run reaches the target in so many halves of a time unit."""
-        bound, strict = (halves + 1) // 2, halves % 2 == 1
+    def _within(self, half_units: int, limits: Limits) -> Verdict:
+        """The verdict whether some run reaches the target in this number of half time units."""
+        bound, strict = (half_units + 1) // 2, half_units % 2 == 1
         timed, in_time = _in_time(self._model.network, self._target, bound, strict)
         query = Query("fastest", QueryKind.POSSIBLY, in_time, text="the target in time")
         search = Search(Analysis.REACHABILITY, (Task(0, query),))
@@ -138,7 +140,7 @@ class _Hunt:
         return verdict
 
 
-def _half(best: Paced) -> int:
+def _half_units(best: TimeOptimalRun) -> int:
     assert best.total is not None and best.total.denominator == 1
     return 2 * best.total.numerator + (not best.attained)
 

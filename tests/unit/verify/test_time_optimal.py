@@ -12,7 +12,7 @@ from tachk.base.words import QueryKind
 from tachk.engine.options import Engine, Limits, Options, Pace
 from tachk.engine.outcome import Status
 from tachk.model.query import Query
-from tachk.verify.pace import _in_time
+from tachk.verify.time_optimal import _in_time
 from tachk.verify.verdict import Verdict
 from tachk.verify.verify import verify
 from tests.support import Shape, random_case
