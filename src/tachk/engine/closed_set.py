@@ -28,8 +28,8 @@ def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns
 
 
 def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Columns]) -> Objection | None:
-    """What is wrong with ranked symbolic states as a proof that each run meets the first goal, from the initial state
-    or from each reachable state of the second goal on; None if they are one.
+    """The objection to ranked symbolic states as a proof that each run meets the first goal, from the initial state or
+    from each reachable state of the second goal on; None if they are a proof.
 
     Raises MalformedCertificateError for states that are none of the program.
     """

@@ -1,4 +1,4 @@
-"""Searches of the core seen from here: what they are given, how they are run, and what they tell."""
+"""The interface to searches of the core: their inputs, the way they run, and their results."""
 
 from __future__ import annotations
 

@@ -19,10 +19,10 @@ from tachk.meaning.judge.certificate import StateBlock
 ZONES_IN_A_BLOCK = 4096
 
 _TURN = 256
-"""How many states a search explores before it is the turn of the other one."""
+"""The number of states that a search explores before it is the turn of the other one."""
 _AGAIN = 2
-"""When one search has ended, the other may go on until it has explored so many times as many states, or stores so many
-times as many zones as the cover has that has been found."""
+"""When one search has ended, the other one may go on until it has explored this many times as many states, or stores
+this many times as many zones as the cover that was found."""
 _SHORT = 10_000
 """So many states a search may explore in any case."""
 _SEVERAL = 1.5
@@ -130,7 +130,7 @@ class _TwoSearches:
         return min(self._covers, key=lambda cover: cover.zones, default=None)
 
     def statistics(self) -> tuple[int, int, int, int]:
-        """Of both together: states explored and stored, transitions, bytes."""
+        """The sums over both searches: states explored and stored, transitions, bytes."""
         explored, stored, transitions, size = (
             sum(numbers) for numbers in zip(*(search.statistics() for search in self._all), strict=True)
         )
@@ -158,12 +158,12 @@ def _single(program: Program, goal: Goal, options: Options, best: Cover, explore
 
 
 def find_descent(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> Cover | str:
-    """What shows that no run avoids the first goal, from the initial state or from each reachable state of the second
-    one; or the reason why there is none.
+    """A ranked cover that proves that no run avoids the first goal, from the initial state or from each reachable state
+    of the second one; or the reason why there is none.
 
-    It consists of the states that a search has gone through, each with a rank that is larger than those of the states
-    that an action leads to; where there is a second goal, all reachable states come with the rank 0. The clock bounds
-    of the program must be as for `tachk.engine.liveness.find_avoiding_run`.
+    It consists of the states that a search has explored, each with a rank that is larger than those of the states that
+    an action leads to; where there is a second goal, all reachable states come with the rank 0. The clock bounds of
+    the program must be as for `tachk.engine.liveness.find_avoiding_run`.
     """
     for bounds in dict.fromkeys((options.extrapolation, Extrapolation.MAX)):
         plain = replace(

@@ -81,8 +81,8 @@ def _grows(model: PreparedNetwork, path: Sequence[Transition], where: Expression
 
 
 def _returns(seen: Sequence[object]) -> Iterator[tuple[int, int]]:
-    """Where a path comes to what it has seen before: first to the last place where it did, and the end of the path
-    before its beginning, as clocks that nothing resets have passed all constants there."""
+    """Pairs of places of a path with the same content: an earlier and a later one. The nearest repetition comes first,
+    and the end of the path before its beginning, as clocks that nothing resets have passed all constants there."""
     places: dict[object, list[int]] = {}
     for number, what in enumerate(seen):
         places.setdefault(what, []).append(number)
@@ -148,7 +148,7 @@ class _PathWalk:
         return False
 
     def _behind(self, start: _ReachedZone, path: Sequence[Transition]) -> Federation:
-        """Where the path leads to in at least one time unit, with the spare clock at 0."""
+        """The valuations to which the path leads in at least one time unit, with the spare clock at 0."""
         state: _ReachedZone | None = start
         for transition in path:
             state = None if state is None else self._after(state, transition)

@@ -25,7 +25,7 @@ _ORDERS = (SearchOrder.BFS, SearchOrder.DFS)
 
 
 def states_along(path: Sequence[Transition], stored: int) -> int:
-    """How many states a search along a path may store, if so many were stored when the path was found."""
+    """The limit on states of a search along a path, if ``stored`` were stored when the path was found."""
     return 10_000 + 20 * len(path) + 2 * stored
 
 

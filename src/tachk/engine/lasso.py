@@ -2,7 +2,7 @@
 
 A loop is made periodic where that is possible: with the same delays in every round. The rounds before it, which may
 differ, belong to the stem. Where bounds are strict there may be no such run (delays that grow shorter and shorter);
-then the loop is told once, and it is the zone from which it can be taken again and again that is exact.
+then the trace has the loop once, and it is the zone from which it can be taken again and again that is exact.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tachk.model.run import Ending, TimedTrace, Transition
 from tachk.model.traversal import asks_deadlock
 
 ROUNDS = (0, 1, 2, 4, 8)
-"""How many rounds of a loop may come before it is periodic."""
+"""The numbers of rounds that are tried before the loop is periodic."""
 
 MOST_TRANSITIONS = 1500
 """Up to this length runs are tried with more than one round of the loop before."""
@@ -55,12 +55,12 @@ def lasso(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> T
 
 
 def _early_rounds(run: AvoidingRun, obligation: Obligation) -> int:
-    """How many rounds come before the loop at least: one where the goal may be due only during the first delay."""
+    """The least number of rounds before the loop: one if the goal may be due only during the first delay."""
     return int(obligation.trigger is not None and run.begins == len(run.stem))
 
 
 class _UnrolledRun:
-    """A path with what must hold in its phases so that the goal is avoided from where it is due."""
+    """A lasso unrolled to a path, with the requirements on its phases that avoid the goal from where it is due."""
 
     def __init__(self, model: PreparedNetwork, run: AvoidingRun, obligation: Obligation, rounds: int) -> None:
         path: list[Transition | None] = [*run.stem, *(run.loop * rounds)]
@@ -84,7 +84,8 @@ class _UnrolledRun:
         return of_phase(self.model, self.states[phase], phase, transition)
 
     def where(self, predicate: Expression, phase: int) -> Federation:
-        """Where a predicate holds within the invariants; if it asks for deadlock, as far as the reached zone goes."""
+        """The valuations within the invariants at which a predicate holds; within the reached zone if it contains
+        `deadlock`."""
         if asks_deadlock(predicate):
             return symbolic.where(self.model, self.situation(phase), predicate)
         invariant = symbolic.invariant_zone(self.model, self.states[phase])
@@ -128,7 +129,7 @@ def _ending(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) ->
         whole = symbolic.situation(model, unrolled.states[last])
         target, ending = avoidance.idles_for_ever(whole, goal), Ending.IDLE
         if whole.stopped and whole.invariant is not None:
-            # What time leads to is no zone then; the judge tells whether the goal stays unmet.
+            # What time leads to is no zone then; the judge decides if the goal stays unmet.
             target = dbm.subtract_all([whole.invariant], goal)
     solve = any_solution if any(phase.stopped for phase in unrolled.phases) else earliest
     durations = solve(unrolled.phases, [*unrolled.requirements, at_end(last, conditions(target))])

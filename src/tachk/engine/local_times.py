@@ -18,19 +18,19 @@ from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options
 from tachk.engine.program_image import encode
 
 _FIRST_LOOK = 500
-"""How many states both searches explore before one is chosen."""
+"""The number of states that both searches explore before one is chosen."""
 _STEP = 10
 _MUCH_MEMORY = 256 << 20
 """A zone over the local times of 100 processes, of which all are kept that wait, takes hundreds of kilobytes."""
 _FEW_ZONES = 2.0
 """With fewer zones for each discrete state there are few orders to be saved."""
 _WORTH_IT = 3.0
-"""How many times fewer zones for each discrete state pay for larger matrices. On the example families of TChecker the
-number is below 2.5 or above 5.8."""
+"""The ratio of zones for each discrete state from which larger matrices pay. On the example families of TChecker it is
+below 2.5 or above 5.8."""
 
 
 def obstacle(image: Sequence[int]) -> str | None:
-    """Why local times are not sound for a program with its goals, as `encode` writes them, or None."""
+    """The reason why local times are not sound for a program with its goals, as `encode` writes them, or None."""
     return _core.local_agents(image)[0]
 
 
@@ -100,5 +100,5 @@ def _look_beside(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
 
 
 def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:
-    """How many zones are stored for each discrete state."""
+    """The mean number of zones that are stored for a discrete state."""
     return search.statistics()[1] / max(search.discrete_states(), 1)

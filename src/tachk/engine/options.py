@@ -1,4 +1,4 @@
-"""How an exploration engine searches and when it gives up. Imports nothing heavy: command lines are made of it."""
+"""Options and limits of the engines. Imports nothing heavy: options of commands are made of them."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from tachk.base.seeds import DEFAULT_SEED
 
 
 class Engine(StrEnum):
-    """Which engine answers."""
+    """The engines that decide queries."""
 
     ZONE = "zone"
     SMT = "smt"
     """z3, by bounded model checking and induction; see `tachk.engine.smt`."""
     BOTH = "both"
-    """One after the other: that they contradict each other is an internal error."""
+    """One after the other; a contradiction between them is an internal error."""
 
 
 class Pace(StrEnum):
-    """Which of the runs to a state is shown."""
+    """The run to a state that is shown."""
 
     EARLY = "early"
     """One along the path that was found, early."""
@@ -44,7 +44,7 @@ class SearchOrder(StrEnum):
 
     @property
     def finds_shortest(self) -> bool:
-        """Whether a path that is found first can be asked to be a shortest one."""
+        """Whether the path that is found first can be a shortest one."""
         return self in (SearchOrder.AUTO, SearchOrder.BFS)
 
 
@@ -65,10 +65,10 @@ class BoundScope(StrEnum):
 
 
 class LocalTimes(StrEnum):
-    """Whether each process has a time of its own in a search, where that is sound: `tachk.engine.local_times`."""
+    """Searches in which each process has a time of its own, where that is sound: `tachk.engine.local_times`."""
 
     AUTO = "auto"
-    """Where the first states say that it saves many."""
+    """If the first states show that it saves many."""
     ALWAYS = "always"
     NEVER = "never"
 
@@ -99,11 +99,11 @@ REDUCTIONS = {
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How to search. No option may change a verdict.
+    """Options of a search. None of them changes a verdict.
 
     Attributes:
-        engine: which engine answers; all other options are of the zone engine.
-        order: which state is explored next; BFS gives short paths, and so does AUTO where it stays with it.
+        engine: the engine that decides; all other options are of the zone engine.
+        order: the order in which states are explored; BFS gives short paths, and so does AUTO where it stays with it.
         seed: for RANDOM_DFS, from 0 to 2**32 - 1.
         extrapolation: the zone abstraction.
         bounds: where the clock bounds of the abstraction come from.
@@ -115,8 +115,8 @@ class Options:
         pack_clocks: zones of more clocks than this are stored without those that do not matter where the processes are.
         partial_order: where time cannot pass, because of an urgent or committed location or an invariant, one order of
             independent actions is explored, not each of them; off: only in an attempt (see there). Not with `shortest`,
-            a limit on depth, priorities, clocks that stop, interchangeable processes, or where `deadlock` or
-            extreme values are asked for.
+            a limit on depth, priorities, clocks that stop, interchangeable processes, or where the query contains
+            `deadlock` or is about extreme values.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         rows_after: from how many different zones on their rows are held once each, if that takes less memory; 0:
             always.
@@ -195,8 +195,8 @@ class Limits:
         states: stored states.
         seconds: wall-clock seconds for everything together.
         seconds_each: wall-clock seconds for each search; queries that look at the same clocks share one.
-        memory_bytes: bytes that what a search stores may take; and, with a tenth more, what the process grows by
-            meanwhile, where the system tells that.
+        memory_bytes: the limit on the bytes that a search stores; and, with a tenth more, on the growth of the process
+            meanwhile, if the system reports it.
         depth: transitions from the initial state.
 
     Raises UsageError for a negative limit.

@@ -19,10 +19,10 @@ class Statistics:
     seconds: wall-clock time of the search.
     peak_bytes: largest size of the engine's data structures.
     user_seconds: CPU time that the process spent in user mode during the search.
-    interchangeable: processes of which the search did not tell which is which.
+    interchangeable: processes that the search did not distinguish.
     exchanged: the same in words: ``P(1) to P(9) (9)``, for each group or ring.
     less_known: the variables of which a coarser network that was searched keeps less.
-    asked_of_all: whether what is asked of some interchangeable processes was asked of all of them.
+    asked_of_all: whether the symmetrised query was checked, about all interchangeable processes in place of some.
     local_times: whether each process had a time of its own.
     """
 
@@ -94,7 +94,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Obligation:
-    """That every run from certain states on meets a goal.
+    """The obligation that every run from certain states on meets a goal.
 
     Attributes:
         goal: what has to become true, at once or later, during a delay or behind a transition.
@@ -112,7 +112,7 @@ class Obligation:
 
 
 class RunEnd(StrEnum):
-    """How a run goes on for ever, or cannot go on."""
+    """The ways in which a run goes on for ever, or cannot go on."""
 
     LOOP = "loop"
     """The same transitions are taken again and again."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import z3
 
 MILLISECONDS = 2000
-"""How long z3 may take for one question."""
+"""The time limit of z3 for one question."""
 
 
 def repeating(

@@ -9,7 +9,7 @@ from tachk.engine.compiler.program import Program
 from tachk.engine.outcome import Statistics
 
 _MOST = 4
-"""Of more members than so many the first and the last are told."""
+"""The number of members above which only the first and the last are listed."""
 
 
 def members_in_words(slots: Sequence[Sequence[int]], cyclic: bool, processes: Sequence[str]) -> str:

@@ -1,9 +1,9 @@
 """From queries to verdicts.
 
-`strategies` tells how a verdict is decided: tables of strategies, in their order, each with what can be believed of it.
+`strategies` holds the tables that decide verdicts: strategies in their order, each with the exactness of its answers.
 `verify` is the way of a query; `plan` puts queries together that one search answers; `strategy` has the loop over a
-table. The strategies themselves stand in `reachability` (with the witness of an answer), `over_approximations`, `liveness`,
-`extremes` and `smt`. `deadlines` and `observed_liveness` turn other queries into queries of `liveness`. Beside an answer
-`vacuity`, `momentary` and `unexamined` give notes for users, `time_optimal` a fastest or slowest run, and
-`certificates` a proof.
+table. The strategies themselves stand in `reachability` (with the witness of an answer), `over_approximations`,
+`liveness`, `extremes` and `smt`. `deadlines` and `observed_liveness` turn other queries into queries of `liveness`.
+Beside an answer `vacuity`, `momentary` and `unexamined` give notes for users, `time_optimal` a fastest or slowest run,
+and `certificates` a proof.
 """

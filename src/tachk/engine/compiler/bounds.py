@@ -257,8 +257,8 @@ def diagonal_bounds(diagonals: Iterable[tuple[int, int, int]], reset_values: Map
 
 
 def joined_copies(copies: Iterable[ClockCopy]) -> tuple[ClockCopy, ...]:
-    """What copies that an edge may make, in any order and each once or more often, amount to; offsets below 0 cannot
-    be, and a largest one means nothing here."""
+    """The copies that result from copies that an edge may make, in any order and each once or more often; offsets are
+    never below 0, and a largest one means nothing here."""
     least: dict[tuple[int, int], int] = {}
     for copy in copies:
         pair = copy.clock, copy.source

@@ -77,7 +77,7 @@ def check_supported(network: Network, query: Query) -> None:
 
 
 def _compiled_predicates(query: Query) -> Iterator[Expression]:
-    """What becomes a goal of a search. For `lower_obligation` these are also the negations."""
+    """The predicates that become goals of a search; for `lower_obligation` also their negations."""
     goal = query.target or query.predicate
     if goal is not None:
         yield goal

@@ -109,7 +109,7 @@ def lower_measures(
     tables: Collection[Variable] = (),
     avoidance: Sequence[Expression] = (),
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
-    """The program of a network, goals (what is asked, each clock whose largest value is), and how to measure in states.
+    """The program of a network, the goals (predicates, and clocks whose largest value is searched), and the measures.
 
     The goal is that the clock is beyond its horizon. Up to there the clock bounds of the program keep its values apart.
     Raises as `lower` does, and ValueError for a clock that depends on the state.

@@ -302,7 +302,7 @@ class Computed:
 
 @dataclass(frozen=True, slots=True)
 class FlowRate:
-    """How fast a hybrid clock changes in a location.
+    """The rate of a hybrid clock in a location.
 
     Attributes:
         clock: its number among the hybrid ones.
@@ -338,7 +338,7 @@ class Chances:
         choices: of each edge; edges with the same number are branches of one way into a branchpoint.
         weights: of each edge, among those of its choice.
         observed: what is recorded of each state.
-        goals: what runs may be asked to reach.
+        goals: the targets of searches.
         starts: code of updates that draw initial values.
     """
 

@@ -1,4 +1,4 @@
-"""Where everything lives: slots of the discrete state, clock numbers, channel numbers, frame slots."""
+"""The layout of a compiled network: slots of the discrete state, clock numbers, channel numbers, frame slots."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class SlotLayout:
         return Slot(name, low, high, initial, network.resets(variable))
 
     def first_slot(self, variable: Variable) -> int:
-        """The first slot of a variable; a frame variable gets its slots when it is first asked for."""
+        """The first slot of a variable; a frame variable gets its slots when it is first looked up."""
         if variable not in self._first:
             self._first[variable] = len(self.slots)
             if variable.reference:

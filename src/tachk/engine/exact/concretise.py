@@ -157,7 +157,7 @@ def at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement
 
 
 def _unblocked(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
-    """Where no transition of a higher priority is possible."""
+    """The clock valuations at which no transition of a higher priority is possible."""
     here = symbolic.situation(model, discrete)
     for move in here.moves:
         if move.transition == transition:
@@ -221,10 +221,10 @@ def _final(
     path: Sequence[Transition],
     predicate: Expression,
 ) -> list[tuple[Constraint, ...]]:
-    """Where the predicate holds; where it asks for deadlock, as far as the reached zone goes.
+    """The clock valuations at which the predicate holds; within the reached zone if it contains `deadlock`.
 
-    What is left of all valuations without one action after the other falls into exponentially many pieces, most of them
-    out of reach.
+    Subtracting one action after the other from all valuations would leave exponentially many pieces, most of them out
+    of reach.
     """
     if asks_deadlock(predicate):
         here = symbolic.situation(model, states[-1])

@@ -17,18 +17,18 @@ from tachk.engine.program_image import encode
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """When the transitions of a path happen.
+    """The moments of the transitions of a path.
 
     Attributes:
         ticks: of each transition, and of the end of the run, counted from its start.
-        unit: so many ticks are a unit of time.
+        unit: the number of ticks of a unit of time.
     """
 
     ticks: tuple[int, ...]
     unit: int
 
     def __getitem__(self, number: int) -> Fraction:
-        """In units of time."""
+        """The moment of a transition, in units of time."""
         return Fraction(self.ticks[number], self.unit)
 
 

@@ -1,4 +1,4 @@
-"""When the transitions of a path can fire: its clock constraints, and two ways to solve them.
+"""The schedules of a path: its clock constraints, and two ways to solve them.
 
 A path of n transitions has phases 0 to n; phase k begins when transition k fires (phase 0 at time 0) and ends when the
 next one does. A `Requirement` says what must hold at the beginning or the end of phases, as a choice between
@@ -27,7 +27,7 @@ INFINITESIMAL_BITS = 40
 
 
 RETRIES = 2000
-"""Choices taken back before z3 is asked."""
+"""The number of choices that are taken back before z3 solves the problem."""
 
 
 @dataclass(frozen=True, slots=True)

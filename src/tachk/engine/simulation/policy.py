@@ -1,4 +1,4 @@
-"""How processes choose moments. Imports nothing heavy."""
+"""The policies by which processes choose moments. Imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ SCRIPT = "script"
 
 
 class Policy(StrEnum):
-    """How long a process waits before it acts, within its guards and its invariant."""
+    """The distribution of the delay of a process before it acts, within its guards and its invariant."""
 
     STOCHASTIC = "stochastic"
     """UPPAAL's: uniformly up to the end of its invariant, else by the exponential distribution of its location."""

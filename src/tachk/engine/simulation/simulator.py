@@ -23,7 +23,7 @@ from tachk.model.fault import RuntimeErrorKind
 from tachk.model.run import Transition
 
 TICKS_PER_UNIT = _core.finest_ticks()
-"""How finely simulated time is counted, unless a run is too long for that."""
+"""The resolution of simulated time, unless a run is too long for it."""
 LATEST_TICK = _core.latest_end()
 """Runs end there, however long a tick is."""
 LATEST_END = Fraction(LATEST_TICK, _core.coarsest_ticks())
@@ -34,10 +34,10 @@ _NONE: Numbers = np.empty(0, dtype=np.int64)
 
 
 class SimulationEnding(StrEnum):
-    """Why a run ends."""
+    """The reason why a run ends."""
 
     HORIZON = "horizon"
-    """It is as long as it was to be."""
+    """The run has its full length."""
     DEADLOCK = "deadlock"
     """Nothing can happen, and time cannot pass."""
     TIME_LOCK = "time-lock"
@@ -116,12 +116,12 @@ class RecordedChanges:
 
 @dataclass(frozen=True, slots=True)
 class SimulationOptions:
-    """Which runs are drawn.
+    """The runs to draw.
 
     Attributes:
-        until: when they end, in ticks.
-        ticks_per_unit: how finely times are counted, see `horizon`.
-        steps: how many transitions they may have; None: any number.
+        until: their end, in ticks.
+        ticks_per_unit: the resolution of time, see `horizon`.
+        steps: the limit on their transitions; None: any number.
         threads: they make no difference to the runs.
     """
 

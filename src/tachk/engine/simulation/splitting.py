@@ -42,8 +42,8 @@ class Splitter:
     def replications(
         self, question: TrialQuestion, seed: int, numbers: range, effort: int, threads: int, most_steps: int | None
     ) -> Sequence[tuple[float, int, int]]:
-        """Of these numbers, in order: the estimate, the transitions, and the runs that are unknown. Raises
-        StoppedError."""
+        """The replications of these numbers, in order: the estimate, the transitions, and the runs that are unknown.
+        Raises StoppedError."""
         left = current_job().seconds_left
         found = _core.split(
             self._core,

@@ -1,4 +1,4 @@
-"""Runs that are asked one thing, drawn by the core: each ends as soon as that is known."""
+"""Random trials, drawn by the core: each run ends as soon as its answer to a question is known."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class TrialAnswer(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """How far runs are looked at: up to a moment in ticks, a number of transitions, or a value of a clock in ticks.
+    """The bound of runs: a moment in ticks, a number of transitions, or a value of a clock in ticks.
 
     Attributes:
         ticks_per_unit: see `horizon`.

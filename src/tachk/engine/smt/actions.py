@@ -55,15 +55,15 @@ class EdgesOfMoment(Protocol):
 
     @property
     def may_go(self) -> Sequence[Formula]:
-        """Of each process: whether the committed rule lets it begin a transition."""
+        """For each process the formula that the committed rule lets it begin a transition."""
         ...
 
     @property
     def channels(self) -> Sequence[ChannelType]: ...
 
     def behind(self, instances: Sequence[Instance], condition: Formula) -> tuple[Formula, list[PossibleFault]]:
-        """Whether invariants allow some edges to fire together where a condition holds; and what may go wrong there on
-        the way."""
+        """The formula that invariants allow some edges to fire together where a condition holds; and the run-time
+        errors that are possible there."""
         ...
 
 
@@ -156,7 +156,7 @@ def _receives(receiver: Instance, channel: int) -> Formula:
 
 
 def unblocked(found: Sequence[SymbolicAction]) -> Formula:
-    """That the action that is taken has the highest priority of those that are possible."""
+    """The formula that the action that is taken has the highest priority of those that are possible."""
     parts: list[Formula] = []
     for rank in {action.rank for action in found}:
         higher = any_of(action.possible for action in found if action.rank > rank)
@@ -173,7 +173,7 @@ class TooManyComparisonsError(Exception):
 
 
 def sometimes(formula: Formula, moment: z3.ArithRef, first: z3.ArithRef) -> Formula:
-    """Whether a formula about clocks holds at some moment from a first one on, without the moment.
+    """The formula that a formula about clocks holds at some moment from a first one on, with the moment eliminated.
 
     Its truth changes only where the moment makes the two sides of a comparison equal, so that these moments, and those
     just behind them, stand for all others (Loos and Weispfenning 1993, virtual substitution).
@@ -245,7 +245,7 @@ def _comparisons(whole: z3.ExprRef, moment: z3.ArithRef) -> list[z3.BoolRef]:
 
 
 def _parts(whole: z3.ExprRef) -> Iterator[z3.ExprRef]:
-    """The formula and all that it consists of, each once: what is shared is told once."""
+    """The formula and all its parts, each once, also if it is shared."""
     seen: set[int] = set()
     pending = [whole]
     while pending:

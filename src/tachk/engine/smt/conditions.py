@@ -82,10 +82,10 @@ def _parts(
 
 
 def certain(machine: Machine, predicate: Expression, wrong: list[PossibleFault]) -> tuple[Formula, Formula]:
-    """Where a predicate is true, and where it is false, whatever the parts of it are that cannot be evaluated.
+    """The formulas that a predicate is true, and that it is false, whatever its parts are that cannot be evaluated.
 
     Args:
-        wrong: takes what that may be.
+        wrong: takes the run-time errors that are possible.
     """
     match predicate:
         case Unary(UnaryOperator.NOT, operand):

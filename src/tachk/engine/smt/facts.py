@@ -79,7 +79,7 @@ class ZonesAt:
         self._known: dict[Constraint, Formula] = {}
 
     def inside(self, zones: Mapping[DiscreteState, Sequence[Zone]]) -> Formula:
-        """That the frame is in one of the zones."""
+        """The formula that the frame is in one of the zones."""
         return any_of(conj(self.is_state(state), self.in_some(of_state)) for state, of_state in zones.items())
 
     def is_state(self, discrete: DiscreteState) -> Formula:

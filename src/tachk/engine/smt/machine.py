@@ -64,11 +64,11 @@ class PossibleFault:
 
 Clocks = tuple[int, ...]
 CompareClocks = Callable[[BinaryOperator, Clocks, Clocks, SymbolicNumber], Formula]
-"""Whether the sum of some clocks minus that of others compares in some way with a number."""
+"""The formula that compares the sum of some clocks minus that of others with a number."""
 
 SymbolicCells = tuple[SymbolicNumber, ...]
 _Exit = tuple[Formula, dict[Cell, SymbolicNumber]]
-"""Where one of several paths has left off: under which condition, and what cells held then."""
+"""The end of one of several paths: its condition, and the values of cells then."""
 _T = TypeVar("_T")
 
 
@@ -97,7 +97,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     frame: dict[Variable, SymbolicPlace] = field(default_factory=dict)
     returned: list[tuple[Formula, SymbolicCells, dict[Cell, SymbolicNumber]]] = field(default_factory=list)
 
-    # ---- what is asked from outside ----------------------------------------------------------------------------------
+    # ---- the interface -----------------------------------------------------------------------------------------------
 
     def truth(self, condition: Expression) -> Formula:
         return truth(condition, self)
@@ -377,7 +377,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         self.goes_wrong(neg(truth), RuntimeErrorKind.ASSERT, span)
 
     def _unless_doomed(self, body: Callable[[], Formula]) -> Formula:
-        """Whether control goes on behind a statement; where something in it always goes wrong it does not."""
+        """The condition that control goes on after a statement; False if something in it always goes wrong."""
         outer, self.doomed = self.doomed, False
         goes_on = body()
         doomed, self.doomed = self.doomed, outer

@@ -46,7 +46,7 @@ class Proofs:
         self._tried_zones = False
 
     def attempt(self, depth: int, goals: Sequence[int]) -> list[int]:
-        """Those of some goals, not reached in up to so many steps, that are proved to be unreachable."""
+        """The goals, of those not reached in up to ``depth`` steps, that are proved to be unreachable."""
         try:
             deadline = time.monotonic() + _TRY_SECONDS
             if depth < _PLAIN_INDUCTION:
@@ -87,8 +87,8 @@ class Proofs:
         return self._is_possible(deadline, *assumptions, step, entered)
 
     def _with_zones(self, goals: Sequence[int]) -> list[int]:
-        """Those of some goals that no run reaches if every run is in one of the zones that Python finds; that it is, is
-        proved by induction over one step."""
+        """The goals that no run reaches if every run is in one of the zones that Python finds, which is proved by
+        induction over one step."""
         try:
             with limited(_TRY_SECONDS):
                 zones = known_zones(self.network, self.predicates)

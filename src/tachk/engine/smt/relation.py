@@ -48,7 +48,7 @@ class TransitionRelation:
     """Attributes:
     template: the variables that all formulas are about; `after` are those of the frame behind a step.
     stay: that the invariants hold at both moments, and that time may pass between them.
-    state_faults: what may go wrong where edges are asked, at the end of the delay.
+    state_faults: the run-time errors that are possible where guards are evaluated, at the end of the delay.
     entry_faults: what may go wrong in the invariants when the frame is entered.
     step: what the step out of the frame makes of it.
     step_faults: what may go wrong in the updates of the step, also of one that a higher priority blocks.
@@ -84,7 +84,7 @@ class TransitionRelation:
         return z3.substitute(formula, *pairs)
 
     def initial(self, frame: StateFrame) -> Formula:
-        """That a frame is the first one of a run."""
+        """The formula that a frame is the first one of a run."""
         parts: list[Formula] = [
             number.is_value(process.initial)
             for number, process in zip(frame.locations, self.network.processes, strict=True)
@@ -99,7 +99,8 @@ class TransitionRelation:
         return all_of([*parts, *(reset <= frame.entered for reset in frame.resets), frame.entered <= frame.left])
 
     def where(self, predicate: Expression) -> tuple[Formula, Formula, list[PossibleFault]]:
-        """Where a predicate is true; where something in it decides it that cannot be evaluated; and what that is."""
+        """The formulas that a predicate is true, and that a part decides it that cannot be evaluated; and the possible
+        run-time errors."""
         machine = machine_of(self.layout, self.template, ClocksOf(self.template, self.stopped, self.template.left))
 
         def deadlock() -> Formula:
@@ -178,8 +179,8 @@ class _Encoder:
     # ---- what is possible --------------------------------------------------------------------------------------------
 
     def _ask_all(self) -> None:
-        """Which edges are open at the end of the delay, over which channels; and what goes wrong in their guards where
-        they are asked."""
+        """Encodes which edges are open at the end of the delay, over which channels; and the run-time errors in their
+        guards where these are evaluated."""
         machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
         self.instances = [
             Instance(p, self._edge(p), fires, self._at(p.process, [self._edge(p).source]))
@@ -195,7 +196,7 @@ class _Encoder:
                 self._ask_edge(machine, instance, self._is_called(machine, instance))
 
     def _ask_committed(self) -> None:
-        """Whether somebody is committed, and whom the committed rule lets go (`Location.may_go`)."""
+        """Encodes the committed rule: is some process committed, and which processes may go (`Location.may_go`)?"""
 
         def at(wanted: Callable[[Location], bool]) -> list[Formula]:
             return [
@@ -212,7 +213,7 @@ class _Encoder:
         ]
 
     def _is_called(self, machine: Machine, receiver: Instance) -> Formula:
-        """Whether a sender makes it necessary to ask a receiver."""
+        """The formula that some sender makes the guard of a receiver evaluated."""
         named = self._channels_named(machine, receiver)
         calls: list[Formula] = []
         for sender in self.instances:
@@ -279,7 +280,7 @@ class _Encoder:
         return conj(neg(still), neg(self._urgent()))
 
     def _urgent(self) -> Formula:
-        """Whether a synchronisation over an urgent channel is enabled."""
+        """The formula that a synchronisation over an urgent channel is enabled."""
         found: list[Formula] = []
         for sender in self.instances:
             if not sender.sends:
@@ -330,8 +331,8 @@ class _Encoder:
         return actions(self.network, self, [priority for _, priority in prepare(self.network).channels])
 
     def behind(self, instances: Sequence[Instance], condition: Formula) -> tuple[Formula, list[PossibleFault]]:
-        """Whether invariants allow some edges to fire together where a condition holds; and what may go wrong there on
-        the way."""
+        """The formula that invariants allow some edges to fire together where a condition holds; and the run-time
+        errors that are possible there."""
         machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
         machine.path = condition
         locations = list(self.frame.locations)
@@ -352,8 +353,8 @@ class _Encoder:
         return invariant, [*machine.faults, *wrong]
 
     def _deadlock(self) -> tuple[Formula, Sequence[PossibleFault]]:
-        """Whether no action is possible at the end of the delay nor later; and what may go wrong then in guards,
-        updates, or invariants behind an action. Whether that is a deadlock cannot be said."""
+        """The formula that no action is possible at the end of the delay nor later; and the run-time errors that are
+        possible then in guards, updates, or invariants after an action, which leave open if it is a deadlock."""
         moment = z3.Real("later")
         later = _Encoder(self.network, self.layout, self.channels)
         later.frame, later.stopped = replace(self.frame, left=moment), self.stopped
@@ -376,7 +377,7 @@ class _Encoder:
     # ---- the step ----------------------------------------------------------------------------------------------------
 
     def _chosen(self) -> Formula:
-        """Which edges fire together: one sender or internal edge, with those that hear it."""
+        """The formula that edges fire together: one sender or internal edge, with its receivers."""
         parts: list[Formula] = []
         by_process: list[list[Instance]] = [[] for _ in self.network.processes]
         for instance in self.instances:
@@ -462,7 +463,7 @@ class _Encoder:
             machine.storage.apply(changed, fires)
 
     def _reset(self, storage: Storage, clock: int) -> z3.ArithRef:
-        """When a clock would have been 0, as the next frame sees it."""
+        """The moment at which a clock would have been 0, as the next frame sees it."""
         source, value = storage.cells[CLOCK_SOURCE, clock], storage.cells[CLOCK_VALUE, clock]
         if source.is_value(clock) is True and value.is_value(0) is True:
             return self._kept(clock)
@@ -484,7 +485,7 @@ class _Encoder:
         return earlier
 
     def _kept(self, clock: int) -> z3.ArithRef:
-        """When a clock that is not set would have been 0, as the next frame sees it."""
+        """The moment at which a clock that is not set would have been 0, as the next frame sees it."""
         kept, stopped = self.frame.resets[clock - 1], self.stopped.get(clock, False)
         if stopped is False:
             return kept

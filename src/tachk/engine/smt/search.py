@@ -24,7 +24,7 @@ from tachk.model.network import Network
 from tachk.model.run import RunTimeFault
 
 DEPTH = 64
-"""How many steps are unrolled where no limit is given."""
+"""The number of steps that are unrolled where no limit is given."""
 
 
 def explore(

@@ -90,12 +90,12 @@ class Storage:
 
 
 Alternative = tuple[Formula, int, int]
-"""Where a condition holds: a segment and a position in it."""
+"""A place under a condition: the condition, a segment, and a position in it."""
 
 
 @dataclass(frozen=True, slots=True)
 class SymbolicPlace:
-    """Where a value is: one of several places, each with the condition that it is this one."""
+    """The place of a value: one of several, each with the condition that it is this one."""
 
     alternatives: tuple[Alternative, ...]
 

@@ -35,7 +35,7 @@ class Targets:
         )
 
     def bad(self, goal: Formula) -> Formula:
-        """Where a goal is reached or something goes wrong, invariants behind the step excepted."""
+        """The formula that a goal is reached or something goes wrong, except in invariants after the step."""
         encoded = self.relation
         return any_of(
             [

@@ -53,7 +53,7 @@ def neg(formula: Formula) -> Formula:
 
 
 def same(left: Formula, right: Formula) -> Formula:
-    """Whether two formulas have the same truth."""
+    """The formula that two formulas have the same truth."""
     if isinstance(left, bool):
         return right if left else neg(right)
     if isinstance(right, bool):
@@ -95,7 +95,7 @@ def unknown(name: str, low: int, high: int) -> SymbolicNumber:
 
 
 def in_range(number: SymbolicNumber) -> Formula:
-    """That a number which `unknown` made lies in its range."""
+    """The formula that a number which `unknown` made lies in its range."""
     if number.term is None:
         return True
     widest = 1 << (number.term.size() - 1)
@@ -209,7 +209,7 @@ def compute(operator: BinaryOperator, left: SymbolicNumber, right: SymbolicNumbe
 
 
 def undefined(operator: BinaryOperator, right: SymbolicNumber) -> Formula:
-    """Whether an operation has no value for a right side."""
+    """The formula that an operation has no value for a right side."""
     if operator.total or operator.defined_for(right.low, right.high):
         return False
     if operator in (BinaryOperator.DIVIDE, BinaryOperator.MODULO):
@@ -238,7 +238,7 @@ def real(number: SymbolicNumber) -> z3.ArithRef:
 
 
 def _width(low: int, high: int) -> int:
-    """How many bits hold every number of an interval, with a sign."""
+    """The number of bits that hold every number of an interval, with a sign."""
     return max((low if low >= 0 else ~low).bit_length(), (high if high >= 0 else ~high).bit_length()) + 1
 
 

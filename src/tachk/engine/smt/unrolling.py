@@ -44,7 +44,7 @@ class Unrolled:
         self._solver.add(self.relation.at(self.relation.stay, self._frames[-1]))
 
     def look(self) -> None:
-        """Which goals are reached where the runs have come to."""
+        """Notes the goals that are reached in the last frame."""
         for number in self.open:
             if self._is_possible(self.relation.at(self.targets.goals[number], self._frames[-1])):
                 self.status[number] = GoalOutcome(Status.REACHED, self._path())
@@ -58,7 +58,7 @@ class Unrolled:
         return self._is_possible(self.relation.at(self.relation.stay, there))
 
     def fail(self) -> None:
-        """Which goals go wrong where the runs have come to."""
+        """Notes the goals whose evaluation may go wrong in the last frame."""
         for number in self.open:
             if self._is_possible(self.relation.at(self.targets.undecided[number], self._frames[-1])):
                 found = self._first_of(self.targets.wrong[number])

@@ -86,8 +86,8 @@ class _AbstractValue:
         return self._variable in mentioned([expression])[1]
 
     def _after(self, update: Expression, before: int | None, known: Known) -> int | None:
-        """What the variable is after an update, of which what it was may not be known; None if that sets something
-        else."""
+        """The value of the variable after an update, whose value before may be unknown; None if the update sets
+        something else."""
         match update:
             case Assign(Reference(variable), new, _, operator) if variable is self._variable:
                 given = fold(new, self._with(before, known))

@@ -94,8 +94,8 @@ class NetworkTerms:
             self._predicate_sets.append((parts, mentioning))
 
     def with_predicates(self, predicates: Sequence[Expression]) -> NetworkTerms | None:
-        """The same network where this is asked of it; None if these predicates say more of the numbers in the network
-        than it says itself, or change a variable."""
+        """The same network with these predicates; None if they constrain the numbers in the network more than it does
+        itself, or change a variable."""
         if written_variables(predicates):
             return None
         reader = self.reader.copy()
@@ -156,7 +156,7 @@ class NetworkTerms:
     # ---- the proof --------------------------------------------------------------------------------------------------
 
     def objection(self, renaming: Renaming) -> AsymmetryReason | None:
-        """Why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
+        """The reason why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
         moved = self._moved_atoms(renaming)
         return (
             self._index_types_objection(renaming)
@@ -167,7 +167,7 @@ class NetworkTerms:
         )
 
     def objection_of_predicates(self, renaming: Renaming) -> AsymmetryReason | None:
-        """As `objection`, of a renaming that maps the network onto itself where nothing is asked of it."""
+        """Like `objection`, for a renaming that maps the network without predicates onto itself."""
         return self._index_types_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
 
     def _index_types_objection(self, renaming: Renaming) -> AsymmetryReason | None:
@@ -192,7 +192,7 @@ class NetworkTerms:
         return None
 
     def no_name(self, root: int) -> AsymmetryReason | None:
-        """Why numbers of a index type are not exchanged; None if they may be."""
+        """The reason why numbers of an index type are not permuted; None if they may be."""
         plain = self.index_types.plain(root)
         if plain is None:
             return None
@@ -213,7 +213,7 @@ class NetworkTerms:
         return all(self._keeps_values(variable, renaming) for variable in self.moved_variables(renaming))
 
     def moved_variables(self, renaming: Renaming) -> Iterator[Variable]:
-        """Those that are moved, and those that may hold numbers that are, or are indexed by them."""
+        """The variables that are moved, and those that may hold, or are indexed by, numbers that are moved."""
         touched = dict.fromkeys(renaming.variables)
         for root in renaming.values:
             touched.update(dict.fromkeys(self._of_index_type.get(root, ())))
@@ -304,7 +304,7 @@ class NetworkTerms:
         return None
 
     def _places(self, moved: Iterable[Atom]) -> Iterator[tuple[int, bool, int]]:
-        """Where something is mentioned: the process, whether by an edge or by a location, and its number."""
+        """The places that mention moved atoms: the process, whether it is an edge or a location, and its number."""
         return (place for atom in moved for place in self._touched.get(atom, ()))
 
     def edges_with(self, atoms: Iterable[Atom]) -> set[tuple[int, int]]:
@@ -361,7 +361,7 @@ def cell_images(index_types: IndexTypes, tree: Tree, type_: Type, renaming: Rena
 def read(
     network: Network, predicates: Iterable[Expression], known: Known, never: Container[tuple[int, int]]
 ) -> NetworkTerms:
-    """The terms of a network and of what is asked of it.
+    """The terms of a network and of the predicates.
 
     Args:
         never: edges that are never taken, by process and number.

@@ -1,4 +1,4 @@
-"""Where the order of the processes can be noticed: the receivers of a broadcast update one after the other."""
+"""The influence of the order of processes: the receivers of a broadcast update one after the other."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class _BroadcastReceiver:
 
 
 def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> AsymmetryReason | None:
-    """Why the order of some members of a group among themselves and with others can be noticed; None if it cannot."""
+    """The reason why the order of some members of a group, among themselves and with others, matters; or None."""
     # Any two members behave to each other, or to somebody else, as the first one and some member do.
     everybody = {number for block in members for number in block}
     between = [n for n in range(min(everybody), max(everybody)) if n not in everybody]

@@ -62,7 +62,7 @@ class Asymmetry:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Why two processes with the same text up to numbers and variables cannot be exchanged."""
+    """The reason why two processes with the same text up to numbers and variables are not interchangeable."""
 
     template: str
     one: str

@@ -29,7 +29,7 @@ from tachk.model.types import (
 
 @dataclass(frozen=True, slots=True)
 class AsymmetryReason:
-    """Why processes are not interchangeable, in words that follow the name of their template."""
+    """The reason why processes are not interchangeable, in words that follow the name of their template."""
 
     reason: str
     span: Span = NOWHERE
@@ -146,7 +146,7 @@ class IndexTypes:
             self._plain.setdefault(self.find(node)[0], AsymmetryReason(reason, span))
 
     def plain(self, root: int) -> AsymmetryReason | None:
-        """Why numbers of a index type are more than names; None if they are not."""
+        """The reason why numbers of an index type are more than names; None if they are names only."""
         return self._plain.get(root)
 
     def tree(self, type_: Type, span: Span = NOWHERE, limited: bool = True) -> Tree:

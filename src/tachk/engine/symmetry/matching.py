@@ -76,7 +76,7 @@ class _Matching:
             self.sources.setdefault(other, one)
 
     def divided_classes(self, units: Sequence[TermUnit], images: Sequence[TermUnit]) -> Iterable[Alike]:
-        """Units that correspond to each other in some order, as far as can be told; those without a counterpart
+        """Units that correspond to each other in some order, as far as that is decided; those without a counterpart
         correspond to one of the same outline."""
         if len(units) <= 1:
             return [(units, images)] if units else []
@@ -107,8 +107,8 @@ class _Matching:
         return [(units, units) for units in found.values()]
 
     def guessed(self, units: Sequence[TermUnit], images: Sequence[TermUnit]) -> list[tuple[TermUnit, TermUnit]]:
-        """Of units that nothing tells apart: those that become each other if what is not known to move stays, where
-        two processes are exchanged or one stays; all of them in their order if there are none."""
+        """Pairs of units with the same text: those that map to each other if everything stays that is not known to
+        move, for a transposition or a process that stays; all of them in their order if there are none."""
         if self.processes.get(images[0].process, images[0].process) == units[0].process:
             known = Renaming({**self.processes}, *self._moves())
             places: dict[Hashable, list[TermUnit]] = {}
