@@ -46,7 +46,7 @@ class Cover:
 
 
 def find_cover(program: Program, goal: Goal, options: Options, limits: Limits) -> Cover | str:
-    """The smallest of some covers, or the reason why there is none: `_TwoSearches` tells of two, `_single` of one.
+    """The smallest of some covers, or the reason why there is none: `_TwoSearches` finds two, `_single` one.
 
     With the bounds of LU a goal that asks for deadlock may seem reachable that is not; the maximum bounds are tried
     then.

@@ -164,7 +164,7 @@ class _PathWalk:
         return symbolic.elapse(here, [dbm.reset(zone, self.spare, 0) for zone in zones])
 
     def _widened(self, zones: Iterable[Zone]) -> Federation:
-        """The zones without what nothing can tell, whatever the clocks show that nothing looks at."""
+        """The zones, widened by the constants, with the clocks that nothing reads free."""
         return [reduce(dbm.free, self.unread, wide) for zone in zones for wide in widen(self.constants, zone)]
 
     def _after(self, state: _ReachedZone, transition: Transition) -> _ReachedZone | None:

@@ -51,7 +51,7 @@ def _by_future(starts: Federation, goal: Federation) -> list[tuple[Zone, Federat
 
 
 def _between(zones: Federation, ahead: Federation) -> Federation:
-    """What lies before all of the zones ahead: in the past of each, and not in it, because it lasts without a gap."""
+    """The valuations before all of the zones ahead: in the past of each, and not in it, as it lasts without a gap."""
     for zone in ahead:
         zones = symbolic.intersections(zones, dbm.subtract(dbm.down(zone), zone))
     return zones

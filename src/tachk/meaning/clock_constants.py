@@ -111,8 +111,8 @@ def clock_copies(network: Network) -> list[Copies]:
 
 
 def _carry(copies: Sequence[Copies], maximum: list[int], diagonals: set[Constraint], compared: set[int]) -> None:
-    """What clocks are compared with counts for those that they are set to. Raises ValueError where that goes on without
-    end, which differences of clocks may do."""
+    """Hands the constants of a clock on to the clocks that it is set to. Raises ValueError if that never ends, which
+    differences of clocks may cause."""
     changed = True
     while changed:
         before = sum(maximum), len(diagonals), len(compared)

@@ -26,7 +26,7 @@ Disjunction = list[Conjunction]
 TRUE: Disjunction = [()]
 FALSE: Disjunction = []
 _FEW = 256
-"""Of so many conjunctions each is compared with each."""
+"""The number of conjunctions up to which each is compared with each."""
 
 
 class TooManyConjunctionsError(Exception):
@@ -99,8 +99,8 @@ def _parts(
 def certain(
     predicate: Expression, environment: Environment, negated: bool = False, unknown: Disjunction = FALSE
 ) -> Disjunction:
-    """Where a predicate, or its negation, is true whatever the parts of it are that cannot be evaluated; with TRUE for
-    unknown, where it may be true.
+    """The valuations at which a predicate, or its negation, is true whatever its parts are that cannot be evaluated;
+    with TRUE for unknown, those at which it may be true.
 
     The disjunctive normal form in Kleene's logic, an error being the third value.
     """
@@ -254,7 +254,7 @@ def _implies(one: dict[tuple[int, int], int], other: dict[tuple[int, int], int])
 
 
 def complemented(condition: Disjunction) -> Disjunction:
-    """Where a condition does not hold."""
+    """The valuations at which a condition does not hold."""
     denied = TRUE
     for constraints in condition:
         denied = conjunction(denied, [(complement(constraint),) for constraint in constraints])

@@ -116,7 +116,7 @@ def _fixed_channels(
             continue
         for variable, value in zip(edge.selects, participant.selects, strict=True):
             scratch.bind(variable, value)
-        with suppress(EvaluationFault):  # which counts only where the edge is asked for its channel
+        with suppress(EvaluationFault):  # which counts only where the channel of the edge is evaluated
             found[participant] = channel_number(edge.synchronisation.channel, scratch)
     return found
 
@@ -153,7 +153,7 @@ def initial_discrete(model: PreparedNetwork) -> DiscreteState:
 def environment(
     model: PreparedNetwork, discrete: DiscreteState, clocks: Sequence[Fraction] | None = None
 ) -> Environment:
-    """Where the expressions of a state are evaluated."""
+    """The environment in which the expressions of a state are evaluated."""
     return Environment(model.layout, list(discrete.values), discrete.locations, clocks)
 
 
@@ -163,11 +163,11 @@ def bind_selects(model: PreparedNetwork, participant: Participant, scratch: Envi
         scratch.bind(variable, value)
 
 
-# ---- what is asked, and when -----------------------------------------------------------------------------------------
+# ---- which guards are evaluated, and when ----------------------------------------------------------------------------
 #
-# The rule for run-time errors (docs/semantics.md): an internal edge and a sending edge are asked for their guards in
-# every state, a receiving edge only where the guard of a sender holds whose channel it may name; a channel index is
-# evaluated where the guard of its edge holds. Whoever enumerates transitions does it with these functions.
+# The rule for run-time errors (docs/semantics.md): the guards of internal and sending edges are evaluated in every
+# state, those of a receiving edge only where the guard of a sender holds whose channel it may name; a channel index is
+# evaluated where the guard of its edge holds. All enumerations of transitions use these functions.
 
 
 @by_state
@@ -265,7 +265,7 @@ def transitions_with(
 
 @by_state
 def _admitted(model: PreparedNetwork, discrete: DiscreteState) -> tuple[bool, ...]:
-    """Which processes the committed rule lets go."""
+    """For each process, whether the committed rule lets it go."""
     locations = tuple(model.current(discrete))
     most = max((location.commitment for location in locations), default=0)
     return tuple(location.may_go(most) for location in locations)
@@ -331,7 +331,7 @@ def clocks_after(clocks: Sequence[Fraction], resets: ClockValues) -> tuple[Fract
 
 
 def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> dict[int, int]:
-    """What the updates of a transition leave in meta variables, by cell: what its processes tell each other.
+    """The values of meta variables, by cell, after the updates of a transition: the messages between its processes.
 
     Raises EvaluationFault.
     """

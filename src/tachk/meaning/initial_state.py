@@ -1,4 +1,4 @@
-"""Whether the initial state of a network is one."""
+"""The check that a network has an initial state."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a network can do in many discrete states at once: `tachk.meaning.discrete` and `tachk.meaning.symbolic` for
-arrays of states.
+"""The behaviour of a network in many discrete states at once: `tachk.meaning.discrete` and `tachk.meaning.symbolic`
+for arrays of states.
 
 The rules are the same. An expression is evaluated by the reference evaluator, once for all states that agree in what it
 reads. Nothing is said of clock values: invariants and guards are given as constraints.
@@ -218,8 +218,8 @@ class ManyStates:
     def truth(
         self, rows: Numbers, predicate: Expression, dead: bool, widely: bool
     ) -> list[tuple[Numbers, Disjunction]]:
-        """Where a predicate holds in some states for certain, or (widely) where it may hold, if ``deadlock`` is given.
-        What may hold may be told in several parts for a state."""
+        """The valuations at which a predicate holds in some states for certain, or (widely) may hold, for a given truth
+        of ``deadlock``. Those at which it may hold may come in several parts for a state."""
         found = []
         for one, negated in alternatives(predicate) if widely else ((predicate, False),):
 

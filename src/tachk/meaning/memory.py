@@ -1,7 +1,7 @@
 """Caches of results that depend on the discrete state alone, for the states used last.
 
-A run that goes round the same discrete states thousands of times is then told and judged as fast as its few states are
-understood. Nothing that went wrong is remembered: it goes wrong again, in its place.
+A run that goes round the same discrete states thousands of times is then timed and judged as fast as its few states.
+Faults are not cached: they happen again, in their place.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ MOST_STATES = 512
 
 
 class Memory:
-    """For discrete states, results by what was asked."""
+    """Results for discrete states, by function and arguments."""
 
     def __init__(self) -> None:
         self._known: dict[Hashable, dict[Hashable, Any]] = {}
@@ -47,7 +47,7 @@ Result = TypeVar("Result")
 
 
 def by_state(function: Callable[[Model, State, *Arguments], Result]) -> Callable[[Model, State, *Arguments], Result]:
-    """A function of a model, a discrete state and what is asked about it, whose results the model remembers.
+    """A function of a model, a discrete state and other arguments, whose results the model caches.
 
     The results are shared: nobody may change them.
     """

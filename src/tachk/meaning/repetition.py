@@ -1,4 +1,5 @@
-"""When a loop of transitions can be taken again with the same delays: which clocks have to return to their values."""
+"""The condition that a loop of transitions can be taken again with the same delays: clocks that must return to their
+values."""
 
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ class ObservableClocks:
 def observable_clocks(
     model: PreparedNetwork, states: Iterable[DiscreteState], predicates: Sequence[Expression]
 ) -> ObservableClocks:
-    """What the guards and invariants in sight of some discrete states, and the predicates there, compare clocks with.
+    """The constants that the guards and invariants of some discrete states, and the predicates, compare clocks with.
 
     A clock that is set in one of these states has from then on the same value in both rounds of a loop.
     """

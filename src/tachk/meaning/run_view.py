@@ -100,7 +100,7 @@ class ViewStep:
 @dataclass(frozen=True, slots=True)
 class TraceView:
     """Attributes:
-    hidden_processes, hidden_variables: the names that told runs leave out.
+    hidden_processes, hidden_variables: the names that printed runs leave out.
     ending, loop_start: what comes after the last step, as in `TimedTrace`.
     """
 

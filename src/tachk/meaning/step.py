@@ -59,7 +59,7 @@ def initial_state(model: PreparedNetwork) -> TimedState:
 
 
 def satisfies_invariants(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether all invariants hold; none is asked behind a false one. Raises EvaluationFault."""
+    """Whether all invariants hold; none is evaluated after a false one. Raises EvaluationFault."""
     return all(satisfies_invariant(model, state, process) for process in _relevant_invariants(model, state.discrete))
 
 
@@ -177,7 +177,7 @@ def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> I
 
 
 def _is_guarded(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
-    """Whether the guards of one transition hold and the committed rule admits it; nothing else is asked."""
+    """Whether the guards of one transition hold and the committed rule admits it; nothing else is evaluated."""
     first, *others = transition.participants
     if first not in initiators(model, state.discrete) or not is_open(model, state, first):
         return False
@@ -267,7 +267,7 @@ def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Time
 
 
 def urgent(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether the guards of a synchronisation over an urgent channel hold now. No other guards are asked."""
+    """Whether the guards of a synchronisation over an urgent channel hold now. No other guards are evaluated."""
     return any(
         is_urgent(model, state.discrete, transition)
         for first in _perhaps_urgent(model, state.discrete)
@@ -368,8 +368,8 @@ def observable_constraints(
     model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
 ) -> frozenset[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
-    rule out; and those of predicates, whose ``deadlock`` depends on no others. What cannot be evaluated is left out:
-    whoever tries it while it is asked for will meet the fault."""
+    rule out; and those of predicates, whose ``deadlock`` depends on no others. Guards that cannot be evaluated are left
+    out: a step that evaluates them will meet the fault."""
     found = set(_constraints(_invariants(model, discrete), environment(model, discrete)))
     for predicate in predicates:
         for answer in (False, True):

@@ -72,7 +72,7 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A guard or a channel index that cannot be evaluated, and the clock valuations where it is asked for."""
+    """A guard or a channel index that cannot be evaluated, and the clock valuations at which it is evaluated."""
 
     domain: Federation
     fault: EvaluationFault
@@ -159,8 +159,8 @@ def _part(zone: Zone, condition: Disjunction) -> Federation:
 def guarded_transitions(
     model: PreparedNetwork, discrete: DiscreteState
 ) -> tuple[list[tuple[Transition, Disjunction]], list[tuple[Disjunction, EvaluationFault]]]:
-    """The transitions that the discrete state admits, each with the clock constraints of all its guards; and what
-    cannot be evaluated, with where it is asked for.
+    """The transitions that the discrete state admits, each with the clock constraints of all its guards; and the faults
+    of guards that cannot be evaluated, each with the constraints under which it is.
 
     Raises TooManyConjunctionsError where there are more transitions, and of their guards more conjunctions, than the
     model's `most_cases`.
@@ -241,8 +241,8 @@ def _few(model: PreparedNetwork, condition: Disjunction) -> Disjunction:
 
 
 def _stays_out(model: PreparedNetwork, participant: Participant, channel: int, scratch: Environment) -> Disjunction:
-    """Where an edge that may hear a broadcast does not: where its guard is false, everywhere if it names another
-    channel. Where it names none, because its index goes wrong, nothing is said."""
+    """The valuations at which an edge does not receive a broadcast: where its guard is false; everywhere if it names
+    another channel. If its index goes wrong, so that it names none, only the guard counts."""
     edge = model.edge(participant)
     bind_selects(model, participant, scratch)
     if not conditional_constraints(edge.guard, scratch):

@@ -40,7 +40,7 @@ _UNROLLED_VALUES = 64
 
 
 class ConditionCompiler:
-    """Turns conjunctions into `Condition` values and tells what they compare clocks with.
+    """Turns conjunctions into `Condition` values and notes the constants that they compare clocks with.
 
     Attributes:
         computed_unit: divides every value of the bounds that need code; 0 if they are all 0.

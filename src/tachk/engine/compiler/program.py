@@ -176,12 +176,12 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class Interchangeable:
-    """Processes that can be exchanged without changing what is possible: any two, or all by moving them round a ring.
+    """Interchangeable processes: a transposition of any two, or a rotation of all, keeps the behaviour.
 
     Attributes:
-        slots: of each member those that belong to it, the corresponding ones in the same order; its location first.
-        clocks, channels: of each member likewise.
-        names: the slots that may hold names of members, each with the number of the table that tells which.
+        slots: for each member its slots, the corresponding ones in the same order; its location first.
+        clocks, channels: the same for clocks and channels.
+        names: the slots that may hold names of members, each with the number of its table.
         tables: each with the name of each member.
         cyclic: the members can only be moved on, all by the same number of places, the last ones to the front.
     """
@@ -211,7 +211,7 @@ class Program:
     largest_reset: the largest value a clock may begin with, be set to, or be advanced by.
     computed_unit: divides every time that code computes, the bounds of constraints and the values of clocks; 0 if they
         are all 0.
-        interchangeable: groups of processes, whose states a search for the goals need not tell apart.
+        interchangeable: groups of processes that a search for the goals need not distinguish.
     starts: the clocks that do not begin with 0, each with what it shows at first.
     """
 

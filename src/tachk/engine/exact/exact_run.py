@@ -54,6 +54,6 @@ def exact_run(program: Program, goal: Goal, actions: Sequence[Sequence[int]]) ->
 
 def end_of_path(program: Program, actions: Sequence[Sequence[int]]) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
     """The slots of the state in which a path ends, and the raw bounds of its clocks, row by row; none of them if clocks
-    do not allow the path. None where the core cannot tell."""
+    do not allow the path. None if the core cannot decide it."""
     found = _core.PathOfRun(encode(program, []), actions).end()
     return None if found is None else (tuple(found[0]), tuple(found[1]))

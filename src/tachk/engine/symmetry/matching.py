@@ -60,7 +60,7 @@ class _Matching:
 
     Attributes:
         images, sources: of variables and numbers.
-        asked: the edges of processes that stay that have been looked at.
+        symmetrised: the edges of fixed processes that have been matched.
     """
 
     terms: NetworkTerms

@@ -104,8 +104,8 @@ def _named(group: SymmetryGroup, states: Numbers, slot: int, table: int) -> tupl
 
 
 def _contents(group: SymmetryGroup, states: Numbers) -> Iterator[Numbers]:
-    """What the slots of members hold, which slot outside of them names a member first, and whom members name: itself,
-    another one, nobody."""
+    """The keys by which members are compared: the contents of their slots, the first slot outside that names a member,
+    and the member that each one names: itself, another one, none."""
     tables = group.tables_of_slots()
     roles = list(zip(*group.slots, strict=True))
     yield from (states[:, role] for role in roles if role[0] not in tables)

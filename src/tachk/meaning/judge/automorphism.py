@@ -1,9 +1,9 @@
-"""The proof that exchanges map a model, and what is asked of it, onto itself.
+"""The proof that permutations map a model, and the predicates of a query, onto itself.
 
-An exchange permutes processes, cells, clocks, channels and some numbers in cells. It is an automorphism if what is
-possible in the image of a state is the image of what is possible in the state: the same transitions, delays, run-time
-errors and truth of predicates, with everything exchanged (Ip and Dill 1996; Hendriks et al. 2003). That is shown here
-for all states at once:
+Such a permutation acts on processes, cells, clocks, channels and some numbers in cells. It is an automorphism if what
+is possible in the image of a state is the image of what is possible in the state: the same transitions, delays,
+run-time errors and truth of predicates, with everything exchanged (Ip and Dill 1996; Hendriks et al. 2003). That is
+shown here for all states at once:
 
 1. corresponding processes have locations of the same kind with corresponding invariants and rates,
 2. each edge with select values has one in the process that it comes to whose guard, channel and updates are the image
@@ -41,7 +41,7 @@ from tachk.model.types import cell_count
 
 
 class Automorphisms:
-    """Whether exchanges are automorphisms of a model of which some predicates are asked."""
+    """The proof that permutations are automorphisms of a model and some predicates."""
 
     def __init__(self, model: PreparedNetwork, predicates: Sequence[Expression]) -> None:
         self.model, self.predicates = model, predicates
@@ -56,7 +56,7 @@ class Automorphisms:
         return self.leaves.constants
 
     def objection(self, group: SymmetryGroup) -> str | None:
-        """Why not every exchange of a group is one; None if all are. Raises MalformedGroupError."""
+        """The reason why not every permutation of a group is an automorphism, or None. Raises MalformedGroupError."""
         group.check()
         if self.model.network.has_hybrid_clocks or written_variables(self.predicates):
             return "the model or the query is of a kind for which exchanges are not proved"

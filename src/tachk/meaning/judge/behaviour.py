@@ -1,5 +1,5 @@
-"""What the parts of a model do in all discrete states, in cases: locations, edges with select values, and two of them
-one after the other."""
+"""The behaviour of the parts of a model in all discrete states, in cases: locations, edges with select values, and two
+of them one after the other."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class UpdateEffect:
 
 
 class Behaviour:
-    """A model in cases; what has been asked about the whole of a part of it is remembered."""
+    """A model in cases. The answers about the whole of a part of it are cached."""
 
     def __init__(self, model: PreparedNetwork) -> None:
         self.model = model
@@ -102,7 +102,7 @@ class Behaviour:
 
     @cached_property
     def _senders(self) -> list[set[int]]:
-        """Of each channel the processes that send along it in some state."""
+        """For each channel the processes that send along it in some state."""
         found: list[set[int]] = [set() for _ in self.model.channels]
         for participant in self._all_participants():
             synchronisation = self.model.edge(participant).synchronisation
@@ -175,7 +175,8 @@ def _limits(location: Location, scratch: Environment) -> Any:
 
 
 def _candidate(model: PreparedNetwork, participant: Participant, scratch: Environment) -> StepCandidate:
-    """Where the guard of an edge holds, and the channel that it names there, which may be an error."""
+    """The valuations at which the guard of an edge holds, and the channel that it names there, which may be an
+    error."""
     bind_selects(model, participant, scratch)
     guard = conditional_constraints(model.edge(participant).guard, scratch)
     try:

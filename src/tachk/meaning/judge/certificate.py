@@ -30,7 +30,7 @@ _LARGEST_BLOCK = 1 << 28
 
 @dataclass(frozen=True, slots=True)
 class Objection:
-    """Why a set of symbolic states is no proof.
+    """The reason why a set of symbolic states is no proof.
 
     Attributes:
         discrete: the discrete state of the element that is wrong; None if the initial state is missing.
@@ -112,8 +112,8 @@ class Columns:
             first one is compared with zeros.
         positions, differences: which numbers these are, and by how much.
         zones, ranks: as in `StateBlock`.
-        shapes: of each zone its number among the zones that are told in this block and those before it.
-        constraints, places, bounds: as in `StateBlock`, but of the zones that this block tells.
+        shapes: for each zone its number among the zones that are listed in this block and those before it.
+        constraints, places, bounds: as in `StateBlock`, but of the zones that this block lists.
     """
 
     changes: Numbers
@@ -140,7 +140,7 @@ class Columns:
 
 
 class Shapes:
-    """The zones that have been told so far, each once."""
+    """The zones that have been listed so far, each once."""
 
     def __init__(self) -> None:
         self._numbers: dict[tuple[bytes, bytes], int] = {}
@@ -187,7 +187,7 @@ class Shapes:
 
 
 def starts(lengths: Numbers) -> Numbers:
-    """Where pieces of these lengths begin in what they make up, and where the last one ends."""
+    """The positions at which pieces of these lengths begin in their concatenation, and the end of the last one."""
     return np.concatenate((np.zeros(1, np.int64), np.cumsum(lengths)))
 
 
@@ -280,7 +280,7 @@ def _folded(numbers: Numbers) -> Numbers:
 
 
 class CertificateReader:
-    """One certificate of a file. Its blocks are read when they are asked for and not kept."""
+    """One certificate of a file. Its blocks are read when they are used, and not kept."""
 
     def __init__(self, stream: BinaryIO) -> None:
         """Reads the header and looks where the blocks are; the stream is then behind the certificate.

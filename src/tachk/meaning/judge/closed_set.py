@@ -173,8 +173,9 @@ class ClosedSet:
             self._object(uncovered, "a successor is not in the set", move.transition)
 
     def _uncovered(self, pieces: Pieces, begins: bool = False) -> Pieces:
-        """What the set does not cover of what pieces become by waiting. They begin with any rank, or else come from an
-        element and must be in those of smaller ranks; what comes from the rank 0 must be in those of the rank 0."""
+        """The parts of the pieces after a delay that the set does not cover. They begin with any rank, or else come
+        from an element and must be in elements of smaller ranks; those from the rank 0 must be in elements of the rank
+        0."""
 
         def without(pieces: Pieces, origin: Numbers) -> Pieces:
             def counts(other: Numbers, place: Numbers) -> Truths:
@@ -202,8 +203,9 @@ class ClosedSet:
         return Pieces(everywhere, rows * 0, rows, rows * 0)
 
     def _waiting(self, pieces: Pieces, behind: int = 0) -> Pieces:
-        """What is reached by waiting without the goal, of whose zones in each discrete state so many are seen to: what
-        begins behind one is not hindered by it, and else must stay before it. Where clocks are stopped it is more."""
+        """The pieces after a delay that avoids the goal. The first ``behind`` zones of the goal in each discrete state
+        are done: a piece that begins behind a zone is not hindered by it, and any other must stay before it. Where
+        clocks are stopped the result is larger."""
         pieces = pieces if behind else pieces.without(self.goals)
         goal = np.searchsorted(self.ahead.row, pieces.row) + behind
         some = goal < np.searchsorted(self.ahead.row, pieces.row, "right")
@@ -224,7 +226,7 @@ class ClosedSet:
         return joined([pieces.take(runs).become(released, lower), pieces.take(~runs)])
 
     def _domain(self, number: int) -> Pieces:
-        """Where a move is possible."""
+        """The pieces in which a move is possible."""
         move = self.states.moves[number]
         rows, targets = move.rows[: len(move.targets)], move.targets
         pieces = replace(self._anything(rows), origin=rows * 0 + number)

@@ -30,8 +30,8 @@ class PredicateAtom:
     bound: tuple[tuple[Variable, int], ...]
 
     def truth(self, scratch: Environment) -> tuple[tuple[Sets, Sets], ...]:
-        """Where it is true for certain and perhaps, if there is no deadlock and if there is one: two pairs, which are
-        equal where the expression does not ask for it."""
+        """The sets where it is true for certain and where perhaps, without a deadlock and with one: two pairs, which
+        are equal if the expression does not contain `deadlock`."""
         for variable, value in self.bound:
             scratch.bind(variable, value)
         found: list[Any] = []
@@ -85,7 +85,7 @@ def sets(condition: Disjunction) -> Sets:
 
 
 def _joins(expression: Expression) -> bool | None:
-    """Whether an expression is a conjunction (True) or a disjunction (False)."""
+    """True if an expression is a conjunction, False if it is a disjunction; None for other expressions."""
     if isinstance(expression, Quantifier) and expression.kind is not QuantifierKind.SUM:
         return expression.kind is QuantifierKind.FORALL
     if isinstance(expression, Binary) and expression.operator in (

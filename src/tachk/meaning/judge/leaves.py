@@ -1,8 +1,8 @@
 """The values of an expression in all discrete states, in finitely many cases.
 
-The reference evaluator is asked with unknown numbers in place of what is in the state. Unknown numbers may be copied.
-Where the evaluator needs to know more of one, the case is divided, and it is asked again. So each case says of some
-slots which values they have there, and its answer is that of all states in it.
+The reference evaluator runs with unknown numbers in place of the contents of the state. Unknown numbers may be copied.
+If the evaluator needs to know more of one, the case is divided, and it runs again. So each case gives the values of
+some slots, and its answer is that of all states in it.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ T = TypeVar("T")
 Values = Sequence[int]
 """Values in ascending order: a range, or a tuple."""
 Case = Mapping[int, Values]
-"""Of some slots which values they may have."""
+"""The values that some slots may have."""
 
 MOST_CASES = 20_000
-"""Into so many cases a question is divided."""
+"""The largest number of cases into which a question is divided."""
 MOST_VALUES = 1_024
-"""So many values of one slot are told apart."""
+"""The number of values of one slot that are distinguished."""
 _FEW = 64
-"""Up to so many values are held one by one."""
+"""The number of values up to which they are held one by one."""
 
 
 class IndivisibleError(Exception):
@@ -153,7 +153,7 @@ class Leaves:
         self._contents = [content(slot, values) for slot, values in enumerate(self.ranges)]
 
     def environment(self, case: Case) -> Environment:
-        """Where expressions are evaluated in a case."""
+        """The environment in which expressions are evaluated in a case."""
         contents = list(self._contents)
         for slot, values in case.items():
             contents[slot] = content(slot, values)

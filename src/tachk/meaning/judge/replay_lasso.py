@@ -152,7 +152,7 @@ def _check_time(trace: TimedTrace) -> None:
 
 
 def _loop(trace: TimedTrace) -> tuple[int, TimedState, TimedState]:
-    """How many steps come before the loop, and the states before and behind it."""
+    """The number of steps before the loop, and the states before and after it."""
     start, number = trace.loop_start, len(trace.steps)
     if start is None or not 0 <= start < number or any(step.transition is None for step in trace.steps):
         raise ReplayError(number, "the run has no loop of transitions")

@@ -1,7 +1,7 @@
-"""What a certificate says can be exchanged: parts of a state that belong to the members of a group, and what becomes of
-a state when members change their places.
+"""The symmetry of a certificate: parts of a state that belong to the members of a group, and the image of a state when
+members change their places.
 
-Whether an exchange maps the model onto itself is not decided here: `tachk.meaning.judge.automorphism` proves it.
+`tachk.meaning.judge.automorphism` proves that a permutation maps the model onto itself, which is not decided here.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class SymmetryGroup:
         return len(self.slots)
 
     def check(self) -> None:
-        """That arrangements of the members act on states as a group does: each on its own, and one after the other as
-        the two together. Raises MalformedGroupError."""
+        """Checks that arrangements of the members act on states as a group: each by itself, and the product of two as
+        one after the other. Raises MalformedGroupError."""
         for parts in (self.slots, self.clocks, self.channels):
             if len(parts) != self.size or len(set(map(len, parts))) != 1 or not _are_distinct(sum(parts, ())):
                 raise MalformedGroupError("something belongs to two members, or members have different parts")
@@ -56,7 +56,7 @@ class SymmetryGroup:
                 raise MalformedGroupError("members hold different names")
 
     def tables_of_slots(self) -> Mapping[int, Sequence[int]]:
-        """Of the slots that may hold names, the numbers of their tables. Raises MalformedGroupError."""
+        """The slots that may hold names, with the numbers of their tables. Raises MalformedGroupError."""
         found: dict[int, list[int]] = {}
         for slot, table in self.names:
             if not 0 <= table < len(self.tables):

@@ -1,11 +1,12 @@
 """Fewer different zones in a set of symbolic states that is a proof: constraints that the proof can do without are left
-out, so that zones become equal, and each is told once.
+out, so that zones become equal, and each is listed once.
 
 Nothing here need be believed: a set with fewer constraints counts only if a checker accepts it as well. First all
-constraints that follow are told, and few differences of clocks are looked for with whose constraints alone the set is
-a proof. If too many zones are different then, it is asked whether a constraint is needed: of all zones together that
-bound the same difference of clocks; of those with the same bound; of zones that are alike but for the names of clocks;
-and of each zone by itself. At last two zones that differ in little become the smallest one that contains both.
+constraints that follow are written out, and few differences of clocks are looked for with whose constraints alone the
+set is a proof. If too many zones are different then, the checker tries the set without a constraint: in all zones
+together that bound the same difference of clocks; in those with the same bound; in zones that are alike but for the
+names of clocks; and in each zone by itself. At last two zones that differ in little become the smallest one that
+contains both.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ from tachk.meaning.judge.certificate import Columns, Numbers, Shapes, StateBlock
 from tachk.meaning.judge.zone_arrays import canonical
 
 MOST_WORK = 400_000_000
-"""How often a checker may be asked in each part of the work, times the zones, times the cube of how many clocks there
-are: it takes about so long."""
+"""The limit on the work of the checker in each part: the number of its runs, times the zones, times the cube of the
+number of clocks."""
 
 MOST_TOGETHER = 200
-"""Zones of one discrete state times clocks up to which all constraints are told: whether many zones cover another one
-together takes too long to ask where they have many constraints."""
+"""The number of zones of one discrete state, times clocks, up to which all constraints are written out: with many
+constraints the check that zones cover another one together takes too long."""
 
 _TOGETHER = (("places",), ("places", "bounds"), ("role", "form"), ("places", "zone"))
 
 
 class _BoundedChecker:
-    """A checker that may be asked until it has done `MOST_WORK`. Raises StoppedError."""
+    """A checker that may run until it has done `MOST_WORK`. Raises StoppedError."""
 
     def __init__(self, accepts: Callable[[Columns], bool], zones: int, dimension: int) -> None:
         self._accepts = accepts
@@ -108,7 +109,7 @@ def _with_few_places(columns: Columns, dimension: int, enough: int, checker: _Bo
         return _with(explicit, np.isin(number, chosen))
 
     def least(base: Numbers, is_new: bool, others: Numbers) -> Numbers:
-        """Which of the others are needed beside those in the base; with all of them it is a proof."""
+        """The others that are needed beside those in the base; with all of them it is a proof."""
         if checker.is_tired() or (is_new and checker.accepts(only(base))):
             return others if checker.is_tired() else others[:0]
         if len(others) == 1:
@@ -170,7 +171,7 @@ def _alike(zones: Numbers, chosen: Numbers) -> list[tuple[int, int]]:
 
 
 def _all_constraints(columns: Columns, zones: Numbers) -> Columns:
-    """With all constraints of these zones in place of those that are told, but for what goes without saying."""
+    """The columns with all constraints of these zones in place of the listed ones, except trivial ones."""
     dimension = zones.shape[1]
     trivial = np.full((dimension, dimension), INFINITY)
     trivial[0] = LESS_EQUAL_ZERO

@@ -131,7 +131,7 @@ class Pieces:
         return Pieces(self.table, self.zone[chosen], self.row[chosen], self.origin[chosen])
 
     def at(self, rows: Numbers) -> Pieces:
-        """Those of some discrete states; these pieces are in the order of discrete states."""
+        """The pieces of some discrete states; these pieces are in the order of discrete states."""
         return self.take(self._pairs(rows)[1])
 
     def _pairs(self, rows: Numbers) -> tuple[Numbers, Numbers]:
@@ -162,7 +162,7 @@ class Pieces:
         return self.take(piece).become(inside, others.table, others.zone[other])
 
     def beyond(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
-        """Those that lie within no single one of the others; as `without`."""
+        """The pieces that lie within no single one of the others; for the arguments see `without`."""
 
         def left_of(pieces: Pieces, used: Truths, zone: Numbers) -> Pieces:
             within = (pieces.table[pieces.zone] <= others.table[zone]).all(axis=(1, 2))
@@ -171,8 +171,8 @@ class Pieces:
         return self._compared(others, counts, left_of)
 
     def without(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
-        """What is outside of all others of their discrete states, which are in the order of these, as far as they count
-        for pieces of their origins."""
+        """The parts of the pieces outside of all others of their discrete states, which are in the order of these; only
+        the others count that ``counts`` names for the origin of a piece."""
 
         def left_of(pieces: Pieces, used: Truths, zone: Numbers) -> Pieces:
             parts = pieces.take(used).become(outside, others.table, zone[used])
@@ -186,7 +186,7 @@ class Pieces:
         counts: Callable[[Numbers, Numbers], Truths] | None,
         left_of: Callable[[Pieces, Truths, Numbers], Pieces],
     ) -> Pieces:
-        """What is left after one of the others of their discrete states after the other. `left_of` tells what is left
+        """The remainder after all others of their discrete states, one after the other. `left_of` gives the remainder
         of pieces, of which some are compared with another zone each."""
         left, done, number = self, [self.take(slice(0))], 0
         while len(left.row):
