@@ -1,4 +1,4 @@
-"""Which variables and channels expressions touch, element by element where an index is a constant.
+"""The variables and channels that expressions touch, element by element where an index is a constant.
 
 A *cell* is a variable, and of an array the first index, where it does not depend on the state: ``sent[0]`` is a cell of
 ``sent``, and so is all of ``sent`` where the index is not known. Two cells overlap if they are of the same variable and

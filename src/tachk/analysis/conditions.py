@@ -156,8 +156,8 @@ def split_conjunction(expression: Expression, known: Known) -> Conjunction:
 
 @dataclass(slots=True)
 class _Conjuncts:
-    """What a conjunction consists of. An expression that is split with ``positive`` false is one that is negated; with
-    a condition it has to hold where that does."""
+    """The parts of a conjunction. An expression that is split with ``positive`` false is negated; with a condition it
+    has to hold where the condition does."""
 
     integers: list[Expression] = field(default_factory=list)
     clocks: list[tuple[Expression | None, ClockAtom]] = field(default_factory=list)

@@ -23,7 +23,7 @@ from tachk.model.traversal import (
 from tachk.model.types import BoolType, ChannelType, ClockType, IntType, bounds
 
 LARGEST_RANGE = 256
-"""Of variables with more values only whether they become larger or smaller is looked at."""
+"""The number of values of a variable above which its changes are only "larger" and "smaller"."""
 
 Changes = frozenset[tuple[int, int]]
 """Pairs (value before, value after)."""
@@ -161,7 +161,7 @@ def _changes(network: Network, edge: Edge, known: Known, first: bool) -> dict[Va
 
 
 def _direction(update: Expression, variable: Variable, known: Known) -> Changes | None:
-    """Whether an update makes a variable larger (told as a step from 0 to 1) or smaller (from 1 to 0)."""
+    """The direction of an update: it makes a variable larger (written as a step from 0 to 1) or smaller (1 to 0)."""
     added = _added(update, variable)
     if added is None:
         return None

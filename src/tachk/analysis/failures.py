@@ -1,4 +1,4 @@
-"""Which expressions can meet a run-time error, as far as the ranges of variables tell."""
+"""Expressions that may meet a run-time error, by the ranges of variables."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
     """Whether something of an edge can be a run-time error.
 
     Args:
-        updates: those of its updates that are asked about, and nothing but them; all of the edge if there are none.
+        updates: the updates to look at, and nothing but them; all of the edge if there are none.
     """
     evaluated = edge.updates if updates is None else updates
     domain = FailureDomain(known)

@@ -191,7 +191,7 @@ def number(expression: Expression, domain: Domain[N, T, P]) -> N:
 
 
 def truth(expression: Expression, domain: Domain[N, T, P]) -> T:
-    """Whether a condition is true."""
+    """The truth of a condition in a domain."""
     match expression:
         case Unary(UnaryOperator.NOT, operand):
             return domain.values.negated(truth(operand, domain))

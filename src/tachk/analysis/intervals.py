@@ -57,12 +57,12 @@ def possible_cells(expression: Expression, known: Known) -> tuple[tuple[Variable
 
 
 class PossiblePart(NamedTuple):
-    """Where a value may be: in a variable, or (None) at a place that is not known.
+    """A place at which a value may be: in a variable, or (None) at an unknown place.
 
     Attributes:
         first: the number of its first cell in the variable.
-        steps: for each index around it the number of elements it may choose, and how many cells each of them has.
-        value: what a place has that nothing was written to since.
+        steps: for each index around it the number of elements it may choose, and the number of cells of each.
+        value: the contents of a place that nothing was written to since.
     """
 
     variable: Variable | None

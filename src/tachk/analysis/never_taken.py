@@ -15,7 +15,7 @@ from tachk.model.types import ChannelType
 
 @by_network
 def never_taken(network: Network) -> frozenset[tuple[int, int]]:
-    """Those edges, by process and number. Nothing of them can be a run-time error."""
+    """The edges that are never taken, by process and number. None of them can meet a run-time error."""
     known = known_values(network, ())
     off: set[tuple[int, int]] = set()
     waiting: list[tuple[int, int, Edge]] = []

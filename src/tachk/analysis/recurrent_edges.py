@@ -1,4 +1,4 @@
-"""Whether infinitely many actions can happen in finite time: a look at the model alone, that says no or may be.
+"""Zeno runs, excluded by the model alone: the answer is that there is none, or that there may be one.
 
 In a run in which time does not diverge, each process that moves for ever stays in cycles of its edges. Take a clock x
 that is only ever set to 0: if edges that reset x and edges that need x >= 1 were both taken for ever, at least one time
@@ -92,7 +92,7 @@ def _recurrent(steps: Steps) -> Steps:
 
 
 def _on_cycles(steps: Iterable[EdgeStep]) -> Steps:
-    """Those that lie on a cycle of their process."""
+    """The steps that lie on a cycle of their process."""
     by_process: dict[int, list[EdgeStep]] = {}
     for step in steps:
         by_process.setdefault(step.process, []).append(step)
@@ -104,7 +104,7 @@ def _on_cycles(steps: Iterable[EdgeStep]) -> Steps:
 
 
 def _answered(steps: Steps) -> Steps:
-    """Those that have a partner; who broadcasts needs none."""
+    """The steps that have a partner; a broadcast needs none."""
     senders = [step for step in steps if step.channels and step.sends]
     receivers = [step for step in steps if step.channels and not step.sends]
 
@@ -125,7 +125,7 @@ def _answered(steps: Steps) -> Steps:
 
 
 def _undone(steps: Steps) -> Steps:
-    """Those all of whose changes of variables are undone by others."""
+    """The steps all of whose changes of variables are undone by others."""
     writers: dict[Variable, list[EdgeStep]] = {}
     for step in steps:
         for variable in step.changes:

@@ -66,7 +66,7 @@ class Estimates(Sequence["Estimate"]):
 
 
 class Estimable:
-    """A model of which probabilities and means can be asked.
+    """A model with statistical queries: probabilities and means.
 
     Attributes:
         path: where it was read from, or what reports call it.
@@ -139,7 +139,7 @@ def answers_among(
     """The answers of the statistical queries among those of a verification; as `answer_statistical`.
 
     Args:
-        questions: what was asked about the model, from which the formulas come.
+        questions: the questions about the model, from which the formulas come.
         options: of the verification; its seed is that of the runs.
 
     Raises InputError where a query that was typed is wrong.

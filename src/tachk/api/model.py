@@ -110,7 +110,7 @@ def conform(
     applications: Iterable[str | os.PathLike[str]] = (),
     explain: str = "short",
 ) -> Conformance:
-    """Whether a recording of the real system is a run of a model, which says in ``recording { ... }`` how to read it.
+    """Checks if a recording of the real system is a run of a model; its ``recording { ... }`` says how to read it.
 
     Args:
         recording: a file of events, see docs/conformance.md.
@@ -120,9 +120,9 @@ def conform(
         ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
         limits: of each search; the seconds are for all of them together.
         applications: files of events that applications noted; beside a capture with times since 1970.
-        explain: what is told of a recording that is no run. ``"none"``: only that; ``"short"``: where it leaves the
-            model, and an edit that would make it a run if one is found in a few seconds; ``"full"``: all edits near
-            that place are tried.
+        explain: the explanation for a recording that is no run. ``"none"``: nothing; ``"short"``: the place where it
+            leaves the model, and an edit that would make it a run if one is found in a few seconds; ``"full"``: all
+            edits near that place are tried.
 
     Raises UsageError if the recording does not fit the model, or it says nothing of them, UnsupportedError.
     """
@@ -141,8 +141,8 @@ def conform(
 
 @checked_arguments
 def diff(before: Model | str | os.PathLike[str], after: Model | str | os.PathLike[str]) -> str:
-    """What is different in the behaviour of two models, as `tachk diff` prints it; empty if nothing is. The values that
-    constants were given when the models were loaded count.
+    """The differences in the behaviour of two models, as `tachk diff` prints them; empty if there are none. Constants
+    have the values that they were given when the models were loaded.
 
     Raises UsageError for a model that cannot be written down, and what `load` raises for paths.
     """

@@ -1,4 +1,4 @@
-"""What plug-ins may import beside `tachk` itself: networks part by part and what they mean; `tachk.api.proofs` has
+"""The interface for plug-ins beside `tachk` itself: the parts of networks and their meaning; `tachk.api.proofs` has
 proofs about them.
 
 A plug-in is a distribution of its own, such as ``plugins/munta``. Other modules may move without notice.

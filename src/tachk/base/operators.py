@@ -36,7 +36,7 @@ class OperandGroup(Enum):
 
 
 class Failure(StrEnum):
-    """Why an operation has no value; the value says it of one. Named like the run-time errors."""
+    """The reasons why an operation has no value, with a text for one. Named like the run-time errors."""
 
     DIVISION = "{left} divided by 0"
     SHIFT = "the distance is {right}"
@@ -118,7 +118,7 @@ class BinaryOperator(StrEnum):
 
     @property
     def level(self) -> int:
-        """How strongly it binds: the larger, the stronger. All associate to the left."""
+        """The precedence: the larger, the stronger it binds. All operators associate to the left."""
         return _ROWS[self].level
 
     @property

@@ -30,7 +30,8 @@ else:
     _FACTORY = _Factory()
 
     class _Parameters:
-        """How a class was decorated: what standard classes ask of those they inherit from, and Dask of arguments."""
+        """The parameters of the decorator, which standard classes need of those they inherit from, and Dask of
+        arguments."""
 
         __slots__ = (
             "eq",
@@ -88,7 +89,7 @@ else:
         return decorate
 
     def _fields(plain: type) -> dict[str, dataclasses.Field]:
-        """Those of the classes it inherits from, and its own, whose defaults become attributes of the class."""
+        """The fields of the classes it inherits from, and its own, whose defaults become attributes of the class."""
         fields = {}
         for base in reversed(plain.__mro__[1:]):
             fields |= base.__dict__.get(_FIELDS, {})
@@ -168,7 +169,7 @@ else:
     _codes: dict[str, types.CodeType] = {}
 
     def _code(text: str) -> types.CodeType:
-        """That of the function that a text defines."""
+        """The code of the function that a text defines."""
         code = _codes.get(text)
         if code is None:
             made: dict[str, types.FunctionType] = {}

@@ -27,7 +27,7 @@ class Passage:
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a text that was extracted from a file stands in that file.
+    """The places in a file of a text that was extracted from it.
 
     The text is cut into runs. A run is either taken over character by character, or is one character that the file
     writes otherwise, such as ``&lt;``.

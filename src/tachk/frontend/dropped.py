@@ -45,7 +45,7 @@ def dropped_kind(node: ast.TypeExpression) -> str | None:
 def declare_dropped(
     node: ast.VariableDeclaration, kind: str, shapes: Sequence[Type | None], scope: Scope, context: Context
 ) -> None:
-    """Declares what is left out. Of a constant text no more need be told."""
+    """Declares variables that are left out, with a note; a constant text needs no note."""
     for declarator, shape in zip(node.declarators, shapes, strict=True):
         name = declarator.name
         given = None if declarator.dimensions or not kind.endswith("constant") else declarator.initialiser
@@ -122,8 +122,8 @@ def refuse_use(node: ast.NameExpression | ast.MemberExpression, symbol: DroppedS
 
 
 def kept_of_update(update: ast.Expression, scope: Scope) -> ast.Expression | None:
-    """What stays of an update. Of an assignment to what is left out its value does if computing that may change
-    something or fail, and else nothing."""
+    """The part of an update that stays. An assignment to a dropped variable leaves its value, if computing that may
+    change something or fail, and else nothing."""
     if not isinstance(update, ast.AssignmentExpression) or not is_dropped(update.target, scope):
         return update
     return None if is_harmless(update.value, scope) else update.value

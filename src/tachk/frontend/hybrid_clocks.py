@@ -1,4 +1,4 @@
-"""Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
+"""The clocks that a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
 
 Clocks that are declared so are, and plain ones that are used like them: with rates that are not certainly 0 or 1, with
 floating point numbers, in guards over urgent channels, in weights, or in arithmetic other than `x = y + e`. So are

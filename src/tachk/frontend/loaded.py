@@ -91,7 +91,7 @@ class LoadedModel:
 
 
 def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
-    """What else a model may mean, each with the place of `default` that it was read with; see `priority_readings`.
+    """The other meanings of a model, each with the place of `default` that it was read with; see `priority_readings`.
 
     The queries are those of the model, with the names of the reading.
     """

@@ -123,7 +123,7 @@ class _RecordingClauseReader:
         return found
 
     def _units(self, clause: ast.AllowanceClause) -> Fraction:
-        """How long this is in units of the model."""
+        """The length of an allowance in units of the model."""
         if not clause.unit:
             return Fraction(clause.amount)
         length = NANOSECONDS.get(clause.unit)

@@ -1,4 +1,4 @@
-"""What larger bounds do to a temporal formula: with a longer window for what must come it is true more often, with a
+"""The direction of bounds in a temporal formula: with a longer window for what must come it is true more often, with a
 longer one in which something must stay less often.
 
 Follows from the meaning of the operators: what an operator on a window demands grows or shrinks with each end of the
@@ -35,7 +35,7 @@ from tachk.syntax.formula import (
 )
 
 Easier = bool | None
-"""Whether more of something makes a formula true more often; None: neither this nor the opposite is known."""
+"""True if more of something makes a formula true more often, False if less often; None: neither is known."""
 
 Directions = Iterator[tuple[ast.Expression, Easier]]
 

@@ -113,7 +113,7 @@ class _DurationResolver:
             return None
 
     def scale(self, duration: Duration) -> Fraction:
-        """How many units of the model or the trace make the duration's own; 0 after a report."""
+        """The number of units of the model or the trace that make the duration's unit; 0 after a report."""
         own, common = length_of(duration.unit), length_of(self.unit)
         if own is None:
             self.found.append(unknown_unit(duration.unit, duration.span))

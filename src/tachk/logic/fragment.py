@@ -3,9 +3,9 @@
     f ::= true | c | !f | f && f | f || f | f -> f | F[0,b] f | G[0,b] f | f U[0,b] f
 
 where c is a condition on one instant (the edges ``rise``, ``fall`` and ``change`` of conditions are ones too), and the
-whole formula may be ``G f``, or a conjunction of such formulas. Every interval begins now: of all responses that are
-waited for, the one asked for first is then the most urgent. With a lower bound above 0 several are open at different
-ages. Observers (`tachk.logic.observer.construction`) exist for formulas beyond this fragment as well.
+whole formula may be ``G f``, or a conjunction of such formulas. Every interval begins now: of all awaited responses the
+oldest is then the most urgent. With a lower bound above 0 several are open at different ages. Observers
+(`tachk.logic.observer.construction`) exist for formulas beyond this fragment as well.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How far a formula looks ahead."""
+"""The horizon of a formula: how far it looks ahead."""
 
 from __future__ import annotations
 

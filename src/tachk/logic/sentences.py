@@ -255,7 +255,7 @@ class _Meaning:
                 raise ValueError("only a run that is bounded has its end for a reference")
 
     def shift(self) -> Duration | None:
-        """How long after the beginning of the run the delay begins."""
+        """The time from the beginning of the run to that of the delay."""
         match self.sentence.trigger:
             case s.Becomes(lasting=s.AtLeast(duration=duration), reference=s.DelayReference.MINIMUM):
                 return duration
@@ -345,7 +345,7 @@ class _Meaning:
         )
 
     def lasts(self, condition: Formula, lasting: s.Lasting) -> Formula:
-        """That a condition stays true from now for as long; ``at most`` leaves open whether it is true now."""
+        """The formula that a condition stays true from now for so long; ``at most`` leaves open if it is true now."""
         span = self.span
         match lasting:
             case s.AtLeast(duration=shortest):
@@ -375,7 +375,7 @@ class _Meaning:
         return Not(self.span, self.eventually(interval, negation(operand)))
 
     def ends(self, interval: Interval, condition: Formula) -> Formula:
-        """That a condition becomes false in the window, or the scope ends."""
+        """The formula that a condition becomes false in the window, or the scope ends."""
         end = self.end()
         over = negation(condition) if end is None else either(self.span, negation(condition), end)
         return Eventually(self.span, interval, over)

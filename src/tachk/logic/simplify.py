@@ -194,7 +194,7 @@ def _number(duration: Duration) -> Fraction | None:
 
 
 def _includes_now(interval: Interval) -> bool | None:
-    """Whether 0 lies in an interval that is not empty; None if it is not known."""
+    """True if 0 lies in an interval that is not empty; None if that is not known."""
     lower = _lower(interval)
     if lower is None:
         return None

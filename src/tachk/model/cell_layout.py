@@ -1,4 +1,4 @@
-"""Where the variables of a network lie in a state: the numbering of cells, clocks and channels.
+"""The layout of the variables of a network in a state: the numbering of cells, clocks and channels.
 
 Cells are numbered in the order of `Network.all_variables`, clocks from 1 and channels from 0 in the same order. The
 cell of a clock or channel holds its number.

@@ -1,4 +1,4 @@
-"""Conditions made of conditions, told where the last of them is."""
+"""Conditions made of conditions, each at the place of the last of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def as_number(condition: Expression) -> Expression:
 
 
 def is_set(flag: Expression) -> Expression:
-    """Whether a variable that is 0 or 1 is 1."""
+    """The condition that a variable that is 0 or 1 is 1."""
     return Binary(BinaryOperator.EQUAL, flag, Constant(1), BOOL)
 
 
@@ -34,8 +34,8 @@ def either(one: Expression, other: Expression) -> Expression:
 
 
 def is_conjunction(condition: Expression, positive: bool = True) -> bool | None:
-    """Whether a condition, or (not positive) its negation, joins two conditions by "and" (True) or by "or" (False);
-    None if by neither."""
+    """True if a condition, or (not positive) its negation, joins two conditions by "and", False if by "or"; None if by
+    neither."""
     if not isinstance(condition, Binary) or condition.operator.decided_by is None:
         return None
     return (condition.operator is BinaryOperator.AND) is positive
@@ -59,7 +59,7 @@ def conjuncts(condition: Expression | None) -> Iterator[Expression]:
 
 
 def somebody_committed(network: Network) -> Expression:
-    """Whether some process of the network is in a committed location."""
+    """The condition that some process of the network is in a committed location."""
     tests: list[Expression] = [
         LocationTest(number, location)
         for number, process in enumerate(network.processes)

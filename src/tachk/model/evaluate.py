@@ -112,7 +112,7 @@ def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
 
 @dataclass(slots=True)
 class Environment:
-    """Where an expression is evaluated.
+    """The environment in which an expression is evaluated.
 
     Attributes:
         layout: the numbering of cells.
@@ -123,7 +123,7 @@ class Environment:
         resets: what updates assigned to clocks: clock number to new value, in terms of the values before all of them.
         deadlock: the answer to ``deadlock``; needed by that expression only.
         frame: the places of function parameters, local variables of functions and bound variables.
-        steps: evaluated so far in the current piece of code.
+        steps: the number of steps of the current piece of code so far.
     """
 
     layout: CellLayout

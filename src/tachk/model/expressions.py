@@ -57,7 +57,7 @@ class Variable:
     drawn: Expression | None = None
 
     def hybrid_clocks(self) -> Iterator[int]:
-        """Where its hybrid clocks begin, in cells."""
+        """The cells at which its hybrid clocks begin."""
         return iter(range(0, cell_count(self.type), 2)) if self.is_hybrid else hybrid_offsets(self.type)
 
     @property

@@ -272,7 +272,7 @@ def variable_type(type_: Type) -> Type:
 
 
 def hybrid_offsets(type_: Type, first: int = 0) -> Iterator[int]:
-    """Where the hybrid clocks among the fields of a type begin, in cells."""
+    """The cells at which the hybrid clocks among the fields of a type begin."""
     match type_:
         case RecordType() if type_ == HYBRID_DOUBLE:
             yield first

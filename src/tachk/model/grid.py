@@ -1,4 +1,4 @@
-"""Which constants take which values."""
+"""Grids: constants and the values that each of them takes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which meta variables carry a value from one transition to the next, although they are not part of the state."""
+"""Meta variables that carry a value from one transition to the next, although they are not part of the state."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Location:
 
     @property
     def commitment(self) -> int:
-        """How far the process has to go first here."""
+        """The level of commitment: the processes with the largest one must move first; 0: not committed."""
         return 1 + self.observes if self.committed else 0
 
     def may_go(self, most: int) -> bool:
@@ -63,12 +63,12 @@ class Synchronisation:
 
 @dataclass(frozen=True, slots=True)
 class Branching:
-    """Where an edge comes from a branchpoint: which of the edges of the process are branches of the same way into it.
+    """The branchpoint of an edge: edges of the process with the same way into it are its branches.
 
     Attributes:
         way: its number in the process.
-        selects: how many of the edge's select variables belong to the way in.
-        weight: how often the branch is taken, in proportion to the others; None: 1.
+        selects: the number of the edge's select variables that belong to the way in.
+        weight: the relative frequency of the branch; None: 1.
     """
 
     way: int
@@ -139,7 +139,7 @@ class Network:
     default_priority: the priority of internal edges and of channels without one of their own.
     constants: the global integer constants with their values, for reports.
     time_unit: what one time unit means, for output only: ``"1 ms"``.
-    hidden: templates and processes that told runs leave out, for output only.
+    hidden: templates and processes that printed runs leave out, for output only.
     lasting: the variables declared `meta` that states hold nevertheless, see `tachk.model.metas`.
     """
 
@@ -168,7 +168,7 @@ class Network:
         return not of_channels <= {self.default_priority} or len({p.priority for p in self.processes}) > 1
 
     def hides(self, process: Process) -> bool:
-        """Whether told runs leave the process out."""
+        """Whether printed runs leave the process out."""
         return process.name in self.hidden or process.template in self.hidden
 
     @property

@@ -44,7 +44,7 @@ class Observer:
 
 @dataclass(frozen=True, slots=True)
 class QueryDeadline:
-    """How soon, in time units; ``strict``: sooner than that."""
+    """The upper bound on a time, in time units; ``strict``: the time is less than the bound."""
 
     bound: int
     strict: bool = False
@@ -83,8 +83,8 @@ class Query:
 
     @property
     def holds_when_reached(self) -> bool | None:
-        """Whether the query holds (True) or fails (False) once one state satisfies `target`; None where no single
-        state decides it."""
+        """True if the query holds once one state satisfies `target`, False if it fails then; None if no single state
+        decides it."""
         match self.kind:
             case QueryKind.POSSIBLY:
                 return True

@@ -36,7 +36,7 @@ _SMALL = IntType(0, TOP)
 _CELLS = ArrayType(_SMALL, IntType(0, TOP))
 _PAIR = RecordType("pair", (("first", _SMALL), ("rest", ArrayType(_SMALL, IntType(1, 2)))))
 _FAILS = 0.3
-"""How often an expression may fail in a network in which some may."""
+"""The share of expressions that may fail in a network in which some may."""
 
 
 @dataclass(slots=True)

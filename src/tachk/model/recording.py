@@ -1,4 +1,4 @@
-"""How recordings of a real system are held against a network: what a ``recording { ... }`` of a model says."""
+"""The mapping between recordings of a real system and a network: the ``recording { ... }`` of a model."""
 
 from __future__ import annotations
 

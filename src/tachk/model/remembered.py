@@ -1,6 +1,6 @@
 """Caches of results that depend on a network or a part of one, for those used last.
 
-They are told apart by their identity: to compare two of them would cost as much as most of what is asked.
+Networks are compared by identity: to compare their contents would cost as much as most of the results.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 
 
 def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[Network, *Arguments], Result]:
-    """A function of a network and of what is asked about it, with its last results.
+    """A function of a network and other arguments, with a cache of its last results.
 
     The results are shared: nobody may change them. Nothing that went wrong is remembered.
     """

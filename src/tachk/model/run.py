@@ -122,7 +122,7 @@ class RunTimeFault:
     Attributes:
         detail: the values involved: ``"4 is not in [0, 3]"``; empty where they are not known.
         run: the path with its delays; an engine leaves it None.
-        of_query: it is one of what is asked, and not of the model.
+        of_query: it is an error of the query, and not of the model.
     """
 
     kind: RuntimeErrorKind

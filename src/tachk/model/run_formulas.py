@@ -28,7 +28,7 @@ class RunOperator(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RunWindow:
-    """Which distances from now an operator looks at, in time units of the model; without an end where ``upper`` is
+    """The window of an operator: distances from now, in time units of the model; without an end if ``upper`` is
     None."""
 
     lower: Fraction = Fraction(0)

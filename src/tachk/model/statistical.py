@@ -22,10 +22,10 @@ class Scale(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RunBound:
-    """How far a run is looked at: as long as the time, the number of transitions or the clock is at most ``limit``.
+    """The bound of a run: the time, the number of transitions or the clock is at most ``limit``.
 
     Attributes:
-        beyond: of a hybrid clock: that it is larger than the limit. Then there is no ``clock``.
+        beyond: for a hybrid clock the condition that it is larger than the limit. Then there is no ``clock``.
     """
 
     scale: Scale
@@ -115,7 +115,7 @@ class Trajectories:
 
     Attributes:
         runs: how many are drawn.
-        condition: only those are told on which it becomes true within the bound; None: all.
+        condition: only runs on which it becomes true within the bound are shown; None: all.
         most: so many of these.
     """
 

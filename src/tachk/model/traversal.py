@@ -231,7 +231,7 @@ def compares_clocks(expression: Expression) -> bool:
 
 
 def asks_deadlock(expression: Expression) -> bool:
-    """Whether `deadlock` is asked anywhere in an expression."""
+    """Whether an expression contains `deadlock`."""
     return any(isinstance(node, Deadlock) for node in walk(expression))
 
 

@@ -125,7 +125,7 @@ def element_type(type_: Type) -> Type:
 
 
 def cell_count(type_: Type) -> int:
-    """How many cells a value of the type has."""
+    """The number of cells of a value of the type."""
     match type_:
         case ArrayType():
             return type_.size * cell_count(type_.element)
@@ -138,7 +138,7 @@ def cell_count(type_: Type) -> int:
 
 
 def clock_count(type_: Type) -> int:
-    """How many of the cells are clocks."""
+    """The number of cells that are clocks."""
     match type_:
         case ArrayType():
             return type_.size * clock_count(type_.element)
@@ -149,7 +149,7 @@ def clock_count(type_: Type) -> int:
 
 
 def nesting(type_: Type) -> int:
-    """How many arrays and structs enclose the innermost part of a type; 0 for an integer."""
+    """The number of arrays and structs around the innermost part of a type; 0 for an integer."""
     match type_:
         case ArrayType():
             return 1 + nesting(type_.element)

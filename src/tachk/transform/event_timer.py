@@ -169,7 +169,7 @@ def _observed(process: Process, pending: Expression, events: Sequence[_Noticed])
 
 
 def _same_channel(named: Expression, wanted: Expression) -> Expression:
-    """Whether two channels are the same; a wanted array stands for any of its channels."""
+    """The condition that two channels are the same; a wanted array stands for any of its channels."""
     (one, indices), (other, given) = _path(named), _path(wanted)
     if one is not other:
         return Constant(0, BOOL)

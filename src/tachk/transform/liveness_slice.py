@@ -36,7 +36,7 @@ from tachk.transform.cone_of_influence import frozen, is_broadcast
 from tachk.transform.transformation import Exactness, Transformation, reduced, unchanged
 
 MOST_COMBINATIONS = 4096
-"""Of values of variables for which it is tried whether one of the edges is enabled."""
+"""The limit on combinations of values of variables for which it is tried if one of the edges is enabled."""
 
 Ends = Mapping[Expression, int]
 """The latest values of clocks that an invariant allows."""
@@ -62,7 +62,7 @@ def liveness_preserving_slice(network: Network, targets: list[Expression]) -> Tr
 
 
 def _writers(network: Network) -> Counter[Variable]:
-    """How many processes may write a variable."""
+    """The number of processes that may write each variable."""
     return Counter(v for process in network.processes for v in written_variables(list(process_expressions(process))))
 
 
@@ -90,7 +90,7 @@ def _never_hinders(process: Process, known: Known, writers: Counter[Variable]) -
 
 
 def _ends(location: Location, known: Known) -> Ends | None:
-    """Where an invariant ends; None if it is not a conjunction of fixed upper bounds that are reached."""
+    """The upper bounds of an invariant; None if it is not a conjunction of fixed upper bounds that are reached."""
     if location.invariant is None:
         return {}
     ends: dict[Expression, int] = {}

@@ -60,7 +60,7 @@ _POSITIVE = (BinaryOperator.AND, BinaryOperator.OR)
 
 
 def monotone_counters(network: Network, targets: Sequence[Expression]) -> frozenset[Variable]:
-    """The monotone counters of a network where it is asked whether one of the targets is reachable."""
+    """The monotone counters of a network for the reachability of targets."""
     known = known_values(network, targets)
     raised = {
         target.variable
@@ -109,7 +109,7 @@ def _in_range(target: Reference, step: int) -> Reference | None:
 
 
 def _read_otherwise(process: Process, candidates: set[Variable], known: Known) -> set[Variable]:
-    """Those of some variables that occur elsewhere than in updates that raise them and in guards that ask for less."""
+    """The variables that occur elsewhere than in updates that raise them and in guards that bound them from above."""
     found: set[Variable] = set()
     guards = [edge.guard for edge in process.edges if edge.guard is not None]
     for guard in guards:

@@ -19,8 +19,8 @@ from tachk.model.run import Ending, Participant, RunTimeFault, TimedState, Timed
 
 
 class Exactness(Flag):
-    """Which answers about a transformed network, or of a search that sees only a part, are answers about the original
-    network."""
+    """The answers about a transformed network, or of a search that sees only a part, that are also answers about the
+    original network."""
 
     NOTHING = 0
     REACHABLE = auto()
@@ -30,7 +30,7 @@ class Exactness(Flag):
     RUN = auto()
     """A run that was found, which avoids something for ever or ends without it, is one of the original."""
     NO_RUN = auto()
-    """Where no such run was found the original has none."""
+    """If no such run is found, the original has none."""
     ERRORS = auto()
     """A run-time error, or a limit that was hit, would end every further search of the original, too."""
     SAME_STATES = REACHABLE | UNREACHABLE

@@ -1,6 +1,6 @@
 """Explanations of diagnostic codes, for ``tachk explain CODE``, SARIF reports and tests.
 
-The explanations are data: ``explanations/GROUP.toml``, a table for each code, read when one is asked for.
+The explanations are data: ``explanations/GROUP.toml``, a table for each code, read when one is needed.
 The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx
 queries and properties, E06xx constants, E07xx unsupported features and run-time errors, E08xx the formats and versions
 of other tools, E090x and E091x formulas over traces, E092x runs, E095x rules of a relay, W0xxx warnings.

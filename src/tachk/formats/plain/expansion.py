@@ -103,8 +103,8 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
 
 
 def expand_document(document: ast.Document | None) -> PlainModel:
-    """A document by itself, as far as it can be told without elaboration: imports are not followed, and values on
-    channels stay as they are. No document is an empty model."""
+    """A document by itself, as far as that goes without elaboration: imports are not followed, and values on channels
+    stay as they are. No document is an empty model."""
     items: tuple[ast.Item, ...] = () if document is None else _ordered_prefixes(document.items)
     span = NOWHERE if document is None else document.span
     steps: list[PlainRewriting] = []

@@ -50,7 +50,7 @@ class PlainModel:
     templates: all in the classic form.
     comments: those of the document itself.
     steps: how it came from the original.
-    wrong: the texts of queries that no model can have, where it matters that they are told apart.
+    wrong: the texts of queries that no model can have, if it matters that they stay different.
     observed: there are observers in it, whose steps of their own leave no deadlock.
     """
 

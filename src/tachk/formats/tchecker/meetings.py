@@ -44,7 +44,7 @@ class Whereabouts:
     """The variable that tells where a process is.
 
     Attributes:
-        numbers: of the locations of the process, by name; only one of several is told.
+        numbers: of the locations of the process, by name; only one of several is reported.
     """
 
     variable: str

@@ -191,7 +191,7 @@ class _ExpatReader:
 
 
 class _Offsets:
-    """From offsets in the encoded text, asked in ascending order, to offsets in the text."""
+    """From offsets in the encoded text, looked up in ascending order, to offsets in the text."""
 
     def __init__(self, text: str) -> None:
         self.encoded = None if text.isascii() else text.encode(_ENCODING, "surrogatepass")

@@ -1,4 +1,4 @@
-"""How channels are used: values passed over them, senders and receivers."""
+"""The uses of channels: values passed over them, senders and receivers."""
 
 from __future__ import annotations
 

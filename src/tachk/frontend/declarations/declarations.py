@@ -113,7 +113,7 @@ def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: De
 
 
 def _shapes(node: ast.VariableDeclaration, scope: Scope, context: Context) -> list[Type | None]:
-    """Which parts what is left out has; None where that cannot be told."""
+    """The types of the parts of dropped variables; None where they are unknown."""
     reader = type_reader(scope, replace(context, findings=DiagnosticCollector()))
     return [reader.dimensions(DOUBLE, declarator.dimensions) for declarator in node.declarators]
 

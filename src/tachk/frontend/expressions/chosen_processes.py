@@ -112,7 +112,7 @@ def _member(process: ProcessSymbol, node: ast.MemberExpression, context: Context
 
 
 def _test(selectors: list[Expression], values: tuple[int, ...], span: Span) -> Expression:
-    """Whether these are the values of the arguments."""
+    """The condition that the arguments have these values."""
     tests = [
         fold.binary(BinaryOperator.EQUAL, selector, Constant(value, selector.type), BOOL, span)
         for selector, value in zip(selectors, values, strict=True)

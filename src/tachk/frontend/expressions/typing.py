@@ -1,4 +1,4 @@
-"""Which types go together."""
+"""The rules for types: which of them go together."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def _predicate(node: ast.Expression, scope: Scope, context: Context) -> Expressi
 
 
 def _measured(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
-    """An expression whose least or largest value is asked for: an integer, a clock or a difference of clocks."""
+    """An expression whose least or largest value a query is about: an integer, a clock or a difference of clocks."""
     value = expression(node, scope, context)
     if value is None or not context.require_pure(value, "a query"):
         return None

@@ -62,10 +62,10 @@ class ReadFormula:
 
 @dataclass(frozen=True, slots=True)
 class OperandReader:
-    """How the parts of a formula are read.
+    """The readers of the parts of a formula.
 
     Attributes:
-        condition: the typed condition in a text. Raises what the reader of the query raises.
+        condition: the typed condition in a text. Raises the errors of the reader of the query.
         value: the same of a number.
     """
 

@@ -249,7 +249,7 @@ class _StatisticalQueryReader:
                 return RunBound(Scale.CLOCK, self._time(limit), clock), runs
 
     def _beyond(self, measured: Span, limit: Span) -> Expression:
-        """That a hybrid clock is larger than its bound."""
+        """The condition that a hybrid clock is larger than its bound."""
         whole = Span(measured.source, measured.start, limit.end)
         node = ast.BinaryExpression(whole, BinaryOperator.GREATER, self._node(measured), self._node(limit))
         return self._pure(condition(node, self._model.scope, self._context))
@@ -383,7 +383,7 @@ def _is_number(type_: Type) -> bool:
 
 
 def _partner(text: str, start: int) -> int | None:
-    """Where the bracket ends that begins at a place. Brackets of intervals may differ: ``[0, 5)``."""
+    """The end of the bracket that begins at a place. Brackets of intervals may differ: ``[0, 5)``."""
     depth = 0
     for place in range(start, len(text)):
         depth += (text[place] in "([{") - (text[place] in ")]}")
@@ -413,7 +413,7 @@ def _is_half_open(span: Span) -> bool:
 
 
 def _places(span: Span, separator: str) -> list[int]:
-    """Where a separator stands outside of all brackets."""
+    """The places of a separator outside of all brackets."""
     text, depth, places = span.text, 0, []
     word = separator.isalpha()
     for place, character in enumerate(text):

@@ -322,8 +322,8 @@ class Instances:
     def check_unused(self) -> None:
         """Checks the templates and instantiations that no process uses, with made-up arguments.
 
-        Findings that depend on the arguments are left out, and what tachk does not check is only told: it is not part
-        of the network.
+        Findings that depend on the arguments are left out, and unsupported constructs are only reported, as they are
+        not part of the network.
         """
         own = DiagnosticCollector()
         context = replace(self.context, constants=set(self.context.constants), findings=own)

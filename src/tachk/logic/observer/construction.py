@@ -208,8 +208,8 @@ class _ObserverWriter:
         return ast.LocationDeclaration(self.span, self._identifier(name), initial=initial)
 
     def _beginning(self) -> list[ast.LocationDeclaration]:
-        """What the run begins with is guessed before time passes; where it need not settle first and an ending counts
-        from the first state on, before anything happens."""
+        """The locations before the run: the observer guesses its first state before time passes; if the run need not
+        settle first and an ending counts from the first state on, it guesses before anything happens."""
         used = {*self.names.values(), *self.entries.values(), self.channel, *self.clocks, self.passed}
         start = fresh_name("Start", used)
         edges = {
@@ -245,8 +245,8 @@ class _ObserverWriter:
         )
 
     def _entry(self, state: State) -> ast.LocationDeclaration:
-        """Where a state that binds is entered. The observer goes on at once, so that what is awaited from then on is
-        awaited from this state of the run on."""
+        """The location through which a binding state is entered. The observer leaves it at once, so that what is
+        awaited from then on is awaited from this state of the run on."""
         limits = [self._compare(*at, BinaryOperator.LESS_EQUAL) for at in sorted(self.tableau.deadlines(state))]
         return ast.LocationDeclaration(
             self.span,
@@ -310,7 +310,7 @@ class _ObserverWriter:
         return self._edge(target, self._guard(clocks, step.condition), updates, step.forced)
 
     def _forgotten(self, source: State, target: State | None) -> list[ast.Expression]:
-        """Updates that set saved values back that nobody looks at any more, so that states are not told apart."""
+        """Updates that reset saved values that are not read any more, so that states become equal."""
         kept = set() if target is None else self._saved_in(target)
         return [self._assign(name, self._number(0)) for name in sorted(self._saved_in(source) - kept)]
 

@@ -33,11 +33,11 @@ from tachk.logic.observer.states import FRESH, ClockGuard, TableauTask, at_least
 from tachk.syntax import ast
 
 Valuation = tuple[bool, ...]
-"""Of the conditions whose edges matter."""
+"""The truth of the conditions whose edges matter."""
 
 FREE, DURING, CLOSED, OPEN = "free", "during", "closed", "open"
-"""Nothing is asked for; an interval asks for something; an instant did, the last one that counts included; an interval
-did. Behind the window, ``last`` and the last two with ``past`` in front."""
+"""The states of a task: there is no obligation; an interval makes one; an instant did, the last one that counts
+included; an interval did. After the window, ``last`` and the last two with ``past`` in front."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,8 +182,8 @@ def _change(
 
 
 def _claimed(task: TableauTask, claims: Conjunction) -> Conjunction:
-    """What has to be claimed of an instant; nothing where the task requires as much, and what it remembers of the
-    instant cannot be used to allow more than is allowed."""
+    """The conditions to claim at an instant; none if the task requires as much, and its memory of the instant cannot
+    allow more than is allowed."""
     goal = _goal(task)
     required = conjunction(requirement(task))
     if goal.kept or not claims <= required:
@@ -228,7 +228,7 @@ def _next(task: TableauTask, phase: str, valuation: Valuation | None = None, ren
 
 
 def _ended(task: TableauTask) -> tuple[ClockGuard, ...]:
-    """That nothing has to last any longer, if that ever comes."""
+    """The guard that nothing has to last any longer, if there is such a moment."""
     goal = _goal(task)
     assert goal.inner is not None
     if goal.inner.high is None:

@@ -82,7 +82,7 @@ def _clauses(node: Formula, positive: bool) -> list[_Clause] | None:
 
 
 def _everywhere(clause: _Clause, span: Span) -> list[Formula]:
-    """That one of some parts holds at every instant."""
+    """The formulas that say that one of some parts holds at every instant."""
     hard = [literal for literal in clause if _is_hard(literal)]
     others = tuple(literal for literal in clause if not _is_hard(literal))
     rest = _any_of(others, span)
@@ -96,7 +96,7 @@ def _everywhere(clause: _Clause, span: Span) -> list[Formula]:
 
 
 def _once(once: formula.Once, rest: Formula) -> list[Formula]:
-    """That at every instant the rest holds, or the operand held in the window behind it.
+    """The formulas that say that at every instant the rest holds, or the operand held in the past window.
 
     Behind its upper bound a window is complete; before, it is cut at 0: what lacks in it has lacked from there on. What
     has lacked from 0 on lacks in a complete window too, so that this part needs no bound.
@@ -124,8 +124,8 @@ def _once(once: formula.Once, rest: Formula) -> list[Formula]:
 
 
 def _absent(operand: Formula) -> tuple[tuple[Formula, ...], ...]:
-    """What may have held from 0 on, one after the other, if the operand has never been true; nothing where that is no
-    matter of conditions on one state."""
+    """The conditions that may have held from 0 on, one after the other, if the operand has never been true; none if
+    conditions on one state do not express that."""
     span = operand.span
     match operand:
         case formula.Rise(operand=risen):

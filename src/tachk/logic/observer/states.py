@@ -104,7 +104,7 @@ def positive(clock: int) -> ClockGuard:
 
 
 def timed_tasks(state: State) -> int:
-    """How many tasks have clocks."""
+    """The number of tasks with clocks."""
     return sum(isinstance(item, TableauTask) and bool(item.clocks) for item in state)
 
 

@@ -95,7 +95,7 @@ class Tableau:
         """The states that the run may begin in, each with the condition that has to hold then."""
         ever = [state for state, _ in self.initial if waits_for_ever(state)]
         self.idle: State | None = None
-        """Where the observer goes when what it was following comes to nothing; None: there it gives up."""
+        """The state to which the observer goes when its guess was wrong; None: it gives up there."""
         if ever:
             self.idle = frozenset(item for item in ever[0] if isinstance(item, TableauTask))
         self.idle_has_one_goal = self.idle is not None and len(_first_goals(self, self.idle)) == 1
@@ -119,8 +119,8 @@ class Tableau:
         return conjunction(part for item in state if is_strict(item) for part in self._requirement(item))
 
     def settled(self, state: State) -> Conjunction:
-        """What else must hold where a run ends in a state that is never left, and again and again if it takes steps
-        for ever at one instant."""
+        """The other conditions that must hold where a run ends in a state that is never left, and again and again if it
+        takes steps for ever at one instant."""
         others = (item for item in state - frozenset(answered_in(state)) if not is_strict(item))
         return conjunction(part for item in others for part in self._requirement(item))
 

@@ -219,8 +219,8 @@ def _until(window: GoalWindow, left: Formula, right: Formula) -> Goal:
 
 
 def _not_until(node: Formula, window: GoalWindow, left: Formula, right: Formula) -> Goal:
-    """That every instant of the window without ``left`` before it lacks ``right``: until ``left`` fails or the window
-    is over, ``right`` is false."""
+    """The goal that every instant of the window without ``left`` before it lacks ``right``: until ``left`` fails or the
+    window is over, ``right`` is false."""
     if window.is_empty:
         return Holds(truth(True, right.span))
     if window.is_now:

@@ -118,7 +118,7 @@ def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[GoalBranch]
 
 
 def comparison(expression: ast.Expression, equal: bool, saved: SavedNames) -> ast.Expression:
-    """Whether the expression has the value that was saved, or another one."""
+    """The condition that the expression has the value that was saved, or another one."""
     span = expression.span
     name = ast.NameExpression(span, saved[expression])
     return ast.BinaryExpression(span, BinaryOperator.EQUAL if equal else BinaryOperator.NOT_EQUAL, expression, name)

@@ -100,7 +100,7 @@ class ExpectationDeclaration(Node):
 
 @dataclass(frozen=True, slots=True)
 class HideDeclaration(Node):
-    """``hide A, B;``: templates or processes that told runs leave out."""
+    """``hide A, B;``: templates or processes that printed runs leave out."""
 
     names: tuple[Identifier, ...]
 

@@ -1,8 +1,8 @@
-"""From what the grammar recognises to temporal formulas.
+"""From parse trees to temporal formulas.
 
-The grammar knows one kind of operand, so that ``(a)`` need not be told from ``(a U b)`` before its end is seen. So
-temporal operators are read as `TemporalExpression` among expressions; when the formula is complete `as_formula` makes
-the tree of it and reports operators that stand where only the value of one instant can stand.
+The grammar has one kind of operand, so that the parser need not decide between ``(a)`` and ``(a U b)`` before the end.
+So temporal operators are read as `TemporalExpression` among expressions; when the formula is complete `as_formula`
+makes the tree of it and reports operators that stand where only the value of one instant can stand.
 """
 
 from __future__ import annotations

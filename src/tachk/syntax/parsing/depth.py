@@ -1,8 +1,8 @@
 """Limits on the depth of a tree, so that recursive passes over it need no stack of their own.
 
-What is nested has few levels. A chain such as ``a - b - c`` or ``else if`` is written flat and may have thousands of
-parts, although each is a level of the tree. For those the interpreter is told to recurse further: passes that are
-written in Python need memory for it only, and of the thread's stack what `STACK_OF_A_LEVEL` says.
+Nested expressions have few levels. A chain such as ``a - b - c`` or ``else if`` is written flat and may have thousands
+of parts, although each is a level of the tree. For those the recursion limit of the interpreter is raised: passes that
+are written in Python need memory for it only, and the part of the thread's stack that `STACK_OF_A_LEVEL` gives.
 """
 
 from __future__ import annotations
