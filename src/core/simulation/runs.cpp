@@ -26,6 +26,19 @@ bool lasts(Simulator& simulator) {
   }
 }
 
+// A vector is that large before it is asked whether it may be copied into a larger one.
+constexpr std::size_t large = 1 << 20;
+
+// Lets a vector grow by so many values.
+template <class T>
+void make_room(std::vector<T>& values, std::size_t more, const Look& look) {
+  const std::size_t needed = values.size() + more;
+  if (needed <= values.capacity()) return;
+  const std::size_t copied = values.size() * sizeof(T);
+  if (copied >= large && look) look(copied);
+  values.reserve(std::max(needed, 2 * values.capacity()));
+}
+
 // How far rows are apart that tell how hybrid clocks go on.
 Ticks between_rows(Ticks until, Ticks ticks_per_unit) {
   return until < flow::latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow::flow_sample(ticks_per_unit);
@@ -38,30 +51,36 @@ Simulation::Simulation(program::Program program, std::span<const std::int64_t> c
 
 std::vector<RunRecord> Simulation::run(const Order& order) const {
   std::vector<RunRecord> records(order.runs);
-  share_work(order.threads, order.runs, [&] {
+  share_work(order.threads, order.runs, order.look, [&] {
     return [&, simulator = Simulator(program_, chances_, tables_, order.policy, order.ticks_per_unit),
-            looks = std::uint64_t{0}](std::uint64_t n) mutable {
-      run_one(simulator, order, order.first + n, records[n], looks);
+            unseen = std::uint64_t{0}](std::uint64_t n) mutable {
+      run_one(simulator, order, order.first + n, records[n], unseen);
     };
   });
   return records;
 }
 
 void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record,
-                         std::uint64_t& looks) const {
+                         std::uint64_t& unseen) const {
   const RunLimits& limits = order.limits;
+  const std::uint64_t work = 1 + cells_of_row(order.recording);
   try {
     if (!simulator.begin(order.seed, number)) {
       record.ending = Ending::initial;
       return;
     }
-    keep(simulator, order.recording, record);
+    keep(simulator, order, record);
     std::uint64_t at_once = 0;
     std::optional<Ending> ending;
     while (!ending) {
       if (record.transitions >= limits.steps) {
         ending = Ending::steps;
         break;
+      }
+      unseen += work;
+      if (unseen >= between_looks && order.look) {
+        unseen = 0;
+        order.look(0);
       }
       const Ticks before = simulator.now();
       RunLimits sight = limits;
@@ -71,15 +90,14 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
       ending = simulator.step(sight);
       if (ending == Ending::horizon && notes) {
         if (order.recording.actions) record.sizes.push_back(0);
-        keep_values(simulator, order.recording, record);
+        keep_values(simulator, order, record);
         if (simulator.now() == limits.until) break;
         ending.reset();
         continue;
       }
       if (ending) break;
       ++record.transitions;
-      if (++looks % between_stops == 0 && order.stop && order.stop()) throw Stopped();
-      keep(simulator, order.recording, record);
+      keep(simulator, order, record);
       at_once = simulator.now() == before ? at_once + 1 : 0;
       if (at_once >= limits.steps_at_once) ending = Ending::zeno;
     }
@@ -94,26 +112,39 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
   record.lasts = lasts(simulator);
 }
 
-void Simulation::keep(Simulator& simulator, const Recording& recording, RunRecord& record) const {
-  if (!recording.actions && !recording.observed && !recording.clocks) return;
-  if (recording.actions) {
-    record.sizes.push_back(static_cast<std::uint32_t>(simulator.edges().size()));
-    record.edges.insert(record.edges.end(), simulator.edges().begin(), simulator.edges().end());
-  }
-  keep_values(simulator, recording, record);
+std::size_t Simulation::cells_of_row(const Recording& recording) const {
+  return (recording.observed ? chances_.observed.size() : 0) +
+         (recording.clocks ? static_cast<std::size_t>(program_.dimension()) : 0);
 }
 
-void Simulation::keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const {
+void Simulation::keep(Simulator& simulator, const Order& order, RunRecord& record) const {
+  const Recording& recording = order.recording;
+  if (!recording.actions && !recording.observed && !recording.clocks) return;
+  if (recording.actions) {
+    make_room(record.sizes, 1, order.look);
+    record.sizes.push_back(static_cast<std::uint32_t>(simulator.edges().size()));
+    make_room(record.edges, simulator.edges().size(), order.look);
+    record.edges.insert(record.edges.end(), simulator.edges().begin(), simulator.edges().end());
+  }
+  keep_values(simulator, order, record);
+}
+
+void Simulation::keep_values(Simulator& simulator, const Order& order, RunRecord& record) const {
+  make_room(record.times, 1, order.look);
   record.times.push_back(simulator.now());
-  if (recording.observed)
+  if (order.recording.observed) {
+    make_room(record.observed, chances_.observed.size(), order.look);
     for (const flow::Number& number : chances_.observed) {
       const double value = number.value(simulator.machine(), simulator.slots());
       record.observed.push_back(number.integer() ? static_cast<std::int64_t>(value)
                                                  : std::bit_cast<std::int64_t>(value));
     }
-  if (recording.clocks)
+  }
+  if (order.recording.clocks) {
+    make_room(record.clocks, static_cast<std::size_t>(program_.dimension()), order.look);
     for (int clock = 1; clock < program_.dimension(); ++clock)
       record.clocks.push_back(simulator.clocks().value(static_cast<std::size_t>(clock), simulator.now()));
+  }
 }
 
 }  // namespace tachk::simulation

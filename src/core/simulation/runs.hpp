@@ -2,19 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "flow/chances.hpp"
 #include "machine/opcode.hpp"
 #include "program/program.hpp"
+#include "simulation/crew.hpp"
 #include "simulation/simulator.hpp"
 #include "simulation/tables.hpp"
 
 namespace tachk::simulation {
-
-// So many transitions of all runs of a thread lie between two looks at whether to stop.
-inline constexpr std::uint64_t between_stops = 1 << 10;
 
 // What is kept of a run beside how it ends.
 struct Recording {
@@ -46,11 +43,8 @@ struct Order {
   RunLimits limits;
   flow::Ticks ticks_per_unit = flow::finest_ticks;
   Recording recording;
-  std::function<bool()> stop = {};  // asked now and then, by any thread: whether to give up
+  Look look = {};
 };
-
-// Somebody has said so.
-struct Stopped {};
 
 class Simulation {
  public:
@@ -58,7 +52,7 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // The runs in the order of their numbers, whatever the number of threads. Throws Stopped.
+  // The runs in the order of their numbers, whatever the number of threads. Throws what `look` throws.
   std::vector<RunRecord> run(const Order& order) const;
 
   const program::Program& program() const { return program_; }
@@ -67,9 +61,10 @@ class Simulation {
 
  private:
   void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record,
-               std::uint64_t& looks) const;
-  void keep(Simulator& simulator, const Recording& recording, RunRecord& record) const;
-  void keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const;
+               std::uint64_t& unseen) const;
+  void keep(Simulator& simulator, const Order& order, RunRecord& record) const;
+  void keep_values(Simulator& simulator, const Order& order, RunRecord& record) const;
+  std::size_t cells_of_row(const Recording& recording) const;
 
   program::Program program_;
   flow::Chances chances_;

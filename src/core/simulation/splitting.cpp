@@ -99,7 +99,7 @@ class Splitter {
         return std::nullopt;
       }
       if (++steps > asked_.bound.steps) return std::nullopt;
-      if (++result.transitions % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
+      if (++result.transitions % between_looks == 0 && order_.look) order_.look(0);
       at_once = now == before ? at_once + 1 : 0;
       if (at_once >= most_steps_at_once || steps >= order_.most_steps) {
         ++result.unknown;
@@ -121,7 +121,7 @@ std::vector<Replication> split(const Simulation& simulation, const Levels& level
                                const SplittingOrder& order) {
   check(simulation, asked);
   std::vector<Replication> result(order.replications);
-  share_work(order.threads, order.replications, [&] {
+  share_work(order.threads, order.replications, order.look, [&] {
     return [&, splitter = Splitter(simulation, levels, asked, order)](std::uint64_t n) mutable {
       splitter.run(order.first + n, result[n]);
     };

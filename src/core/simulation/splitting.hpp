@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "simulation/levels.hpp"
@@ -22,7 +21,7 @@ struct SplittingOrder {
   std::uint64_t effort = 1000;  // runs of each stage
   unsigned threads = 1;
   std::uint64_t most_steps = UINT64_MAX;
-  std::function<bool()> stop = {};
+  Look look = {};
 };
 
 struct Replication {

@@ -45,7 +45,7 @@ class Watch {
   void go_on(Trial& trial) {
     std::uint64_t at_once = 0;
     while (true) {
-      if (++looks_ % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
+      if (++looks_ % between_looks == 0 && order_.look) order_.look(0);
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
       const bool notes = asked_.measures() && simulator_.has_hybrid_clocks();
@@ -131,7 +131,7 @@ void check(const Simulation& simulation, const Asked& asked) {
 std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order) {
   check(simulation, asked);
   std::vector<Trial> result(order.runs);
-  share_work(order.threads, order.runs, [&] {
+  share_work(order.threads, order.runs, order.look, [&] {
     return [&, watch = Watch(simulation, asked, order)](std::uint64_t n) mutable {
       watch.run(order.first + n, result[n]);
     };

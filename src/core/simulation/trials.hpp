@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "simulation/horizon.hpp"
@@ -46,11 +45,11 @@ struct TrialOrder {
   unsigned threads = 1;
   Policy policy = Policy::stochastic;
   std::uint64_t most_steps = UINT64_MAX;  // after which a run is given up
-  std::function<bool()> stop = {};        // asked now and then, by any thread: whether to give up
+  Look look = {};
 };
 
-// The runs in the order of their numbers, whatever the number of threads. Throws Stopped, and std::invalid_argument for
-// numbers that the program does not have.
+// The runs in the order of their numbers, whatever the number of threads. Throws what `look` throws, and
+// std::invalid_argument for numbers that the program does not have.
 std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order);
 
 // Throws std::invalid_argument for numbers that the program does not have.

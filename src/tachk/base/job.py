@@ -64,14 +64,14 @@ class _Ceiling:
         self.size = size
         self._next = 0.0
 
-    def check(self) -> None:
+    def check(self, more: int = 0) -> None:
         now = monotonic()
-        if now < self._next:
+        if not more and now < self._next:
             return
         self._next = now + _SECONDS_BETWEEN_CHECKS
-        if _is_above(self.size):
+        if _is_above(self.size - more):
             _give_back()
-            if _is_above(self.size):
+            if _is_above(self.size - more):
                 raise OutOfMemoryError
 
 
@@ -108,16 +108,20 @@ class Job:
                 ceiling = _Ceiling(largest if ceiling is None else min(largest, ceiling.size))
         return replace(self, ends=ends, ceiling=ceiling)
 
-    def check(self) -> None:
-        """Raises StoppedError if a limit is hit. Cheap: meant for inner loops."""
+    def check(self, more: int = 0) -> None:
+        """Raises StoppedError if a limit is hit. Cheap: meant for inner loops.
+
+        Args:
+            more: so many bytes are about to be taken at once, which must fit too.
+        """
         if self.ends is not None and monotonic() >= self.ends:
             raise OutOfTimeError
-        self.check_memory()
+        self.check_memory(more)
 
-    def check_memory(self) -> None:
+    def check_memory(self, more: int = 0) -> None:
         """Raises StoppedError if the process is too large: for a search of the core, which has the time itself."""
         if self.ceiling is not None:
-            self.ceiling.check()
+            self.ceiling.check(more)
 
 
 _WITHOUT_LIMITS = Job()
@@ -129,9 +133,9 @@ def current_job() -> Job:
     return _current.get()
 
 
-def check_job() -> None:
-    """Raises StoppedError if a limit of the innermost job is hit."""
-    _current.get().check()
+def check_job(more: int = 0) -> None:
+    """Raises StoppedError if a limit of the innermost job is hit, or will be by so many bytes more."""
+    _current.get().check(more)
 
 
 @contextmanager

@@ -22,6 +22,8 @@ from tachk.simulation.columns import Column, observed
 _NOTHING = RecordedChanges()
 _BATCH, _LONG_BATCH = 64, 1024
 """How many runs are drawn at once, while the limit on time is not looked at: with and without recording."""
+_BYTES_A_VALUE = 32
+"""The memory that a trace takes for each value of a run while it is made of it: so many copies are held together."""
 
 
 class Runs:
@@ -96,6 +98,7 @@ def recording(
         factor, ticks = factor // 10, ticks // 10
     if end * factor >= 2**63:
         raise UsageError(f"{name}: its times are too long to be counted in {unit}", "simulate a shorter time")
+    check_job(_BYTES_A_VALUE * len(times) * (len(columns) + 1))
     instants = np.asarray(times, dtype=np.int64)
     known = np.asarray(rows, dtype=np.int64).reshape(len(times), len(columns))
     last = np.append(np.diff(instants) > 0, True)

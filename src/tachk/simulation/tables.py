@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -36,6 +36,9 @@ _VCD_SCALES = [f"{number} {unit}" for unit in ("fs", "ps", "ns", "us", "ms", "s"
 
 _ROW_GROUP = 100_000
 """Rows of Parquet that are written together: so many are held until then."""
+
+_ROWS_AT_ONCE = 4096
+"""Rows of a text that are Python's objects together: each takes many times the memory that a trace takes for it."""
 
 Writer = Callable[[int, Trace], None]
 Row = tuple[str, list[Any]]
@@ -217,9 +220,10 @@ def _vcd_kind(trace: Trace, name: str) -> tuple[str, int]:
     return ("integer", 32) if whole else ("real", 64)
 
 
-def _columns(trace: Trace) -> Iterator[tuple[str, list[Any]]]:
+def _columns(trace: Trace, rows: slice = slice(None)) -> Iterator[tuple[str, list[Any]]]:
     """The values of each column as Python has them."""
-    for name, values in trace.columns.items():
+    for name, column in trace.columns.items():
+        values = column[rows]
         if name in trace.texts:
             yield name, [trace.labels[place] for place in values.astype(int).tolist()]
         elif values.dtype.kind == "u":
@@ -228,10 +232,13 @@ def _columns(trace: Trace) -> Iterator[tuple[str, list[Any]]]:
             yield name, [int(value) if value == int(value) else value for value in values.tolist()]
 
 
-def _rows(trace: Trace) -> Iterable[Row]:
-    times = [decimal_time(time, trace.ticks_per_unit) for time in trace.times.tolist()]
-    columns: Mapping[str, list[Any]] = dict(_columns(trace))
-    return zip(times, map(list, zip(*columns.values(), strict=True)) if columns else ([] for _ in times), strict=True)
+def _rows(trace: Trace) -> Iterator[Row]:
+    for first in range(0, trace.rows, _ROWS_AT_ONCE):
+        rows = slice(first, first + _ROWS_AT_ONCE)
+        times = [decimal_time(time, trace.ticks_per_unit) for time in trace.times[rows].tolist()]
+        columns: Mapping[str, list[Any]] = dict(_columns(trace, rows))
+        values = map(list, zip(*columns.values(), strict=True)) if columns else ([] for _ in times)
+        yield from zip(times, values, strict=True)
 
 
 def decimal_time(ticks: int, per_unit: int) -> str:

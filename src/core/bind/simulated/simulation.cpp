@@ -8,10 +8,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "../arrays.hpp"
 #include "interruption.hpp"
 #include "program/program.hpp"
 #include "simulation/runs.hpp"
@@ -26,14 +26,19 @@ using simulation::Simulation;
 
 namespace {
 
-std::vector<std::int64_t> widened(const std::vector<std::uint32_t>& numbers) {
-  return {numbers.begin(), numbers.end()};
+// The vector itself, for as long as somebody has the record.
+template <auto Field>
+nb::object shown(nb::handle record) {
+  auto& values = nb::cast<RunRecord&>(record).*Field;
+  using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+  return nb::ndarray<nb::numpy, const Value, nb::ndim<1>>(values.data(), {values.size()}, record).cast();
 }
 
-// The runs; none of them if the time is over. Ctrl-C becomes its exception.
-std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulation::Order order, double seconds) {
+// The runs. Ctrl-C becomes its exception, and what `check` raises is raised.
+std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulation::Order order,
+                                         const nb::callable& check) {
   std::vector<RunRecord> records;
-  interruptibly(order, seconds, [&] { records = simulation.run(order); });
+  interruptibly(order, check, [&] { records = simulation.run(order); });
   return records;
 }
 
@@ -46,21 +51,12 @@ void bind_run_record(nb::module_& m) {
       .def_prop_ro(
           "fault", [](const RunRecord& self) { return std::make_tuple(self.fault, self.position); },
           "(kind, code position) of the run-time error of a run with the ending FAULT.")
-      .def(
-          "times", [](const RunRecord& self) { return as_array(std::vector(self.times)); },
-          "Of the initial state and of each transition.")
-      .def(
-          "sizes", [](const RunRecord& self) { return as_array(widened(self.sizes)); },
-          "How many edges each action has; the initial one none.")
-      .def(
-          "edges", [](const RunRecord& self) { return as_array(widened(self.edges)); },
-          "The numbers of these edges, one action after the other.")
-      .def(
-          "observed", [](const RunRecord& self) { return as_array(std::vector(self.observed)); },
-          "What was observed, row by row; floating point numbers as their bits.")
-      .def(
-          "clocks", [](const RunRecord& self) { return as_array(std::vector(self.clocks)); },
-          "The values of the clocks, row by row.");
+      .def("times", shown<&RunRecord::times>, "Of the initial state and of each transition.")
+      .def("sizes", shown<&RunRecord::sizes>, "How many edges each action has; the initial one none.")
+      .def("edges", shown<&RunRecord::edges>, "The numbers of these edges, one action after the other.")
+      .def("observed", shown<&RunRecord::observed>,
+           "What was observed, row by row; floating point numbers as their bits.")
+      .def("clocks", shown<&RunRecord::clocks>, "The values of the clocks, row by row.");
 }
 
 }  // namespace
@@ -93,18 +89,16 @@ void bind_simulation(nb::module_& m) {
           "run",
           [](const Simulation& self, Policy policy, std::uint64_t seed, std::uint64_t first, std::uint64_t runs,
              flow::Ticks until, flow::Ticks ticks_per_unit, std::uint64_t steps, unsigned threads, bool actions,
-             bool observed, bool clocks, double seconds) {
+             bool observed, bool clocks, const nb::callable& check) {
             simulation::RunLimits limits;
             limits.until = until;
             limits.steps = steps;
             return run_interruptibly(
-                self, {seed, first, runs, threads, policy, limits, ticks_per_unit, {actions, observed, clocks}},
-                seconds);
+                self, {seed, first, runs, threads, policy, limits, ticks_per_unit, {actions, observed, clocks}}, check);
           },
           nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"), nb::arg("runs"), nb::arg("until"),
           nb::arg("ticks_per_unit"), nb::arg("steps"), nb::arg("threads"), nb::arg("actions"), nb::arg("observed"),
-          nb::arg("clocks"), nb::arg("seconds"),
-          "The runs of these numbers, in order; none if that takes more seconds, where these are not negative.");
+          nb::arg("clocks"), nb::arg("check"), "The runs of these numbers, in order. Raises what `check` raises.");
 }
 
 }  // namespace tachk::bind

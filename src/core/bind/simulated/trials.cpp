@@ -34,9 +34,10 @@ struct Trials {
   }
 };
 
-Trials ask(const simulation::Simulation& simulation, const Asked& asked, simulation::TrialOrder order, double seconds) {
+Trials ask(const simulation::Simulation& simulation, const Asked& asked, simulation::TrialOrder order,
+           const nb::callable& check) {
   Trials result;
-  interruptibly(order, seconds, [&] { result.trials = simulation::trials(simulation, asked, order); });
+  interruptibly(order, check, [&] { result.trials = simulation::trials(simulation, asked, order); });
   return result;
 }
 
@@ -106,12 +107,13 @@ void bind_trials(nb::module_& m) {
   m.def(
       "trials",
       [](const simulation::Simulation& simulation, const Asked& asked, simulation::Policy policy, std::uint64_t seed,
-         std::uint64_t first, std::uint64_t runs, unsigned threads, std::uint64_t most_steps, double seconds) {
-        return ask(simulation, asked, {seed, first, runs, threads, policy, most_steps, {}}, seconds);
+         std::uint64_t first, std::uint64_t runs, unsigned threads, std::uint64_t most_steps,
+         const nb::callable& check) {
+        return ask(simulation, asked, {seed, first, runs, threads, policy, most_steps, {}}, check);
       },
       nb::arg("simulation"), nb::arg("asked"), nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"),
-      nb::arg("runs"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("seconds"),
-      "The runs of these numbers, in order; none if that takes more seconds, where these are not negative.");
+      nb::arg("runs"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("check"),
+      "The runs of these numbers, in order. Raises what `check` raises.");
 }
 
 }  // namespace tachk::bind

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk import _core
-from tachk.base.job import OutOfTimeError, current_job
+from tachk.base.job import check_job, current_job
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Span
@@ -31,6 +31,8 @@ LATEST_END = Fraction(LATEST_TICK, _core.coarsest_ticks())
 
 Numbers = NDArray[np.int64]
 _NONE: Numbers = np.empty(0, dtype=np.int64)
+_BETWEEN_CHECKS = 1 << 10
+"""So many transitions of a record are read between two looks at the limits."""
 
 
 class SimulationEnding(StrEnum):
@@ -143,7 +145,6 @@ class Simulator:
 
     def runs(self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges) -> Iterator[Simulated]:
         """The runs of these numbers, which follow one another. Raises StoppedError."""
-        left = current_job().seconds_left
         found = self._core.run(
             policy=_core.Policy[drawing.policy.name],
             seed=drawing.seed,
@@ -156,10 +157,8 @@ class Simulator:
             actions=recorded.actions,
             observed=recorded.observed,
             clocks=recorded.clocks,
-            seconds=-1 if left is None else left,
+            check=current_job().check,
         )
-        if not found and numbers:
-            raise OutOfTimeError
         for number, record in zip(numbers, found, strict=True):
             yield self._simulated(number, drawing.ticks_per_unit, record, recorded)
 
@@ -190,7 +189,9 @@ class Simulator:
     def _actions(self, record: _core.RunRecord) -> Iterator[Transition | None]:
         edges = record.edges().tolist()
         first = 0
-        for size in record.sizes().tolist()[1:]:
+        for number, size in enumerate(record.sizes()[1:].tolist()):
+            if number % _BETWEEN_CHECKS == 0:
+                check_job()
             yield transition_of(self._program, edges[first : first + size]) if size else None
             first += size
 

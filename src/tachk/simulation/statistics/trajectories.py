@@ -34,6 +34,8 @@ from tachk.simulation.statistics.sampling import RunSource, SampledRuns, clock_n
 Floats = NDArray[np.float64]
 _BATCH = 4096
 """How many runs are asked at once for a condition."""
+_BYTES_A_STATE = 128
+"""The memory that the points of a value take for each state of a run while they are computed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +137,7 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
     column = 0
     ends = np.append(run.times[1:], run.end)
     for value in values:
-        check_job()
+        check_job(_BYTES_A_STATE * len(ends))
         if isinstance(value.type, ClockType):
             begins = run.clocks[:, clock_number(value, network, program) - 1]
             runs_on = ends - run.times
