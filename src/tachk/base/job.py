@@ -135,7 +135,11 @@ def current_job() -> Job:
 
 def check_job(more: int = 0) -> None:
     """Raises StoppedError if a limit of the innermost job is hit, or will be by so many bytes more."""
-    _current.get().check(more)
+    job = _current.get()
+    if job.ends is not None and monotonic() >= job.ends:  # as `Job.check`, without two calls
+        raise OutOfTimeError
+    if job.ceiling is not None:
+        job.ceiling.check(more)
 
 
 @contextmanager

@@ -24,6 +24,7 @@ from tachk.model.connectives import any_of, both
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Quantifier, QuantifierKind, Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.remembered import by_network
 from tachk.verify.plan import Task
 from tachk.verify.verdict import Answer, Verdict
 
@@ -47,7 +48,11 @@ def triggers_of(tasks: Iterable[Task], network: Network) -> tuple[Trigger, ...]:
 
     An implication under ``forall`` is one however it is held: as a quantifier, or as one copy for each value.
     """
-    tasks = list(tasks)
+    return _triggers_of(network, tuple(tasks))
+
+
+@by_network
+def _triggers_of(network: Network, tasks: tuple[Task, ...]) -> tuple[Trigger, ...]:
     copies: dict[tuple[int, Span, str], list[Expression]] = {}
     for task in tasks:
         for span, text, condition in _of_query(task.query):
