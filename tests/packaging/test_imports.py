@@ -200,3 +200,17 @@ def test_one_module_knows_lark() -> None:
         if any(name.split(".")[0] == "lark" for name in imported_modules(path))
     }
     assert users == {"syntax/parsing/compile_grammar.py"}
+
+
+def test_a_page_of_answers_loads_no_library_of_plots(tmp_path: Path) -> None:
+    """It would take more memory than most pages."""
+    model = tmp_path / "m.ta"
+    model.write_text("process P() { init location a { to b {} } location b; } system P; property q: E<> P.b;")
+    code = (
+        "import sys\nfrom tachk.cli.main import run\n"
+        f"sys.argv = ['tachk', 'report', {str(model)!r}, '-o', {str(tmp_path / 'page.html')!r}]\n"
+        "try:\n    run()\nexcept SystemExit:\n    pass\nassert 'matplotlib' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert "</html>" in (tmp_path / "page.html").read_text(encoding="utf-8")

@@ -12,8 +12,6 @@ from typing import Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.formats.written_reports import check_report, read_json
 from tachk.model.grid import Grid, ParameterAxis
-from tachk.report.campaign.heat_map import STYLE, draw_maps
-from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
 from tachk.report.statistics.answered import mean_text
 from tachk.report.statistics.text import interval_text, times_text
@@ -52,6 +50,9 @@ def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
 
 
 def _sweep(document: Mapping[str, Any]) -> Chapter:
+    from tachk.report.campaign.heat_map import STYLE, draw_maps  # matplotlib takes more memory than most pages
+    from tachk.report.figure_files import svg_of
+
     grid = Grid(tuple(ParameterAxis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
     rows: list[dict[str, Any]] = document["rows"]
     for number, row in enumerate(rows):
