@@ -25,7 +25,7 @@ Result = TypeVar("Result")
 def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[Network, *Arguments], Result]:
     """A function of a network and other arguments, with a cache of its last results.
 
-    The results are shared: nobody may change them. Nothing that went wrong is remembered.
+    The results are shared: nobody may change them. Exceptions are not cached.
     """
     known: dict[Hashable, tuple[Network, Any]] = {}
 

@@ -31,7 +31,7 @@ class CaptureReader(Protocol):
         """The capture as events in the words of the models of the protocol. Raises UsageError."""
 
     def samples_in(self, detail: Cell | None) -> int:
-        """How many samples of an application a message with this content carries."""
+        """The number of samples of an application in a message with this content."""
 
     def check_room(self, recording: EventLog, constants: Constants) -> None:
         """Raises UsageError if a recording, captured or not, has more than the constants of a model leave room for."""

@@ -51,7 +51,7 @@ SHORT = 100
 def moments_of_run(
     product: TraceProduct, program: Program, goal: Goal, actions: Sequence[Sequence[int]], path: Sequence[Transition]
 ) -> Moments:
-    """When the transitions of a path happen in a run to the end of the recording. Raises InternalError, ReplayError.
+    """The moments of the transitions of a path in a run to the end of the recording. Raises InternalError, ReplayError.
 
     Args:
         program, goal: of the network that follows the recording.
@@ -75,7 +75,7 @@ def run_by_reference(product: TraceProduct, path: Sequence[Transition]) -> Timed
 
 
 def moments_of_trace(trace: TimedTrace, transitions: int) -> Moments:
-    """When its transitions happen, and when it ends."""
+    """The moments of the transitions of a trace, and of its end."""
     times = list(accumulate(step.delay for step in trace.steps))
     times += times[-1:] if len(times) == transitions else []
     unit = lcm(*(time.denominator for time in times))
@@ -89,7 +89,7 @@ _STATES_OF_EVENT = 20
 
 @dataclass(frozen=True, slots=True)
 class Rejection:
-    """Where the recording leaves the model, as far as any run goes along with it.
+    """The place where the recording leaves the model, at the end of the longest run that agrees with it.
 
     Attributes:
         path: of a run that has as many events of the recording as possible.
@@ -114,7 +114,7 @@ class ConformingRun:
 
     Attributes:
         path: its transitions in the network that follows the recording.
-        moments: when each of them happens, and when the run ends; None where that was not asked for.
+        moments: those of the transitions and of the end of the run; None if they were not requested.
     """
 
     product: TraceProduct
@@ -184,7 +184,7 @@ def conform(
     explain: bool = True,
     divide: bool = True,
 ) -> Conformance:
-    """Whether a recording is a run of a model.
+    """Checks if a recording is a run of a model.
 
     Args:
         tolerance, late: in units of the model; None: as the model says.
@@ -230,7 +230,7 @@ class _SearchOutcome:
     """The result of one search, about a component or the whole.
 
     Attributes:
-        furthest: the path that goes along with the recording as far as any; None where that was not asked for.
+        furthest: the path that agrees with the recording as far as any; None if it was not requested.
     """
 
     component: IndependentComponent
@@ -365,7 +365,7 @@ def _run(answer: _SearchOutcome, exact: bool) -> ConformingRun:
 
 
 def _earliest(search: _ConformanceSearch, refusing: Sequence[_SearchOutcome]) -> Rejection | None:
-    """Where the recording leaves the model first, of all parts that do not go along with it."""
+    """The first place where the recording leaves the model, of all components that reject it."""
     found = [refusal for answer in refusing if (refusal := _furthest(search, answer)) is not None]
     return min(found, key=lambda each: (each.event is None, each.event or 0), default=None)
 

@@ -46,8 +46,8 @@ def duration(text: str, time_unit: str) -> Fraction:
 
 
 def least(conforms_within: Callable[[Fraction], Conformance]) -> Conformance:
-    """What is found with the least whole tolerance that does not refute; what is found with the largest one, if all
-    refute or one is undecided. A larger tolerance allows all that a smaller one does."""
+    """The result with the least whole tolerance that accepts; the result with the largest one, if all reject or one is
+    undecided. A larger tolerance allows all that a smaller one does."""
     found = conforms_within(Fraction(0))
     low, high = 0, 0
     while found.accepted is False and high < LARGEST:
@@ -72,8 +72,8 @@ _WRITES = (WRITTEN, "written_best_effort")
 def with_log(recording: EventLog, log: EventLog) -> EventLog:
     """The recording with the events of a log. Times of a log beside a capture are since 1970.
 
-    What is told behind the end of the recording, or of its client in it, is left out. Raises UsageError for a log that
-    has nothing to do with the recording.
+    Events after the end of the recording, or of its client in it, are left out. Raises UsageError for a log that has
+    nothing to do with the recording.
     """
     samples: dict[Cell | None, deque[int]] = defaultdict(deque)
     for number, event in enumerate(recording.events):

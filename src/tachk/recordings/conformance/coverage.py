@@ -1,4 +1,4 @@
-"""Which edges of a model the runs that recordings show have taken."""
+"""Coverage: the edges of a model that the runs of recordings have taken."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ def _passed(
 
 
 def around(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
-    """Of each stream the last event that has happened, if there is one, and the next one."""
+    """For each stream the last event that has happened, if there is one, and the next one."""
     bases = [max(count - 1, 0) for count in happened]
     near = []
     for stream, base, count in zip(streams.streams, bases, happened, strict=True):
@@ -266,7 +266,7 @@ class _RecordingClock:
 
 
 def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tuple[int, int], ...]:
-    """That an event of a stream has happened, if it is in one."""
+    """The position behind an event in its stream, if it is in one."""
     if after is None or after not in place:
         return ()
     stream, position = place[after]
@@ -317,7 +317,7 @@ class _ColumnClause:
     values: range | None
 
     def miss(self, event: RecordedEvent, value: int | None) -> str | None:
-        """Why an event cannot be of the clause; None if it can."""
+        """The reason why an event cannot be of the clause; None if it can."""
         if self.wanted is not None and value is not None and value != self.wanted:
             return f"no event `{event.name}` of the model has {self.name} = {event.cells[self.name]}"
         if self.index is None or self.values is None:

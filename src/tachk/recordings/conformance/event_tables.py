@@ -114,11 +114,11 @@ def _number(cell: Cell, path: Path, place: str) -> Fraction:
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]]:
     lines = text.splitlines()
-    told = declared_separator(lines[0]) if lines else None
-    header = lines[0 if told is None else 1 :]
-    separator = told or (max(SEPARATORS, key=header[0].count) if header else ",")
-    reader = csv.reader(lines if told is None else ["", *header], delimiter=separator)
-    if told is not None:
+    declared = declared_separator(lines[0]) if lines else None
+    header = lines[0 if declared is None else 1 :]
+    separator = declared or (max(SEPARATORS, key=header[0].count) if header else ",")
+    reader = csv.reader(lines if declared is None else ["", *header], delimiter=separator)
+    if declared is not None:
         next(reader)  # an empty line, so that lines keep their numbers
     try:
         yield from _rows(path, reader)

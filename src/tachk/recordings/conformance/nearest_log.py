@@ -2,8 +2,8 @@
 
 A long recording takes seconds to be held against a model, and there are some hundred edits to try. So each part of the
 model goes on from a state in which a run of it was shortly before the event, and only to shortly behind it. Parts whose
-events an edit leaves alone are not searched again. What is found so is only likely: whether the whole recording is a
-run with an edit is asked afterwards.
+events an edit leaves alone are not searched again. Such an edit is only likely: a further search decides if the whole
+recording is a run with it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _BEHIND = range(40, 160)
 _STATES = 20_000
 """So many states at most are stored for each edit and part."""
 SHORT_WORK = 12_000
-"""How much work a short search for an edit may be, in edges that are compiled and states that are explored; a few
+"""The limit on the work of a short search for an edit, in edges that are compiled and states that are explored; a few
 seconds."""
 _STATES_OF_EDGE = 5
 """So many states are explored in the time in which one edge is compiled."""
@@ -56,11 +56,11 @@ class EditSearch:
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """Where a part of the model goes on.
+    """The state from which a component of the model goes on.
 
     Attributes:
-        reached: the run along which it has come there.
-        end: the state; None: the part begins at its beginning.
+        reached: the run that has led there.
+        end: the state; None: the component begins in its initial state.
     """
 
     reached: Reached
@@ -162,8 +162,8 @@ class NearestLogSearch:
 
 
 def _start(reached: Reached, base: int) -> tuple[_Start, set[int]]:
-    """Where a part goes on: before it has done any event from a number on. And the events with smaller numbers that it
-    has not done by then."""
+    """The start of a component before it has done any event from a number on; and the events with smaller numbers that
+    it has not done by then."""
     streams = reached.streams.streams
     counts = [0] * len(streams)
     length = 0

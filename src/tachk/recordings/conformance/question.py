@@ -8,19 +8,19 @@ from tachk.base.records import dataclass
 
 
 class ExplanationDetail(StrEnum):
-    """How much the report explains about a recording that does not conform."""
+    """The detail of the explanation for a recording that does not conform."""
 
     NONE = "none"
-    """Only that it is none."""
+    """No explanation."""
     SHORT = "short"
-    """Where it leaves the model, and an edit that would make it a run if one is found in a few seconds."""
+    """The place where it leaves the model, and an edit that would make it a run if one is found in a few seconds."""
     FULL = "full"
     """The same, and all edits near that place are tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """How a recording is to be read, as `tachk.api.model.conform` says."""
+    """The arguments for reading a recording, as of `tachk.api.model.conform`."""
 
     tolerance: str | None = None
     late: str | None = None

@@ -1,7 +1,7 @@
-"""Where a recording leaves a model, and what the model would have done there.
+"""The rejection of a recording: the place where it leaves a model, and the events that the model allows there.
 
 From the state in which the longest run ends, the model goes on by all steps that no recording shows. On the way, every
-event that it could do is an offer, whether it was recorded or not, with the time window in which it could come.
+event that it could do is enabled, whether it was recorded or not, with the time window in which it could come.
 """
 
 from __future__ import annotations

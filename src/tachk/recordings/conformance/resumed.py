@@ -151,7 +151,7 @@ def _values(product: TraceProduct, before: TraceProduct, end: FinalState) -> lis
 
 
 def _assignments(variable: Variable, values: Sequence[int]) -> Iterator[Term]:
-    """Where a variable begins with other values."""
+    """The assignments that let a variable begin with other values."""
     initial = variable.initial or default_cells(variable.type)
     if tuple(initial) == tuple(values):
         return

@@ -66,7 +66,7 @@ Candidates = Lattice | Values
 
 
 def places(candidates: Candidates) -> int:
-    """How many values have to be looked at: the candidates, and one between any two of them."""
+    """The number of values to try: the candidates, and one between any two of them."""
     return 2 * len(candidates) - 1
 
 

@@ -273,7 +273,7 @@ def literal(span: Span, value: Fraction) -> ast.Expression:
 
 
 def _ratio(own: str, common: str) -> Fraction:
-    """How many units of the trace make one of the formula; 1 where one of them is not known."""
+    """The number of units of the trace that make one of the formula; 1 if one of them is not known."""
     first, second = length_of(own), length_of(common)
     return Fraction(1) if first is None or second is None else first / second
 

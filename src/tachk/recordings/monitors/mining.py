@@ -173,7 +173,7 @@ class _ParameterSearch:
     # ---- what comes of it ----
 
     def _bisected(self, candidates: Candidates, effect: Monotonicity, exact: bool) -> Mined:
-        """Of each trace the tightest place, of all together the least tight of them."""
+        """The least tight of the tightest places of all traces."""
         total = places(candidates) if exact else len(candidates)
 
         def value(place: int) -> Fraction:

@@ -1,4 +1,4 @@
-"""How a parameter acts on a formula: whether a larger value makes it easier to satisfy, or harder.
+"""The monotonicity of a formula in a parameter: a larger value makes it easier to satisfy, or harder.
 
 Truth is ordered false < undetermined < true. Conjunction, disjunction and the temporal operators never fall in this
 order where an operand rises, or where the window of an F or until grows; G turns that of its window round, and negation
@@ -19,7 +19,7 @@ from tachk.syntax.walk import nodes_of_kind
 
 
 class Monotonicity(Enum):
-    """Of a larger value."""
+    """The effect of a larger value."""
 
     EASIER = 1
     HARDER = -1
@@ -50,7 +50,7 @@ def occurrences(formula: syntax.Formula, name: str) -> tuple[Occurrence, ...]:
 
 
 def joint_effect(found: tuple[Occurrence, ...]) -> Monotonicity:
-    """That of all together."""
+    """The joint effect of all occurrences."""
     effects = {occurrence.effect for occurrence in found}
     return effects.pop() if len(effects) == 1 else Monotonicity.UNKNOWN
 
@@ -140,7 +140,7 @@ _EASIER_ON_THE_RIGHT = {
     BinaryOperator.GREATER: False,
     BinaryOperator.GREATER_EQUAL: False,
 }
-"""Whether a larger right side makes a comparison easier."""
+"""True if a larger right side makes a comparison easier."""
 
 
 def _times(effect: Monotonicity, slope: Fraction) -> Monotonicity:

@@ -44,13 +44,13 @@ from tachk.syntax.formula import Formula
 
 @dataclass(frozen=True, slots=True)
 class EvaluationOptions:
-    """How formulas are judged, and what is computed beside their truth.
+    """Options of the evaluation of formulas on a trace.
 
     Attributes:
-        ending: what counts where the trace ends too early to tell.
-        interpolation: what numbers do between rows.
-        robustness: by how much values could change before the verdict does.
-        time_robustness: by how much time signals could be shifted.
+        ending: the verdict where the trace ends too early to decide.
+        interpolation: the values of numbers between rows.
+        robustness: compute by how much values could change before the verdict does.
+        time_robustness: compute by how much time signals could be shifted.
     """
 
     ending: TraceEnding = TraceEnding.UNDETERMINED
@@ -245,7 +245,7 @@ def verdict_on(
     evaluation: EvaluationOptions,
     reading: TraceSemantics,
 ) -> MonitorVerdict:
-    """The verdict of one program on a whole trace. Its explanation is made when it is asked for."""
+    """The verdict of one program on a whole trace. Its explanation is made on demand."""
     robustness = None
     if evaluation.robustness:
         truth, robustness = reading.measured(program, trace)

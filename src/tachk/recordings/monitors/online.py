@@ -250,8 +250,8 @@ class Monitor:
     def take_violations(self) -> tuple[OnlineViolation, ...]:
         """The news since the last call: each violation when it begins and, once more, when it has ended.
 
-        Those of one part of a formula come in the order of time: a violation is told when what is before it is decided.
-        At the end of the trace all that `tachk.monitor` finds have been told. Raises UsageError without
+        Those of one part of a formula come in the order of time: a violation is reported when all before it is decided.
+        At the end of the trace all that `tachk.monitor` finds have been reported. Raises UsageError without
         ``all_violations=True``.
         """
         if self._watch is None:
@@ -279,7 +279,7 @@ class Monitor:
 
     @property
     def watches_violations(self) -> bool:
-        """Whether all violations are told."""
+        """Whether all violations are reported."""
         return self._watch is not None
 
     @property
@@ -293,7 +293,7 @@ class Monitor:
 
     @property
     def rows(self) -> int:
-        """How many have been given."""
+        """The number of rows so far."""
         return self._group.rows()
 
     def record(self, name: str = "-", violations: Sequence[OnlineViolation] | None = None) -> OnlineRecord:

@@ -19,7 +19,7 @@ class OnlineVerdict:
     truth: the same; after the end, with the meaning that was given to it.
     decided_at: what the clock showed when the verdict was decided; None before.
     violated: the earliest known stretch in which what must always hold does not: from, until.
-    robustness: bounds for all continuations; None if it was not asked for.
+    robustness: bounds for all continuations; None if it was not requested.
     story: the violation explained on the rows that were kept; None for other verdicts, and where too few were kept.
     """
 
@@ -56,7 +56,7 @@ class OnlineViolation:
 class OnlineRecord:
     """Attributes:
     begin, end: what the clock showed at the first row and shows now.
-    violations: those that have ended; None if they were not asked for.
+    violations: those that have ended; None if they were not requested.
     dated: times are seconds since 1970, and were dates.
     notes: what the reader of the trace has to say, such as that times are rounded.
     """

@@ -79,7 +79,7 @@ class _NodeSignals:
 
 @dataclass(frozen=True, slots=True)
 class _Certainty:
-    """When a violation became certain."""
+    """The first tick at which a violation is certain."""
 
     program: MonitorProgram
     trace: Trace
@@ -100,7 +100,7 @@ class HeldValues:
         return JudgedTruth(found.verdict, found.lasting)
 
     def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
-        """A robustness that is not 0 has the sign of the truth under the same rules, so it is asked for first."""
+        """A robustness that is not 0 has the sign of the truth under the same rules, so it is computed first."""
         if follows_from_truth(program):
             truth = self.truth(program, trace)
             return truth, infinite_robustness(truth.measured)
@@ -120,7 +120,7 @@ class Lines:
     """Numbers move in straight lines from row to row.
 
     Attributes:
-        parts: of a tick, in which the instants are told at which lines cross.
+        parts: the parts of a tick, for the instants at which lines cross.
     """
 
     parts: int
@@ -151,14 +151,14 @@ class Lines:
         return truth, robustness(program, trace, Measure.SPACE)
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
-        # When a violation is certain would have to be asked of prefixes, whose last lines are not known.
+        # Certainty of a violation would need the values of prefixes, whose last lines are not known.
         return Explainer(
             self.shown_program(program), _NodeSignals(program, trace, self.parts), None, 2 * trace.end * self.parts + 1
         )
 
 
 def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> TraceSemantics:
-    """How a trace says that it is read. Raises UsageError if it is too long for lines."""
+    """The semantics that a trace asks for. Raises UsageError if it is too long for lines."""
     if trace.interpolation is Interpolation.LINEAR:
         return Lines(parts_of_tick(programs, trace))
     return HeldValues()

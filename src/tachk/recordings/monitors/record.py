@@ -39,10 +39,10 @@ class MonitorVerdict:
     presumably: what an undetermined formula becomes if all values stay as they are at the end; None if it stays
         undetermined, or is determined.
     robustness: how far the trace is from changing the verdict, as an interval over all continuations; None if it was
-        not asked for.
-    time_robustness: None if it was not asked for.
-    vacuous: it asks for something whenever a trigger is true, and the trigger never is.
-    explainer: for explanations and plots; it reads the trace when it is asked.
+        not requested.
+    time_robustness: None if it was not requested.
+    vacuous: it demands something whenever a trigger is true, and the trigger never is.
+    explainer: for explanations and plots; it reads the trace on demand.
     """
 
     name: str
@@ -62,14 +62,14 @@ class MonitorVerdict:
     def finding(self) -> Finding | None:
         """The first violation, or the position at which the verdict stays open; None if the formula is true.
 
-        It is looked for when it is asked for first, which reads the trace again. Raises UsageError if somebody has
+        It is searched on first use, which reads the trace again. Raises UsageError if somebody has
         changed the arrays of the trace meanwhile, so that they no longer have this verdict.
         """
         return self.explainer.finding(self.measured)
 
     @property
     def violations(self) -> Violations:
-        """All violations, and how many triggers asked in vain. Looked for each time it is asked for."""
+        """All violations, and the number of triggers without response. They are searched at each call."""
         return violations_of(self.explainer)
 
     def __repr__(self) -> str:
@@ -109,9 +109,9 @@ def cell_time(cell: int) -> Fraction:
 
 
 def cell_text(trace: Trace, cell: int) -> str:
-    """When a cell is: ``12.5 s``, or ``just after 12.5 s`` for the interval that begins there.
+    """The time of a cell: ``12.5 s``, or ``just after 12.5 s`` for the interval that begins there.
 
-    Of a capture with the packet that was there: ``12.5 s (packet 7)``.
+    In a capture with the packet that was there: ``12.5 s (packet 7)``.
     """
     text, packet = clock_text(trace, cell // 2), trace.packet(cell // 2)
     text += "" if packet is None else f" (packet {packet})"

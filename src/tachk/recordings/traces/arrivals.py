@@ -36,7 +36,7 @@ def belongs(column: str, topic: str) -> bool:
 
 
 def arriving(wanted: Iterable[str], columns: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Of the wanted columns those of arrivals that others have, with these others."""
+    """The wanted columns of arrivals that other columns have, with these others."""
     found: dict[str, tuple[str, ...]] = {}
     for name in wanted:
         topic = None if name in columns else topic_of(name)
@@ -56,8 +56,8 @@ def no_arrivals(name: str, topic: str, help: str) -> UsageError:
 
 
 def counted(flags: NDArray[np.uint8], times: Ticks) -> NDArray[np.float64]:
-    """How often something has arrived since the first instant. Before that it is minus infinity where something arrives
-    at the first instant, and infinity where nothing does."""
+    """The number of arrivals since the first instant. Before that it is minus infinity if something arrives at the
+    first instant, and else infinity."""
     first = times == times[0]
     count = np.cumsum((flags != 0) & ~first).astype(np.float64)
     before = -np.inf if bool(flags[first].any()) else np.inf

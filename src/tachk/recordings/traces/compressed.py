@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
 COMPRESSED_SUFFIXES = (".gz", ".zst")
-"""That stand behind the ending of what is compressed: `log.csv.gz`."""
+"""Suffixes behind the ending of the compressed file: `log.csv.gz`."""
 
 
 _PIECE = 1 << 13
@@ -119,7 +119,7 @@ def open_bytes(path: Path) -> BufferedReader:
 
 
 def torn(stream: object) -> str | None:
-    """Why a stream of `open_bytes` that has been read ended before its end; None: it has not."""
+    """The reason why a stream of `open_bytes` that has been read broke off early; None: it did not."""
     raw = getattr(stream, "raw", None)
     return raw.torn if isinstance(raw, TornStream) else None
 

@@ -6,8 +6,8 @@ from enum import StrEnum
 
 
 class Interpolation(StrEnum):
-    """What columns of numbers do between two rows: they keep their values, or move in straight lines. Truth values
-    always keep theirs, and after the last row everything does."""
+    """The values of columns of numbers between two rows: they are kept, or move in straight lines. Truth values are
+    always kept, and so is everything after the last row."""
 
     CONSTANT = "constant"
     LINEAR = "linear"

@@ -109,14 +109,14 @@ class RobustnessMonitor:
 
 
 def monitor_truth(program: MonitorProgram, trace: Trace) -> TruthResult:
-    """Whether the formula is true on a trace, and where it is violated first."""
+    """The truth of the formula on a trace, and its first violation."""
     core = _core.OfflineTruth(program, verdict=True, signals=[])
     _run(core, program, trace)
     return _truth_result(core)
 
 
 def monitor_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
-    """How far the formula is from changing its truth on a trace."""
+    """The robustness of the formula on a trace: how far it is from changing its truth."""
     core = _core.OfflineRobustness(program, verdict=True, signals=[])
     _run(core, program, trace)
     return bounds(*core.verdict())

@@ -14,7 +14,7 @@ from tachk.recordings.traces.logs.dates import is_date
 from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, read_header
 
 SEPARATORS = ",;\t"
-"""What may separate cells: that which the header has most of, unless a line above it tells."""
+"""The separators of cells: the one that the header has most of, unless a line above it names one."""
 
 _LONGEST_HEADER = 1 << 24
 _SAMPLE = 1 << 16
@@ -45,7 +45,7 @@ _BINARY = {
     **dict.fromkeys((b"\xd4\xc3\xb2\xa1", b"\xa1\xb2\xc3\xd4", b"\x0a\x0d\x0d\x0a"), "a capture of packets"),
     **dict.fromkeys((b"\x4d\x3c\xb2\xa1", b"\xa1\xb2\x3c\x4d"), "a capture of packets"),
 }
-"""What bytes at the beginning of a file tell about it."""
+"""The kind of a file by the bytes at its beginning."""
 
 _MISSING = ("", "nan", "na", "null")
 
@@ -101,7 +101,7 @@ def read_beginning(stream: ByteStream, name: str, time: str | None, unit: str | 
 
 
 def declared_separator(line: str) -> str | None:
-    """What the first line of a file tells a spreadsheet to take as separator of cells; None: it is another line."""
+    """The separator of cells that the first line of a file declares for spreadsheets; None: it is another line."""
     declared = _DECLARED_SEPARATOR.fullmatch(line.strip(" "))
     return None if declared is None else declared["separator"].replace("\\t", "\t")
 

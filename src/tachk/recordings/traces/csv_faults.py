@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 FINEST = "at most 18 digits in all, those behind the point included; --decimals 9 rounds times to nine decimals"
-"""How finely times can be counted."""
+"""The finest resolution of times."""
 
 _WHOLE = "at most 18 digits: leave out the rows with such a time, or count times from the beginning of the recording"
 

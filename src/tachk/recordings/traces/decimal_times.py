@@ -41,11 +41,11 @@ Counted = TypeVar("Counted")
 
 
 def fewest_decimals(count: Callable[[int], Counted | None]) -> Counted | None:
-    """What ``count`` makes of times in the fewest decimals that keep neighbours apart, and some more where they fit.
+    """Times counted in the fewest decimals that keep neighbours apart, and some more if they fit.
 
     Args:
-        count: counts with so many decimals; None where different neighbours are the same then, and raises where the
-            ticks do not fit.
+        count: counts with a number of decimals; None if different neighbours become equal; raises if the ticks do not
+            fit.
 
     Returns None where no number of decimals is enough.
     """

@@ -22,14 +22,14 @@ from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.trace import Trace
 
 Measure = _core.Measure
-"""What robustness is measured in. SPACE: by how much values could change; numbers move linearly from one row to the
+"""The measure of robustness. SPACE: by how much values could change; numbers move linearly from one row to the
 next. AHEAD: by how many ticks all changes of atoms may come earlier before the truth of the formula changes: at each
 instant an atom counts as many ticks as it will go on to have the truth that it has, negative if it is false (Donze,
 Maler 2010). BEHIND: the same looking back; what was before the trace is not counted. For both of them columns keep
 their values between rows."""
 
 MOST_PARTS = 1_000_000
-"""Of a tick, in which the instants are told at which lines cross."""
+"""The largest number of parts of a tick, for the instants at which lines cross."""
 
 LAST_TICK_OF_LINES = 1 << 47
 """The durations of a formula that is judged on lines add up to less than this number of ticks."""
@@ -83,7 +83,7 @@ def reach_of(program: MonitorProgram) -> int:
 
 
 def parts_of_tick(programs: Iterable[MonitorProgram], trace: Trace) -> int:
-    """In how many parts of a tick the instants at which lines cross can be told: a power of ten, at most a million.
+    """The number of parts of a tick for the instants at which lines cross: a power of ten, at most a million.
 
     Raises UsageError if ticks cannot be divided, because the trace is too long for that, or bounds reach
     `LAST_TICK_OF_LINES`.
@@ -130,9 +130,9 @@ def truth_signals_on_lines(
 
 
 def robustness(program: MonitorProgram, trace: Trace, measure: Measure) -> RobustnessResult:
-    """How far the formula is from changing its truth.
+    """The robustness: how far the formula is from changing its truth.
 
-    Node by node: between two of them the interpreter sees Ctrl-C.
+    It is computed node by node: between two of them the interpreter sees Ctrl-C.
     """
     core = _ready(program, trace, measure)
     root = len(program.nodes) - 1

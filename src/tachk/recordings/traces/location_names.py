@@ -14,17 +14,17 @@ from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.trace_arrays import is_missing
 
 LocationNames = Mapping[str, tuple[str, str]]
-"""Of names such as `P.loc` the column `P` and the text `loc`."""
+"""Names such as `P.loc`, with the column `P` and the text `loc`."""
 
 
 def location_names(names: Iterable[str]) -> LocationNames:
-    """Those of some names that may say where a process is."""
+    """The names that may be locations of processes."""
     parts = {name: name.rpartition(".") for name in names if topic_of(name) is None}
     return {name: (process, location) for name, (process, _, location) in parts.items() if process and location}
 
 
 def locations_in(names: LocationNames, row: Mapping[str, Any]) -> dict[str, bool]:
-    """Which of the names are true of a row, by the texts in it."""
+    """The truth of the names in a row, by the texts in it."""
     return {
         name: row[process] == location
         for name, (process, location) in names.items()

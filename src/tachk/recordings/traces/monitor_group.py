@@ -16,7 +16,7 @@ MOST_KEPT = 1 << 16
 
 
 class RowFault(IntEnum):
-    """Why a row is not taken; the numbers are those of `RowFault` in monitor_group.hpp."""
+    """The reason why a row is refused; the numbers are those of `RowFault` in monitor_group.hpp."""
 
     NONE = 0
     FINISHED = 1

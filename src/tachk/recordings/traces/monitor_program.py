@@ -37,7 +37,7 @@ class ValueInstruction:
 
 
 class AtomRelation(IntEnum):
-    """How an atom compares its left with its right value. TRUTH: the left value is not zero; there is no right one."""
+    """The relation of an atom's left to its right value. TRUTH: the left value is not zero; there is no right one."""
 
     TRUTH = 0
     LESS = 1

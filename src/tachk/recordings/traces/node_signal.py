@@ -45,7 +45,7 @@ class CellRuns:
         return len(self.first)
 
     def meets(self, other: CellRuns) -> NDArray[np.bool_]:
-        """Of each stretch, whether one of the others has a cell with it in common."""
+        """For each run of cells whether one of the others has a cell in common with it."""
         place = np.searchsorted(other.last, self.first)
         found = place < len(other)
         found[found] = other.first[place[found]] <= self.last[found]

@@ -74,7 +74,7 @@ class OnlineMonitor:
 
     @property
     def violation(self) -> ViolatedCells | None:
-        """Of a violated formula ``G f``: the earliest known stretch without f."""
+        """The earliest known run of cells without f, for a violated formula ``G f``."""
         found = self._core.violation()
         if found is None:
             return None

@@ -52,7 +52,7 @@ class FloatTimes:
         return len(self.numbers)
 
     def ticks(self) -> Ticks:
-        """Of all rows, counted once. Raises UsageError if they are not as they were supposed to be."""
+        """The ticks of all rows, counted once. Raises UsageError if the times have changed."""
         if self._ticks is None:
             ticks = np.empty(len(self.numbers), dtype=np.int64)
             if not _core.count_as(self.numbers, self.decimals, self.first, self.factor, ticks):
@@ -66,7 +66,7 @@ class FloatTimes:
 
 
 def changed_trace() -> UsageError:
-    """Of arrays that are no longer what was judged."""
+    """The error for arrays that have changed since they were judged."""
     return UsageError(
         "the trace has been changed since it was judged, so that its verdict cannot be explained",
         "leave its arrays as they are while the report is in use, or give copies of them",
@@ -131,7 +131,7 @@ class Trace:
 
     @property
     def times(self) -> Ticks:
-        """Of the rows, in ticks. Raises UsageError if floating-point times are not as they were supposed to be."""
+        """The times of the rows, in ticks. Raises UsageError if floating-point times have changed."""
         return self.instants.ticks() if isinstance(self.instants, FloatTimes) else self.instants
 
     def clock(self, tick: int | Fraction) -> Fraction:

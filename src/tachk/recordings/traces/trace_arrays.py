@@ -328,7 +328,7 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
 
 
 def present(values: Any) -> NDArray[np.uint8]:
-    """Whether each cell of a column has a value."""
+    """1 for each cell of a column that has a value, else 0."""
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
     if array.dtype.kind == "O":
         return np.array([not is_missing(value) for value in array], dtype=np.uint8)

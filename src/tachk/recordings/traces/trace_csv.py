@@ -136,7 +136,7 @@ class CsvRecording:
         return texts.on(replace(trace, notes=notes, warnings=self._warnings(reader, torn)))
 
     def _places(self, columns: Collection[str] | None) -> tuple[dict[str, int], _ArrivalColumns]:
-        """The cells that are read, and of which it is told where they have values."""
+        """The cells that are read, and those whose presence is recorded."""
         arrivals = arriving(columns or (), self.columns)
         wanted = None if columns is None else [name for name in columns if name not in arrivals]
         valued = self.header.numbers(wanted, self.name)

@@ -51,7 +51,7 @@ JSON_LINES = TraceFormat(
 """An object for each line."""
 
 BAG = TraceFormat("ROS bag", (".bag", ".db3"), "tachk.recordings.traces.logs.trace_rosbag:open_bag")
-"""Of ROS; that of ROS 2 is a folder."""
+"""The format of bags of ROS; a bag of ROS 2 is a folder."""
 
 FORMATS = (
     CSV,
@@ -75,7 +75,7 @@ TRACE_SUFFIXES = tuple(
 
 
 _RUN = ".run"
-"""How files end that hold the steps of a run. What these do only the model tells."""
+"""The ending of files with the steps of a run, which have a meaning only with their model."""
 
 
 def is_csv(path: Path) -> bool:

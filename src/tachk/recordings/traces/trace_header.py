@@ -11,7 +11,7 @@ from tachk.base.diagnostics.suggestion import closest
 from tachk.base.time_units import SPELLINGS, UNITS
 
 TIME_NAMES = ("time", "t", "timestamp")
-"""The names by which a time column is known without being told, in this order."""
+"""The default names of a time column, in this order."""
 
 _OPENING = re.compile(r"[\[(]")
 
@@ -51,7 +51,7 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
         trace: for messages.
 
     Raises:
-        UsageError: there is no such time column, a name stands twice, or nobody knows the unit, or two are told.
+        UsageError: there is no such time column, a name stands twice, or the unit is missing or given twice.
     """
     parts = [name_and_unit(cell) for cell in cells]
     names = tuple(name for name, _ in parts)

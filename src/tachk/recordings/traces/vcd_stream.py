@@ -106,7 +106,7 @@ class VcdStream(RawIOBase):
 
     @property
     def torn(self) -> str | None:
-        """Why a compressed file that has been read ended before its end."""
+        """The reason why a compressed file that has been read broke off early."""
         return torn(self._stream)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Why a formula is false or undetermined on a trace: from the verdict down to the responsible subformula and atoms."""
+"""The explanation of a false or undetermined formula on a trace: from the verdict down to the responsible atoms."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ _AHEAD = (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
 
 @dataclass(frozen=True, slots=True)
 class TruthReason:
-    """That a subformula has a value in a cell, and what makes it so.
+    """The fact that a subformula has a value in a cell, and its reasons.
 
     Attributes:
         node: its number in the program.
-        cell: where it is looked at.
+        cell: the cell.
         window: the first and the last cell that a temporal operator speaks about there; the last one may lie beyond the
             trace, None: without end.
-        parts: the operands that are to blame, where they are to blame.
-        operands: the texts of the operands, also of those that are not to blame.
+        parts: the responsible operands, with their cells.
+        operands: the texts of all operands.
     """
 
     node: int
@@ -69,9 +69,9 @@ class Finding:
 @dataclass(frozen=True, slots=True, eq=False)
 class Explainer:
     """Attributes:
-    compute: what nodes of the program are worth over the trace; asked once for each node that matters.
-    decide: the first tick from the given one on at which a violation is certain; asked where the parts of a formula do
-        not tell by themselves, because windows lie within windows. None: then it is not told.
+    compute: the values of nodes of the program over the trace; called once for each node that matters.
+    decide: the first tick from the given one on at which a violation is certain; called where the parts of a formula do
+        not decide it by themselves, because windows lie within windows. None: it is not reported then.
     cells: of the trace, ``2 * end + 1``.
     """
 
@@ -97,8 +97,8 @@ class Explainer:
             self._known.update(zip(wanted, self.compute(wanted), strict=True))
 
     def _having(self, nodes: Sequence[int], cell: int, value: Truth) -> Iterator[int]:
-        """Those of the nodes that have a value in a cell. The trace is read for ever more of them at once, as it would
-        take long for thousands one by one."""
+        """The nodes that have a value in a cell. The trace is read for ever more of them at once, as it would take long
+        for thousands one by one."""
         start, size = 0, 1
         while start < len(nodes):
             group = nodes[start : start + size]
@@ -107,7 +107,7 @@ class Explainer:
             start, size = start + size, min(2 * size, _AT_ONCE)
 
     def finding(self, value: Truth) -> Finding | None:
-        """Where the formula is violated first, or where it hangs; None if it is true. Looked for once.
+        """The first violation of the formula, or the place that leaves it open; None if it is true. Searched once.
 
         Args:
             value: of the formula.
@@ -146,7 +146,7 @@ class Explainer:
         return Finding(text, cell, last, cause, triggered, reason, _deadline(reason), None, tuple(_leaves(reason)))
 
     def reason(self, node: int, cell: int, value: Truth) -> TruthReason:
-        """Why a node has its value in a cell. The value must be the one that it has."""
+        """The reason for the value of a node in a cell. The value must be the one that it has."""
         program_node = self.program.nodes[node]
         parts, window = self._parts(program_node, cell, value)
         operands = tuple(self.program.nodes[operand].text for operand in program_node.operands)
@@ -169,8 +169,8 @@ class Explainer:
     # ---- the shape of the whole ----
 
     def _body(self, node: int, value: Truth) -> tuple[int, int, int]:
-        """Goes from the whole down conjunctions and G to what has the value first, where, and up to where it is
-        asked for."""
+        """Goes from the whole down conjunctions and G to the first part with the value, its cell, and the end of the
+        cells in which it counts."""
         cell = end = 0
         while True:
             current = self.program.nodes[node]
@@ -305,7 +305,7 @@ def trigger_of(program: MonitorProgram, node: int) -> int | None:
 
 def never_triggered(program: MonitorProgram) -> tuple[MonitorProgram, ...]:
     """For a formula ``G (trigger -> ...)``, or several of them, the formulas ``G !trigger``; if all of them are true,
-    the formula is true for the reason only that nothing is ever asked for."""
+    the formula is vacuously true."""
     return tuple(_triggers(program, len(program.nodes) - 1))
 
 
@@ -321,7 +321,7 @@ def _triggers(program: MonitorProgram, node: int) -> Iterator[MonitorProgram]:
 
 
 def horizon(program: MonitorProgram) -> int:
-    """How many ticks the bounded operators of a formula look ahead of an instant at most."""
+    """The largest number of ticks that the bounded operators of a formula look ahead of an instant."""
     ahead: list[int] = []
     for node in program.nodes:
         reach = max((ahead[operand] for operand in node.operands), default=0)
@@ -331,7 +331,7 @@ def horizon(program: MonitorProgram) -> int:
 
 
 def memory(program: MonitorProgram) -> int:
-    """How many ticks the bounded operators of a formula look back from an instant at most."""
+    """The largest number of ticks that the bounded operators of a formula look back from an instant."""
     behind: list[int] = []
     for node in program.nodes:
         reach = max((behind[operand] for operand in node.operands), default=0)

@@ -39,8 +39,8 @@ class _WatchedConjunct:
 class ViolationWatch:
     """Watches what has to be true always by itself, so that it goes on where the verdict is decided.
 
-    A violation is told when all that is before it is decided. The rows are those of a `Monitor`, which has checked
-    them. Memory is bounded as that of the monitor is, if what is found is taken.
+    A violation is reported when all before it is decided. The rows are those of a `Monitor`, which has checked them.
+    Memory is bounded as that of the monitor is, if the violations are taken.
     """
 
     def __init__(
@@ -97,6 +97,6 @@ class ViolationWatch:
 
 
 def _always(program: MonitorProgram, node: int) -> MonitorProgram:
-    """That a node is true at every instant."""
+    """The program that a node is true at every instant."""
     nodes = (*program.nodes[: node + 1], MonitorNode(NodeKind.ALWAYS, (node,), text=f"G ({program.nodes[node].text})"))
     return replace(program, nodes=nodes)

@@ -60,7 +60,7 @@ class _DemandedCells:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Violations(Sequence[Finding]):
-    """The violations in the order of time. Each is explained when it is asked for, but for when it became certain.
+    """The violations in the order of time. Each is explained on access, but for the moment when it became certain.
 
     Attributes:
         triggers: None where the formula has no form ``trigger -> response``.

@@ -77,7 +77,7 @@ class JoinedRecording:
         return tuple(dict.fromkeys(places))
 
     def _factor(self, trace: Trace) -> Fraction:
-        """How many units of the whole make one of a trace."""
+        """The number of units of the whole that make one of a trace."""
         own, common = length_of(trace.unit), length_of(self.unit)
         return Fraction(1) if own is None or common is None else own / common
 

@@ -74,7 +74,7 @@ class MessageFile(Protocol):
         ...
 
     def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
-        """Of each topic the constants of its type, and of the types in it."""
+        """For each topic the constants of its type, and of the types in it."""
         ...
 
 

@@ -1,7 +1,7 @@
 """Recordings whose columns change at instants of their own: messages of many kinds, files of several rates.
 
-Each column keeps its value until its next one. The trace begins when every column that is asked for has a value, for
-before that nothing is known of some; it ends with the last instant of all.
+Each column keeps its value until its next one. The trace begins when every requested column has a value, as some are
+unknown before; it ends with the last instant of all.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _TIME = "time"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ColumnChanges:
-    """When a column changes, as numbers of instants in ascending order, and its values from then on."""
+    """The changes of a column: numbers of instants in ascending order, and its values from then on."""
 
     rows: NDArray[np.int64]
     values: Any

@@ -60,7 +60,7 @@ class Hdf5Table:
         return TableRecording(self.name, header, cells).read(wanted if columns is None else columns)
 
     def enumerations(self) -> Mapping[str, Mapping[str, int]]:
-        """Of each column of an enumeration the names of its values."""
+        """For each column of an enumeration the names of its values."""
         import h5py
 
         found: dict[str, Mapping[str, int]] = {}

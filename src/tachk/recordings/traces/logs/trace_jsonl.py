@@ -153,7 +153,7 @@ class JsonStream:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Those of the first line; later ones may have others."""
+        """The columns of the first line; later lines may have others."""
         return tuple(name for event in JsonLines(self.name, self.time).events([self.first]) for name in event.values)
 
     @property
@@ -295,7 +295,7 @@ class JsonLines:
         return _Event(instant, unit, dated, binary, short, values)
 
     def _choose(self, given: Mapping[str, Any]) -> None:
-        """Which value of all lines is the time, and in which unit: ``time [ms]`` says it."""
+        """Chooses the value of lines that is the time, and its unit, as in ``time [ms]``."""
         parts = {each: (each, "") for each in given}, {each: name_and_unit(each) for each in given}
         for names in parts:  # a name without a unit comes first
             for want in TIME_NAMES if self._key is None else (self._key,):

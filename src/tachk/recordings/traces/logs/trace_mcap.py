@@ -172,13 +172,13 @@ class McapMessages(WithSummary[dict[str, bool]]):
 
     def samples(self) -> Iterator[tuple[str, Any]]:
         for topic, known in self._summary[0].items():
-            with suppress(UsageError):  # whoever asks for the topic will be told
+            with suppress(UsageError):  # reading the topic itself will raise it
                 messages = self.decoded([topic]) if known else iter(())
                 yield from ((topic, content) for _, _, content in islice(messages, SAMPLES))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """That the file is cut off."""
+        """A warning if the file is cut off."""
         if self._is_whole:
             return ()
         return (cut_off_warning(str(self.path), "what follows its last whole message is left out"),)
@@ -222,7 +222,7 @@ class McapMessages(WithSummary[dict[str, bool]]):
 
     @cached_property
     def _content(self) -> bytes:
-        """Of a compressed file, in which nobody can go back."""
+        """The content of a compressed file, in which a reader cannot go back."""
         with open_bytes(self.path) as stream:
             return stream.read()
 
@@ -265,7 +265,7 @@ def _is_known(channel: Any, schema: Any) -> bool:
 
 
 _ROS = {("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg")}
-"""How messages of ROS and their schemas are encoded."""
+"""The encodings of messages of ROS and of their schemas."""
 
 _PROTOBUF = ("protobuf", "protobuf")
 
