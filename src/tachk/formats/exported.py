@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Writing:
-    """How a model is written, where the format leaves a choice.
+    """Options of the export of a model for choices that the format leaves open.
 
     Attributes:
         definitions: the names of the constants that were given another value when the model was loaded.

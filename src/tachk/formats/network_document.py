@@ -65,7 +65,7 @@ def network_model(network: Network, name: str) -> LoadedModel:
 
 
 def why_not_writable(network: Network) -> str:
-    """Why a network without a document has none."""
+    """The reason why a network cannot be written as a document."""
     try:
         network_document(network, "")
     except NotWritable as reason:

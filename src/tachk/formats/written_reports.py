@@ -21,7 +21,7 @@ _LARGEST = 2**64
 """No count, seed or value of a report is as large."""
 
 _LONGEST = 160
-"""Of a message about what is wrong in a report."""
+"""The largest length of a message about a mistake in a report."""
 
 _HALF_OF_A_PAIR = re.compile("[\ud800-\udfff]")
 
@@ -74,7 +74,7 @@ def check_report(document: Mapping[str, Any], report: str, path: Path, how: str)
 
 @cache
 def validator(report: str) -> Any:
-    """What checks documents against the schema of this name, and those that it refers to. Integers are integers here,
+    """The validator of documents for the schema of this name, and those that it refers to. Integers are integers here,
     whereas by JSON Schema 1e300 is one, too."""
     from jsonschema import Draft202012Validator
     from jsonschema.validators import extend

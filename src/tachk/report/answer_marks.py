@@ -1,4 +1,4 @@
-"""How answers look in pictures: filled, hatched, dotted, so that they differ in shape, not only in colour."""
+"""The marks of answers in pictures: filled, hatched, dotted, so that they differ in shape, not only in colour."""
 
 from __future__ import annotations
 
@@ -26,6 +26,6 @@ def legend_of(answers: Iterable[Answer]) -> list[Any]:
 
 
 def evenly_labelled(size: int) -> list[int]:
-    """Of so many values along an axis the numbers of those that get a label: the first, and at most ten in equal
-    distances from it."""
+    """The numbers of the values along an axis that get a label: the first, and at most ten in equal distances from
+    it."""
     return list(range(0, size, next(distance for distance in _DISTANCES if size <= 11 * distance)))

@@ -52,7 +52,7 @@ class Report(Sequence[Verdict]):
 
     @property
     def met(self) -> bool | None:
-        """Whether every answer is as expected: False if one is not, else None if one is unknown, else True."""
+        """True if every answer is as expected; False if one is not; else None, as one is unknown."""
         return self.record.met
 
     def run(self, index: int | str) -> Run | None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much there is in a model."""
+    """The size of a model."""
 
     processes: int
     locations: int
@@ -36,13 +36,13 @@ class Checked:
     Attributes:
         model: the path as the user gave it.
         size: None where the model is wrong or refused.
-        findings: every mistake and warning, in the order in which they are told.
-        portability: what a version of UPPAAL would refuse or treat otherwise, where that was asked for.
+        findings: every mistake and warning, in the order in which they are reported.
+        portability: what a version of UPPAAL would refuse or treat otherwise, if that was requested.
         complaint: what is wrong that has no place in a text, such as a file that is not there.
         help: how to mend the complaint.
         out_of_time: whether the complaint is that the limit on time was over, and nothing else is known.
-        deep: what exploring the states of the model told, where that was asked for.
-        network: the model, for telling that.
+        deep: the findings from the states of the model, if they were requested.
+        network: the model, for printing them.
     """
 
     model: str
@@ -176,7 +176,7 @@ def checks_to_github(checks: Iterable[Checked]) -> Iterator[str]:
 
 
 class _FilePlace:
-    """Where a range lies in the file that people see; lines and columns count from 1."""
+    """The place of a range in the file that people see; lines and columns count from 1."""
 
     def __init__(self, span: Span) -> None:
         place = span.in_file

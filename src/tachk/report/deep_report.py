@@ -16,11 +16,11 @@ from tachk.report.run.trace_text import print_trace
 from tachk.verify.semantic_lint.findings import DeepCheck, LintAnswer
 
 _ENDS = Ends(4, 8)
-"""Of a longer run only so many steps are told."""
+"""The steps that are shown of a longer run."""
 
 
 def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
-    """How far the exploration went, a line for each question, and the runs that show findings."""
+    """Prints the extent of the exploration, a line for each question, and the runs that show findings."""
     statistics = check.statistics
     states = "state" if statistics.states_stored == 1 else "states"
     took = f"{grouped(statistics.states_stored)} {states} in {seconds(statistics.seconds)}"

@@ -42,7 +42,7 @@ def verifyta_values(verdict: Verdict) -> Iterator[str]:
 
 
 def requested(found: Extremes) -> list[tuple[Extreme, bool]]:
-    """The extremes that were asked for, each with whether it is the largest."""
+    """The extremes that were requested, each with True if it is the largest value."""
     both = ((found.least, False), (found.largest, True))
     return [(extreme, largest) for extreme, largest in both if extreme is not None]
 

@@ -21,7 +21,7 @@ from tachk.syntax.rewrite import rewrite
 from tachk.syntax.source_files import read_source
 
 Taken = Mapping[str, Mapping[EdgeKey, int]]
-"""How often the edges of templates were taken, by the names of templates."""
+"""The number of times that the edges of templates were taken, by the names of templates."""
 
 
 def draw_file(

@@ -66,7 +66,7 @@ class RunRecord:
     definitions: the names of the constants that were set from outside.
     network: of a model with refusals only its constants and time unit.
     refusals: the constructs of the model that tachk does not check.
-    runs: whether the runs behind the answers were asked for.
+    runs: whether the runs behind the answers were requested.
     not_checked: the game and scenario queries met, which have no influence on success, and wrong queries of other
         programs' files.
     estimates: one for each statistical query, in order.
@@ -102,8 +102,8 @@ class RunRecord:
 
     @property
     def met(self) -> bool | None:
-        """Whether every expectation is met: False if one is not, else None if an answer is unknown, something in the
-        model is refused, or nothing was checked; else True."""
+        """True if every expectation is met; False if one is not; else None, as an answer is unknown, something in the
+        model is refused, or nothing was checked."""
         met = [*(verdict.met for verdict in self.verdicts), *(answer.met for answer in self.estimates)]
         if False in met:
             return False

@@ -26,7 +26,7 @@ def _strategy(verdict: Verdict) -> Iterator[str]:
 
 
 def for_all(members: str) -> str:
-    """Of which states one has been searched or told, where members are those of a group."""
+    """The states of which one has been searched or shown, for the members of a group."""
     ring = members.removesuffix(" in a ring")
     return f"one state stands for all {'exchanges of' if ring == members else 'rotations of'} {ring}"
 

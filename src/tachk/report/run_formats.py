@@ -28,13 +28,13 @@ RUN_FORMATS = {
 
 @dataclass(frozen=True, slots=True)
 class Presentation:
-    """How a report is written, where its format leaves a choice.
+    """Options of a report for choices that its format leaves open.
 
     Attributes:
         console: makes the console for a stream that people read.
         every_trace: the runs behind expected answers are shown too.
-        evidence: which runs were looked for, ``none`` or such as ``shortest``.
-        display: how runs are shown.
+        evidence: the runs that were searched, ``none`` or such as ``shortest``.
+        display: display options of runs.
     """
 
     console: Callable[[TextIO], Console]

@@ -66,10 +66,10 @@ def _listed(times: list[str]) -> str:
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)
-"""Of a longer run to a run-time error only so much is told."""
+"""The steps that are shown of a longer run to a run-time error."""
 
 _DEFECT_ENDS = Ends(0, 3)
-"""Of the run behind a violation that the model expects only the last steps are told."""
+"""The last steps, which alone are shown of the run behind a violation that the model expects."""
 
 _COSTS = ("states", "time", "memory")
 _COLUMNS = ("  property", "answer", "expected", *_COSTS, "meaning")
@@ -84,7 +84,7 @@ _WRAPPED_ROWS = 300
 """A table of more rows is printed line by line, and long meanings are not wrapped: rich measures every cell of a table
 several times, which took longer than a search that a limit of one second stops."""
 _NAMES_SHOWN = 20
-"""Of the properties that are unknown for the same reason."""
+"""The number of names that are listed of properties that are unknown for the same reason."""
 
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
@@ -107,8 +107,8 @@ def print_run(
     """Prints the answers of one run.
 
     Args:
-        every_trace: tell also the runs behind answers that are as expected.
-        telling: how runs are told; of those that the model expects only the last steps are.
+        every_trace: show also the runs behind answers that are as expected.
+        display: display options of runs; of those that the model expects only the last steps are shown.
     """
     console.print(_title(record))
     if record.verdicts:
@@ -136,8 +136,8 @@ def print_run(
         known_defect = verdict.answer is Answer.FAILS and verdict.met is True and not every_trace
         if every_trace or known_defect or verdict.met is not True:
             console.print()
-            told = replace(display, ends=_DEFECT_ENDS) if known_defect else display
-            _print_evidence(record.network, verdict, verdict.trace, console, told)
+            shown = replace(display, ends=_DEFECT_ENDS) if known_defect else display
+            _print_evidence(record.network, verdict, verdict.trace, console, shown)
     console.print()
     console.print(_summary(record))
 
@@ -186,16 +186,16 @@ def evidence_text(network: Network, verdict: Verdict, display: RunDisplay = RunD
 
 def _print_values(record: RunRecord, console: Console) -> None:
     """The values of `sup`, `inf` and `bounds` for which the table has no room."""
-    told = [verdict for verdict in record.verdicts if _answer(record, verdict) == _SEE_BELOW]
-    if told:
+    below = [verdict for verdict in record.verdicts if _answer(record, verdict) == _SEE_BELOW]
+    if below:
         console.print()
-    for verdict in told:
+    for verdict in below:
         for line in value_lines(verdict, record.network.time_unit):
             console.print(Text(f"  {verdict.query.name}: {line}"), soft_wrap=True)
 
 
 def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:
-    """Why answers are unknown: each reason, each run-time error once, with the names of all it concerns."""
+    """Prints why answers are unknown: each reason, each run-time error once, with the names of all it concerns."""
     for query in record.not_checked:
         for found in query.diagnostics:
             console.print(Text(f"\n{query.name} cannot be checked:", style="yellow"))
@@ -365,24 +365,24 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
         return f"{verdict.query.name}: {value} at the end of this run of {steps} {plural}, at time {end}:"
     shows = "is satisfied" if verdict.answer is Answer.HOLDS else "is violated"
     as_expected = ", as expected," if verdict.met and verdict.answer is Answer.FAILS else ""
-    told = f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}"
+    shown = f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}"
     match verdict.trace.ending:
         case Ending.OPEN:
-            return f"{told}, at time {end}:"
+            return f"{shown}, at time {end}:"
         case Ending.IDLE:
-            return f"{told}, after which time passes for ever:"
+            return f"{shown}, after which time passes for ever:"
         case Ending.STUCK:
-            return f"{told}, after which nothing can happen:"
+            return f"{shown}, after which nothing can happen:"
         case Ending.PERIODIC | Ending.RECURRENT:
             first = verdict.trace.loop_start or 0
             again = "the last of which repeats" if first == steps - 1 else f"the last {steps - first} of which repeat"
-            return f"{told}, {again} for ever:" if first else f"{told}, which repeat{'s' * (steps == 1)} for ever:"
+            return f"{shown}, {again} for ever:" if first else f"{shown}, which repeat{'s' * (steps == 1)} for ever:"
         case never:
             assert_never(never)
 
 
 def _due_line(query: Query, due: Due, time_unit: str) -> Text:
-    """Where the obligation of ``-->`` begins that the run does not meet."""
+    """The line about the beginning of the obligation of ``-->`` that the run does not meet."""
     assert query.predicate is not None
     (awaited,) = query.operands
     begins, ends = (" ".join(side.span.text.split()) for side in (query.predicate, awaited))

@@ -22,7 +22,7 @@ def peak_memory() -> tuple[int, int] | None:
 
 
 def _from_usage() -> tuple[int, int] | None:
-    """Where only the resident size is known it stands for both. macOS counts bytes."""
+    """The sizes from `getrusage`. Only the resident size is known, and stands for both. macOS counts bytes."""
     try:
         import resource
         import sys
@@ -44,7 +44,7 @@ def harmless(text: str) -> str:
 
 
 def memory_lines() -> Iterator[str]:
-    """How much memory the process has taken, where that is known."""
+    """The lines about the memory of the process, if that is known."""
     memory = peak_memory()
     if memory is not None:
         yield f" -- Virtual memory used : {memory[0]} KiB"

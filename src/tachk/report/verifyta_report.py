@@ -34,8 +34,8 @@ OUT_OF_MEMORY = "memory limit"
 
 
 class VerifytaReport(ReportWriter):
-    """Writes about each model when it has been checked, and the runs that were asked for to standard error, where
-    verifyta writes them."""
+    """Writes about each model when it has been checked, and requested runs to standard error, where verifyta writes
+    them."""
 
     def add(self, record: RunRecord) -> None:
         shown = self.presentation

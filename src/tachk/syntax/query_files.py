@@ -24,7 +24,7 @@ _OUTCOMES = {"T": "holds", "SAT": "holds", "F": "fails", "UNSAT": "fails"}
 
 @dataclass(slots=True)
 class _QueryPlace:
-    """Where a query stands, and what is said about it."""
+    """The place of a query, with its comments and its expectation."""
 
     start: int
     end: int

@@ -1,1 +1,1 @@
-"""Where the locations and edges of templates are drawn, for those that have no coordinates yet."""
+"""The layout of templates: coordinates for the locations and edges that have none yet."""

@@ -206,7 +206,7 @@ class ExpressionReader:
 
 
 class _FieldCodec(NamedTuple):
-    """How the value of a field is written and read."""
+    """The functions that write and read the value of a field."""
 
     write: Callable[[ExpressionWriter, Any], Json]
     read: Callable[[ExpressionReader, Json], Any]

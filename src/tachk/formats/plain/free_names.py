@@ -56,7 +56,7 @@ def name_repairs(items: Iterable[ast.Item], formulas: Iterable[object] = ()) -> 
 
 
 def refusal(name: str, in_query: bool) -> str | None:
-    """Why a model cannot declare a name; None if it can."""
+    """The reason why a model cannot declare a name; None if it can."""
     if name in WORDS_4_1:
         return "a word of UPPAAL's language"
     if name in WORDS_5:

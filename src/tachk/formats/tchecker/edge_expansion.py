@@ -136,7 +136,7 @@ class EdgeExpansion:
         return {v: initial_cells(v) for v in self.network.all_variables() if self.network.resets(v)}
 
     def _resets(self, edge: Edge, channel: tuple[Variable, int] | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """What an edge does before and after its updates so that meta variables begin every transition afresh.
+        """The updates before and after those of an edge that reset meta variables for every transition.
 
         The last edge of a transition restores them. Of a broadcast no edge is the last for certain, so what a broadcast
         uses is restored by the first edge of every transition as well.

@@ -86,7 +86,7 @@ def guard_of(
     edges: Mapping[str, Sequence[tuple[str, ast.EdgeDeclaration]]],
     places: Mapping[str, Whereabouts],
 ) -> ast.Expression | None:
-    """Where all the chosen edges can be taken, for the first of them."""
+    """The condition under which all the chosen edges can be taken, for the first of them."""
     conditions: list[ast.Expression] = []
     for position, (name, number) in enumerate(chosen.items()):
         edge = edges[name][number][1]

@@ -1,4 +1,4 @@
-"""What UPPAAL takes for a guard, an invariant or the predicate of a query: the types of its open parser.
+"""The types of conditions in UPPAAL's open parser: guards, invariants and predicates of queries.
 
 A condition without clocks is a number. Comparisons of clocks are INVARIANT or, as `==`, GUARD; what is joined of them
 has the weakest type of its parts, and below ``!`` it is a CONSTRAINT, which only queries take. Source: the function

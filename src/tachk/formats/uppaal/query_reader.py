@@ -29,7 +29,7 @@ _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect (?:holds|fails) if [^\n]+))\Z")
 _HEADING = re.compile(r"\s*([=#*_~])\1")
-"""How people set off headings in a list of queries; no formula begins like that."""
+"""The marks of headings in a list of queries; no formula begins like that."""
 MEASURES = (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
 
 

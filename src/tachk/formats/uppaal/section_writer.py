@@ -196,7 +196,7 @@ def same(written: str | None, parse: Parse, meant: object) -> bool:
 
 
 def _placement(model: LoadedModel, plain: PlainModel) -> Placement:
-    """Where the comments of all files of a model stand."""
+    """The places of the comments of all files of a model."""
     placement = Placement()
     items = plain.items()
     roots = {id(item.span.source): item.span.source for item in (*items, model.document)}

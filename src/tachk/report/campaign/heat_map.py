@@ -101,12 +101,12 @@ def _maps(grid: Grid, rows: Sequence[Row]) -> tuple[ParameterAxis, ParameterAxis
 
 
 def _number(axis: ParameterAxis, row: Row) -> int:
-    """Of the row's value along an axis; 0 along one that stands for none."""
+    """The number of the row's value along an axis; 0 along an axis for no parameter."""
     return [*axis.values].index(row[axis.name]) if axis.name else 0  # type: ignore[arg-type]
 
 
 class _Colours:
-    """How a value looks."""
+    """The colours of values."""
 
     def __init__(self, show: str, rows: Sequence[Row]) -> None:
         self._show = show

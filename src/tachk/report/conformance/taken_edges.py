@@ -1,4 +1,4 @@
-"""The coverage that `tachk conform --coverage --format json` has told, for pictures of the automata."""
+"""The coverage in a report of `tachk conform --coverage --format json`, for pictures of the automata."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _HOW = "make it: tachk conform MODEL FILE... --coverage --format json -o FILE"
 
 
 def read_taken(path: Path) -> Taken:
-    """How often the edges of each template were taken, by all of its processes together.
+    """The number of times that the edges of each template were taken, by all of its processes together.
 
     Raises UsageError for another file.
     """

@@ -227,7 +227,7 @@ def _loop_nails(centre: Point) -> tuple[Point, ...]:
 
 
 def _rim(centre: Point, towards: Point, radius: float) -> tuple[float, float]:
-    """Where the line from the centre of a node leaves it."""
+    """The point at which the line from the centre of a node leaves it."""
     distance = hypot(towards.x - centre.x, towards.y - centre.y)
     if distance == 0:
         return float(centre.x), float(centre.y)

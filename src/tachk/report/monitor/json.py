@@ -107,7 +107,7 @@ def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
 
 
 def first_finding(record: MonitorRecord | None) -> dict[str, Json] | None:
-    """That of the first verdict of a record, where there is one."""
+    """The finding of the first verdict of a record, if there is one."""
     return None if record is None else finding_to_json(record, record.verdicts[0])
 
 

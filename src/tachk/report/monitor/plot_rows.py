@@ -78,7 +78,7 @@ def _is_plain(program: MonitorProgram, node: int) -> bool:
 
 
 def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: float) -> list[SignalBand]:
-    """Where a subformula has a value; what is narrower than a pixel is made that wide, so that no instant is lost."""
+    """The bands in which a subformula has a value; each is at least a pixel wide, so that no instant is lost."""
     bands: list[SignalBand] = []
     for first, last, value in signal.stretches():
         check_job()

@@ -36,7 +36,7 @@ def explain_finding(record: MonitorRecord, verdict: MonitorVerdict, finding: Fin
 
 
 def count_violations(violations: Violations) -> str:
-    """How many there are, in a line; empty where there is one only, and no trigger."""
+    """The number of violations, as a line; empty if there is one only, and no trigger."""
     triggers, number = violations.triggers, len(violations)
     stretches = f"{grouped(number)} {'violation' if number == 1 else 'violations'}"
     if triggers is None:

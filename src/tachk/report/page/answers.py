@@ -50,24 +50,24 @@ def playback(
     clocks: dict[str, Fraction] = {}
     places: dict[tuple[str, str, str], list[str]] = {}
     times: list[str] = []
-    told: list[str] = []
+    steps: list[str] = []
     moved: list[list[list[str]]] = []
     for number, state in enumerate(trace):
         delay = Fraction(state.get("delay") or 0)
         clocks = {name: value + delay for name, value in clocks.items()} | _clocks(state)
         transition = state["transition"] if number else None
         times.append("" if state["time"] is None else duration(Fraction(state["time"]), unit))
-        told.append(_step_text(delay, transition, unit) if number else "the start")
+        steps.append(_step_text(delay, transition, unit) if number else "the start")
         moved.append([*_moved(transition, places, edges)])
         _add(columns["locations"], number, state.get("locations") or {})
         _add(columns["variables"], number, {n: str(v).lower() for n, v in (state.get("variables") or {}).items()})
         _add(columns["clocks"], number, {name: decimal(value) for name, value in clocks.items()})
-    return {"templates": shown, "loop": loop, "times": times, "told": told, "moved": moved, **columns}
+    return {"templates": shown, "loop": loop, "times": times, "told": steps, "moved": moved, **columns}
 
 
 def lines_of_run(run: Mapping[str, Any]) -> str:
     """The steps of a `playback` in words, a line for each."""
-    return "\n".join(f"{time:>12}  {told}" for time, told in zip(run["times"], run["told"], strict=True))
+    return "\n".join(f"{time:>12}  {step}" for time, step in zip(run["times"], run["told"], strict=True))
 
 
 def _add(columns: dict[str, list[list[Json]]], number: int, values: Mapping[str, str]) -> None:
@@ -111,21 +111,21 @@ MOST_EVENTS = 400
 
 def answers_of(record: RunRecord, number: int = 0) -> Answers:
     """The verification just done as a part of a page. ``number`` as for `answers_part`."""
-    told = {v.query.name: evidence_text(record.network, v).partition("\n")[2] for v in record.verdicts}
-    return answers_part(run_to_json(record), number, told)
+    run_texts = {v.query.name: evidence_text(record.network, v).partition("\n")[2] for v in record.verdicts}
+    return answers_part(run_to_json(record), number, run_texts)
 
 
-def answers_part(run: Mapping[str, Any], number: int, told: Mapping[str, str]) -> Answers:
+def answers_part(run: Mapping[str, Any], number: int, run_texts: Mapping[str, str]) -> Answers:
     """A run of `tachk verify` as a part of a page.
 
     Args:
         run: as docs/schema/verify.schema.json has it. The pictures are of the model file that it names.
         number: of the part, from 0, so that names on the page are different.
-        told: runs in words by the names of properties; what is missing is told in fewer words.
+        run_texts: runs in words by the names of properties; a missing one is described in fewer words.
     """
     edges, pictures, remark = _automata(run)
     templates = {process: f"{run['model']}/{template}" for process, template in run["templates"].items()}
-    sections = [_section(run, result, number, told, templates, edges) for result in run["results"]]
+    sections = [_section(run, result, number, run_texts, templates, edges) for result in run["results"]]
     return Answers(run, sections, pictures, remark)
 
 
@@ -163,7 +163,7 @@ def _section(
     run: Mapping[str, Any],
     result: Mapping[str, Any],
     number: int,
-    told: Mapping[str, str],
+    run_texts: Mapping[str, str],
     templates: Mapping[str, str],
     edges: Mapping[str, str],
 ) -> Section:
@@ -171,11 +171,11 @@ def _section(
     place = f"{number}-{name}"
     values = [line for found in result["values"] for line in _value_lines(found)]
     if result["trace"] is None:
-        return Section(place, result, values, told.get(name, _fault(result)))
+        return Section(place, result, values, run_texts.get(name, _fault(result)))
     chart = chart_of_run(steps_of_result(run, result)).used()
     drawn = draw_chart(lay_out(chart)).svg if chart.messages and len(chart.events) <= MOST_EVENTS else ""
     played = playback(result["trace"], run["time_unit"], result["loop_start"], templates, edges)
-    return Section(place, result, values, told.get(name, lines_of_run(played)), drawn, played)
+    return Section(place, result, values, run_texts.get(name, lines_of_run(played)), drawn, played)
 
 
 def _fault(result: Mapping[str, Any]) -> str:

@@ -17,7 +17,7 @@ class Section:
         place: the name of the section on the page.
         result: as docs/schema/verify.schema.json has it.
         values: what `sup`, `inf` and `bounds` have found.
-        told: the run in words, or the run-time error; empty where there is none.
+        run_text: the run in words, or the run-time error; empty if there is none.
         chart: the sequence chart of the run; empty where there is none.
         playback: the run for the script; None where there is none.
     """
@@ -25,7 +25,7 @@ class Section:
     place: str
     result: Mapping[str, Any]
     values: Sequence[str] = ()
-    told: str = ""
+    run_text: str = ""
     chart: str = ""
     playback: Mapping[str, Any] | None = field(default=None, repr=False)
 
@@ -109,7 +109,7 @@ class Page:
 
     @property
     def automata(self) -> Mapping[str, Sequence[Picture]]:
-        """The pictures by models: each model once, however often it was asked."""
+        """The pictures by models, each model once."""
         return {answers.run["model"]: answers.pictures for answers in self.answers if answers.pictures}
 
     @property

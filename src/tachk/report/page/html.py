@@ -22,7 +22,7 @@ from tachk.verify.verdict import Answer
 
 _MARKS = {Answer.HOLDS.value: "✓", Answer.FAILS.value: "✗", Answer.UNKNOWN.value: "?"}
 _CLASSES = {**{answer: answer for answer in _MARKS}, "true": "holds", "false": "fails", "undetermined": "unknown"}
-"""How answers and verdicts are coloured."""
+"""The classes that colour answers and verdicts."""
 
 _RENDER = """
 export default {

@@ -12,7 +12,7 @@ from tachk.verify.verdict import Answer
 
 
 def summary(region: Region) -> str:
-    """How large the region is."""
+    """The size of the region."""
     wanted, cells = len(region.holding), len(region.cells)
     name, answer = region.query.name, region.wanted.value
     if region.unknown:
@@ -51,7 +51,7 @@ def _at(span: Span) -> str:
 
 
 def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
-    """Why the answer of a cell is as it is."""
+    """The evidence for the answer of a cell."""
     verdict = cell.verdict
     if cell.answer is Answer.UNKNOWN:
         return cell.reason
@@ -73,7 +73,7 @@ def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
 
 
 def effort(region: Region) -> str:
-    """How the answers came about."""
+    """The number of cells by their evidence, and the work."""
     counts = {kind: sum(cell.evidence is kind for cell in region.cells) for kind in CellEvidence}
     parts = [
         f"{grouped(counts[CellEvidence.SEARCH])} cell{'s' * (counts[CellEvidence.SEARCH] != 1)} searched",

@@ -1,1 +1,1 @@
-"""A run, told: folded, as text, as a page, as UPPAAL prints it."""
+"""Runs as output: folded, as text, as a page, as UPPAAL prints them."""

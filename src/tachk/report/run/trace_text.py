@@ -1,4 +1,4 @@
-"""A run as text: what happens, when, and what it changes. Repeated rounds are told once."""
+"""A run as text: what happens, when, and what it changes. Repeated rounds are shown once."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class _RunItems:
             self.waits[start:end] = [self.waits[start]]
 
     def _repetitions(self, period: int) -> Iterator[tuple[int, int]]:
-        """Where blocks of a length are repeated: the first item and how many times; from left to right, apart."""
+        """The repeated blocks of a length: the first item and the number of times; from left to right, disjoint."""
         keys = self.keys
         free = equal = 0
         for position in range(period, len(keys) + 1):
@@ -157,7 +157,7 @@ def _later(item: Single | Round, steps: int) -> Single | Round:
 
 
 def event_lines(event: TransitionView, room: int = 0) -> Iterator[Text]:
-    """Who does what, with the documentation of the edge or else of the location it leads to.
+    """The moves of processes, with the documentation of the edge or else of the location it leads to.
 
     Args:
         room: columns of a line; what the documentation says stands in the same line where it fits.
@@ -174,7 +174,7 @@ def event_lines(event: TransitionView, room: int = 0) -> Iterator[Text]:
 
 
 _LOOP_BEGINNING = 20
-"""So many steps and rounds of a loop are told at least."""
+"""The least number of steps and rounds of a loop that are shown."""
 
 _ENDINGS = {
     Ending.IDLE: "∞ from here on time passes for ever, and nothing else need happen",

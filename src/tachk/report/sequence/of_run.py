@@ -101,7 +101,7 @@ class _Making:
         self.events: dict[int, list[Message | Note]] = {}
 
     def _far_ends(self) -> dict[str, tuple[int, ...]]:
-        """Who hears what comes out of each link."""
+        """The receivers at the end of each link."""
         found: dict[str, dict[int, None]] = {}
         for step in self._run.steps:
             link = _THROUGH_A_LINK.fullmatch(step.channel)
@@ -181,7 +181,7 @@ class _Making:
                 self.events.setdefault(number, []).append(note)
 
     def phases(self, end: Moment) -> Iterator[Phase]:
-        """When processes are in locations that say that they sleep."""
+        """The phases in which processes are in locations whose names mean sleep."""
         since: dict[str, Moment] = {
             process: Moment(Fraction(0), -1) for process, place in self._run.initial.items() if _ASLEEP.search(place)
         }

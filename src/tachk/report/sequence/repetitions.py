@@ -1,4 +1,4 @@
-"""Rounds of messages that repeat themselves in a capture, such as HEARTBEATs that nobody answers, told once."""
+"""Rounds of messages that repeat themselves in a capture, such as unanswered HEARTBEATs, which are shown once."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def answer_lines(found: Estimate | NoEstimate, settings: Settings) -> Iterator[s
 
 
 def times_text(count: int) -> str:
-    """How often."""
+    """A number of times in words."""
     return "once" if count == 1 else f"{count:,} times"
 
 

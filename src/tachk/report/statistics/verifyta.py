@@ -54,7 +54,7 @@ class Form(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Bars:
-    """How values are counted.
+    """The bars of a histogram.
 
     Attributes:
         width: of a bar; None: from the number of bars.
@@ -113,7 +113,7 @@ def statistical_summary(answer: StatisticalAnswer) -> Iterator[str]:
 
 
 def _picked(found: DrawnRuns, form: Form, settings: Settings) -> Iterator[str]:
-    """How probable the condition is that picks runs."""
+    """The lines about the probability of the condition that picks runs."""
     if found.picked is None or found.interval is None:
         return
     interval = f"Pr(<> {form.dots}) in [{found.interval[0]:.6g},{found.interval[1]:.6g}]"
@@ -186,7 +186,7 @@ def _mean(found: Mean, form: Form, settings: Settings) -> Iterator[str]:
 
 
 def _values(values: NDArray[np.float64], bars: Bars) -> Iterator[str]:
-    """How often values lie in which bar, those at an edge in the upper one."""
+    """The number of values in each bar, those at an edge in the upper one."""
     if not len(values):
         return
     low, high = float(values.min()), float(values.max())

@@ -248,7 +248,7 @@ def _operands(formula: Formula, kind: type[And] | type[Or]) -> tuple[Formula, ..
 
 
 def _negation(node: ast.UnaryExpression) -> Formula:
-    """Of many signs in a row one or two are left, which mean the same on every trace."""
+    """A negation with one or two signs in place of many in a row, with the same meaning on every trace."""
     signs: list[Span] = []
     inner: Any = node
     while isinstance(inner, ast.UnaryExpression) and inner.operator is PrefixOperator.NOT:

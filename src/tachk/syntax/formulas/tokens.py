@@ -17,7 +17,7 @@ EDGES = frozenset({"rise", "fall", "change"})
 INFINITE = frozenset({"inf", "infinity", "oo"})
 
 BOXES = {"[]": "G", "<>": "F"}
-"""How tools for LTL write two of them; before an operand the signs have no other meaning."""
+"""Signs that tools for LTL use for two of them; before an operand they have no other meaning."""
 
 WORDS = {
     **dict.fromkeys(("always", "globally", "alw", "g_", "always_", "globally_", "alw_"), "G"),
@@ -28,7 +28,7 @@ WORDS = {
     **dict.fromkeys(("since", "s_", "since_"), "S"),
     **dict.fromkeys(("unless", "weak_until"), "W"),
 }
-"""How others write the operators."""
+"""Spellings of the operators in other tools."""
 
 
 TEMPORAL = frozenset({"FORMULA_PREFIX", "FORMULA_INFIX", "EDGE", "IMPLIES"})

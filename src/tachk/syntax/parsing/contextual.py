@@ -60,7 +60,7 @@ SPELLING = {
     "TOLERANCE": "tolerance",
     "LATE": "late",
 }
-"""How each contextual keyword is written."""
+"""The spelling of each contextual keyword."""
 
 CONTEXTUAL_KEYWORDS = frozenset(SPELLING.values())
 
@@ -405,7 +405,7 @@ class _NameResolver:
         self.position = end
 
     def suffix(self, end: int) -> int:
-        """Where ``expect holds`` or ``expect fails if ...`` begins behind a query; its end if there is none."""
+        """The beginning of ``expect holds`` or ``expect fails if ...`` after a query; its end if there is none."""
         for index in range(end - 2, self.position, -1):
             first, second, third = self.tokens[index : index + 3]
             if first.text == "expect" and second.text in _OUTCOMES and (index + 2 == end or third.text == "if"):
@@ -447,7 +447,7 @@ def _is_query(formula: list[Token]) -> bool:
 
 
 def _path(formula: list[Token]) -> int:
-    """How many tokens spell a path quantifier as other tools do, ``AG`` or ``A G``, at the beginning of a query.
+    """The number of tokens that spell a path quantifier as in other tools, ``AG`` or ``A G``, at the start of a query.
 
     Elsewhere such a word is a name: before ``-->`` and in formulas.
     """

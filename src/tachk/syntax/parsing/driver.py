@@ -196,7 +196,7 @@ def _on_next_line(before: Token, token: Token) -> bool:
 
 
 def _start_of(value: Any) -> int | None:
-    """Where the text of a value of the parser's stack begins; None if it is empty."""
+    """The beginning of the text of a value of the parser's stack; None if it is empty."""
     span = getattr(value, "span", None)
     if span is not None:
         start: int = span.start

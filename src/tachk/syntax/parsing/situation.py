@@ -1,4 +1,4 @@
-"""Where the parser stopped: the text, the token that does not fit, and what would."""
+"""The place where the parser stopped: the text, the token that does not fit, and those that would."""
 
 from __future__ import annotations
 

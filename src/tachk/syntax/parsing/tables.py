@@ -37,7 +37,7 @@ STARTS = (
 )
 
 _FORMAT = " ".join(f"{each.__module__}.{each.__name__}{each._fields}" for each in (Grammar, GrammarRule, Terminal))
-"""Of the cache: versions with other classes keep theirs in other files."""
+"""The format of the cache: versions with other classes use other files."""
 
 
 @cache
@@ -82,7 +82,7 @@ def terminal_spelling() -> dict[str, str]:
 
 
 def _cache_path(key: str) -> Path | None:
-    """Where the tables of a grammar are kept, or None where there is no home directory."""
+    """The file for the tables of a grammar; None if there is no home directory."""
     root = os.environ.get("XDG_CACHE_HOME")
     try:
         folder = Path(root) if root else Path.home() / ".cache"

@@ -190,7 +190,7 @@ _TOO_LARGE: dict[str, Callable[[str], bool]] = {
     "INTEGER": lambda word: len(word) > 12 or int(word) > LARGEST_LITERAL,
     "FLOAT": is_huge,
 }
-"""Which literals nobody works out."""
+"""Tests for literals that are too large to compute."""
 
 
 def _large_number(kind: str, span: Span) -> Diagnostic:
@@ -215,7 +215,7 @@ def _unknown_characters(source: Source, start: int, stop: int, match: Match, lex
 
 
 def _slashes(text: str, place: int) -> str | None:
-    """How ``/\\`` and ``\\/`` are written, of which the backslash is no token."""
+    """The help for ``/\\`` and ``\\/``, whose backslash is no token."""
     if text[place] != "\\":
         return None
     if text[place - 1 : place] == "/":
@@ -224,7 +224,7 @@ def _slashes(text: str, place: int) -> str | None:
 
 
 def _spelt(run: str) -> str | None:
-    """How characters of formulas and of word processors are written here."""
+    """The help for characters of formulas and of word processors, which are written otherwise here."""
     if run.startswith("#"):
         return "a comment begins with //"
     if run == "~":

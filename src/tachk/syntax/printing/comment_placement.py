@@ -1,4 +1,4 @@
-"""Where the formatter puts comments back.
+"""The places at which the formatter puts comments back.
 
 A comment belongs to the node that is printed on a line of its own (an item, a location, an edge, a clause, a statement)
 next to it: the one that ends before it on its line, else the one that begins after it, else the one around it.

@@ -51,7 +51,7 @@ def _print(expression: ast.Expression, least: int, open_right: bool) -> str:
 
 
 def _level(expression: ast.Expression) -> tuple[int, bool]:
-    """How strongly an expression binds, and whether it is an operand as it is."""
+    """The precedence of an expression, and whether it is an operand as it is."""
     match expression:
         case ast.QuantifierExpression():
             return _QUANTIFIED, False

@@ -95,7 +95,7 @@ def near_phrases(pieces: Sequence[Piece]) -> list[list[Candidate]]:
 
 
 def _resemblances(words: Sequence[str], place: int, phrase: Phrase) -> Iterator[tuple[int, int]]:
-    """Where something ends that begins at a place and is like a phrase, and how unlike it is."""
+    """The ends of texts that begin at a place and resemble a phrase, each with its distance from it."""
     target = phrase.text
     length = len(phrase.words)
     for wording in _WORDINGS.get(target, ()):
@@ -127,7 +127,7 @@ def _tolerance(phrase: str) -> int:
 
 
 def _least_distance(one: str, other: str) -> int:
-    """How many letters one text has that the other lacks: a lower bound of their distance that is cheap."""
+    """The number of letters that one text has and the other lacks: a cheap lower bound of their distance."""
     here, there = _letters(one), _letters(other)
     return max((here - there).total(), (there - here).total())
 

@@ -169,7 +169,7 @@ def _unexpected(span: Span, pieces: tuple[Piece, ...], readings: Readings) -> Di
 
 
 def _unreadable(attempt: _ParseAttempt, pieces: tuple[Piece, ...]) -> Diagnostics:
-    """Why a condition cannot be read; where a word of the sentence stands in it, that is the reason."""
+    """The reason why a condition cannot be read; if a word of the sentence stands in it, that is the reason."""
     musts = [piece for piece in pieces if piece.text.lower() == "must"]
     if len(musts) > 1:
         help = "write two sentences, or join the conditions: 'p and q must be true'"

@@ -238,7 +238,7 @@ class Readings:
 _Path = tuple["_Path | None", _Step]
 
 _TIME_UNITS = (["time", "unit"], ["time", "units"])
-"""Of the model or the trace."""
+"""The words for the time unit of the model or the trace."""
 
 
 def _after(tables: Tables, states: States, terminal: str) -> States | None:

@@ -61,7 +61,7 @@ def opening_words() -> frozenset[str]:
 
 @cache
 def spelling(terminal: str) -> str:
-    """How a message names a terminal."""
+    """The name of a terminal in messages."""
     named = {
         "CONDITION": "a condition",
         "DURATION": "a duration",

@@ -40,7 +40,7 @@ class FromTo(Node):
 
 
 Lasting = AtLeast | AtMost | FromTo
-"""How long a condition stays true."""
+"""The time for which a condition stays true."""
 
 
 # ---- scopes -------------------------------------------------------------------------------------------------------

@@ -31,7 +31,7 @@ _MOST_STOPS = 6000
 
 
 class FlowDirection(Enum):
-    """Where the flow leads."""
+    """The direction of the flow."""
 
     RIGHT = auto()
     DOWN = auto()
@@ -39,7 +39,7 @@ class FlowDirection(Enum):
 
 @dataclass(frozen=True, slots=True)
 class LayerStop:
-    """Where an edge passes a layer.
+    """The place at which an edge passes a layer.
 
     Attributes:
         rank: the layer.
@@ -130,8 +130,8 @@ class _LayerPlan:
         return layers
 
     def weight(self, a: int, b: int) -> float:
-        """How much it matters that two linked numbers stand level: lines inside long edges most, then edges along the
-        flow."""
+        """The weight of the wish that two linked numbers stand level: most for lines inside long edges, then for edges
+        along the flow."""
         if a in self.stop_of and b in self.stop_of:
             return 8
         edge = self.edge_of[max(a, b)]
@@ -200,7 +200,7 @@ class _LayerCanvas:
         return [_up(min(_MOST_STEP, max(_LEAST_STEP, _STEEPNESS * distance))) for distance in farthest]
 
     def _thickness(self, layer: Sequence[int]) -> Extent:
-        """How much room a layer needs before and after its middle, along the flow."""
+        """The room that a layer needs before and after its middle, along the flow."""
         before = after = 0.0
         for number in layer:
             stop = self.plan.stop_of.get(number)

@@ -9,7 +9,7 @@ from tachk.base.job import check_job
 from tachk.formats.layout.placement.layers import Layering
 
 Extent = tuple[float, float]
-"""How much room a node needs before and after its coordinate."""
+"""The room that a node needs before and after its coordinate."""
 
 _LEVEL = 2.0
 """Distances below this are not worth a difference."""

@@ -10,7 +10,7 @@ from typing import Generic, NamedTuple, TypeVar
 from tachk.syntax.picture_layout import Point
 
 RADIUS = 12
-"""Of the circle of a location, in UPPAAL's coordinates."""
+"""The radius of the circle of a location, in UPPAAL's coordinates."""
 
 
 _CELL = 128

@@ -18,7 +18,7 @@ Arc = tuple[int, int]
 
 
 class Traversal(Enum):
-    """How the direction of the flow is found: an arc against it leads to a node that was met before."""
+    """The traversals that find the direction of the flow: an arc against it leads to a node that was met before."""
 
     DEPTH = auto()
     DEPTH_LAST_FIRST = auto()
@@ -107,7 +107,7 @@ class Layering:
             self.above[b].append(a)
 
     def crossings(self) -> int:
-        """How many pairs of links cross."""
+        """The number of pairs of links that cross."""
         total = 0
         place = self._places()
         for layer in self.layers[1:]:

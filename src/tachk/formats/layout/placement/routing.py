@@ -107,7 +107,7 @@ def _keeps_to_label(route: Sequence[Point], shorter: Sequence[Point], label: Box
 
 
 def _to_label(route: Sequence[Point], label: Box) -> float:
-    """How far the nearest of a few points on the rim of a label is from a line, at most, along its nearest side."""
+    """The least distance of a few points on the rim of a label from a line, an upper bound along its nearest side."""
     middle_x, middle_y = (label.left + label.right) / 2, (label.top + label.bottom) / 2
     corners = ((middle_x, label.bottom), (middle_x, label.top), (label.left, middle_y), (label.right, middle_y))
     return min(distance_to_segment(Point(round(x), round(y)), a, b) for x, y in corners for a, b in pairwise(route))

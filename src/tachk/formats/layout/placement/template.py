@@ -206,7 +206,7 @@ _MANY = 1000
 """Templates with more locations and edges than this are only set out in rows."""
 
 _DOWNWARDS = 1.3
-"""How much smaller a drawing downwards must be to be preferred."""
+"""The ratio by which a drawing downwards must be smaller to be preferred."""
 
 _LONG, _TOO_STRETCHED = 50, 12
 """Chains of more locations, in a picture so many times as long as wide, are set out in rows too."""
@@ -263,7 +263,7 @@ def _ugliness(outline: Sketch, direction: FlowDirection, drawing: TemplateDrawin
 
 
 def _stretch(drawing: TemplateDrawing) -> float:
-    """How many times longer one side of the picture is than the other."""
+    """The ratio of the longer side of the picture to the other."""
     extent = _extent(drawing)
     width, height = extent.right - extent.left, extent.bottom - extent.top
     return max(width / height, height / width)

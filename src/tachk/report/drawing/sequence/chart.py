@@ -96,8 +96,8 @@ class Chart:
     phases: tuple[Phase, ...] = ()
 
     def part(self, begin: Fraction | None, end: Fraction | None) -> Chart:
-        """What happens from one time to another; messages belong to the time at which they are sent, and those that
-        were sent before it and arrive in it begin at the top."""
+        """The part of the chart from one time to another; messages belong to the time at which they are sent, and those
+        that were sent before it and arrive in it begin at the top."""
 
         def is_inside(time: Fraction) -> bool:
             return (begin is None or begin <= time) and (end is None or time <= end)
@@ -150,12 +150,12 @@ def _coming(message: Message, top: Moment) -> Message | None:
 
 
 def begun(event: Message | Note) -> Moment:
-    """When an event happens, or begins to."""
+    """The moment at which an event happens or begins."""
     return event.sent if isinstance(event, Message) else event.moment
 
 
 def moments(event: Message | Note) -> tuple[Moment, ...]:
-    """When an event begins, and when messages arrive."""
+    """The moments at which an event begins, and at which messages arrive."""
     return (event.sent, *event.arrivals) if isinstance(event, Message) else (event.moment,)
 
 

@@ -1,4 +1,4 @@
-"""Where everything of a sequence chart stands.
+"""The layout of a sequence chart.
 
 Lifelines stand side by side, far enough apart for the labels between them. Time goes down, in one of two ways.
 Compressed: every message gets a line of its own, with a little more room the longer nothing happens. To scale: equal
@@ -65,7 +65,7 @@ _TALLEST = 2400
 
 
 class TimeAxis(StrEnum):
-    """How time goes down."""
+    """The scale of time, which goes down."""
 
     COMPRESSED = "compressed"
     SCALE = "scale"
@@ -171,7 +171,7 @@ def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> ChartLayout:
 
 
 def _columns(chart: Chart) -> tuple[int, ...]:
-    """Where lifelines stand: labels and names fit between them."""
+    """The positions of lifelines: labels and names fit between them."""
     count = len(chart.lifelines)
     lanes = [float(_NARROWEST)] * max(count - 1, 0)
     for lane in range(count - 1):
@@ -231,7 +231,7 @@ def _cut(text: str) -> str:
 
 
 class _ChartRows:
-    """Which moment is how far down.
+    """The vertical positions of moments.
 
     Attributes:
         cuts: silences that are left out.
@@ -293,7 +293,7 @@ class _ChartRows:
             yield y
 
     def at(self, moment: Moment) -> float:
-        """How far down a moment is; between two that are known, as far as it is between them."""
+        """The vertical position of a moment; interpolated between two that are known."""
         number = bisect_right(self._moments, moment)
         if not number:
             return HEADER - LINE / 2
@@ -304,7 +304,7 @@ class _ChartRows:
         return self._ys[number - 1] + part * (self._ys[number] - self._ys[number - 1])
 
     def times(self) -> Iterator[ChartLabel]:
-        """The times of events, as far as there is room; those at the same time are told once."""
+        """The times of events, as far as there is room; equal times stand once."""
         last_y, last_time = float("-inf"), None
         if any(message.tag for message in self._chart.messages):
             yield ChartLabel("packet", 16, HEADER / 2 - 5, "start", "gap")

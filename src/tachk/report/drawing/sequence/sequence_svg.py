@@ -146,7 +146,7 @@ def _arrow(arrow: Arrow) -> Iterator[str]:
 
 
 def _cross(x: float, y: float) -> Iterator[str]:
-    """Where a lost message vanishes."""
+    """The cross at which a lost message ends."""
     for sign in (1, -1):
         ends = f'x1="{x - _CROSS:.1f}" y1="{y - sign * _CROSS:.1f}" x2="{x + _CROSS:.1f}" y2="{y + sign * _CROSS:.1f}"'
         yield f'<line class="cross" {ends}/>'
