@@ -61,7 +61,7 @@ function play(root, player, run) {
     slider.value = at;
     const loop = run.loop === null ? "" : at === run.loop ? " — the loop begins here" : at === last ? " — and again from step " + run.loop : "";
     slider.setAttribute("aria-valuetext", `step ${at} of ${last}`);
-    now.textContent = `${at} of ${last}${run.times[at] === "" ? "" : ", time " + run.times[at]}: ${run.told[at]}${loop}`;
+    now.textContent = `${at} of ${last}${run.times[at] === "" ? "" : ", time " + run.times[at]}: ${run.descriptions[at]}${loop}`;
     buttons.forEach((button, number) => (button.disabled = number < 2 ? at === 0 : at === last));
     state.replaceChildren(
       ...KINDS.filter((kind) => Object.keys(run[kind]).length > 0).map((kind) => table(kind, changing[kind], run[kind], at)));

@@ -56,7 +56,6 @@ EXCEPTIONS = {
     "SketchEdge": "a drawing of a template",
     "listeners": "sockets, or processes behind a relay",
     "asked_of_all": "a field of documented JSON",
-    "told": "a field of a page, or a local name of the reports of runs",
 }
 """Names that contain such a word with another meaning, or in a published format, each with the reason."""
 

@@ -216,7 +216,7 @@ class _Ordering:
             yield replace(edge, branch=Branching(way, len(edge.selects), weight), updates=(*edge.updates, *updates))
 
     def _due(self, order: Order, edge: Edge) -> Expression | None:
-        """Whether the message is one of those of the list."""
+        """The condition that the message is one of those of the list."""
         here = self._concerns(order.channel, edge)
         if here is None:
             return None
@@ -231,7 +231,7 @@ class _Ordering:
         return _and(here, reduce(lambda a, b: Binary(BinaryOperator.OR, a, b, BOOL), ranges))
 
     def _concerns(self, channel: str, edge: Edge) -> Expression | None:
-        """Whether an edge synchronises over the channel; None if it never does."""
+        """The condition that an edge synchronises over the channel; None if it never does."""
         if edge.synchronisation is None:
             return None
         variable, values = self.channels[channel]
@@ -268,7 +268,7 @@ def _words(edge: Edge) -> str:
 
 
 def _fit(fault: str, words: str) -> int:
-    """How well words name a fault; 0: they do not."""
+    """A score for how well words name a fault; 0: they do not."""
     if words == fault or words in (f"is {fault}", f"arrives {fault}"):
         return 2
     return int(re.search(rf"\b{re.escape(fault)}\b", words) is not None)

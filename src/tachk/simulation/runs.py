@@ -21,7 +21,7 @@ from tachk.simulation.columns import Column, observed
 
 _NOTHING = RecordedChanges()
 _BATCH, _LONG_BATCH = 64, 1024
-"""How many runs are drawn at once, while the limit on time is not looked at: with and without recording."""
+"""The number of runs that are drawn between two checks of the limit on time: with and without recording."""
 _BYTES_A_VALUE = 32
 """The memory that a trace takes for each value of a run while it is made of it: so many copies are held together."""
 

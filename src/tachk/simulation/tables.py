@@ -131,7 +131,7 @@ def _parquet(path: Path) -> Iterator[Writer]:
 
 
 def _time_name(trace: Trace) -> str:
-    """Of the column of times, with their unit."""
+    """The name of the column of times, with their unit."""
     return f"time [{trace.unit}]" if trace.unit else "time"
 
 

@@ -89,7 +89,7 @@ def datagrams(packets: Packets) -> Datagrams:
 
 
 def _network_headers(packets: Packets, ends: Numbers) -> tuple[Numbers, Flags]:
-    """Where the network header begins, and whether it is one of IP."""
+    """The beginning of the network header, and True if it is one of IP."""
     octets, starts, links = packets.octets, packets.starts, packets.links
     network = starts.copy()
     kind = np.zeros(len(starts), np.int64)

@@ -20,7 +20,7 @@ from tachk.xrce.wire import SubmessageKind
 
 _SYN: Final = 0x02
 _MOST_WAITING: Final = 1 << 20
-"""How many bytes may come behind a gap before it is given up: the segment was not captured."""
+"""The number of bytes after a gap from which it is given up: the segment was not captured."""
 
 Found = list[tuple[bytes, int]]
 """Messages, each with the number of its bytes that were not captured."""
@@ -97,7 +97,7 @@ class TcpStream:
             self._next = (self._next + len(octets)) % 2**32
 
     def _ahead(self, number: int) -> int:
-        """How far in front of what is expected a number is."""
+        """The distance of a number from the expected one."""
         assert self._next is not None
         return (number - self._next + 2**31) % 2**32 - 2**31
 
@@ -105,7 +105,7 @@ class TcpStream:
 _LENGTH: Final = 2
 """Bytes of length before a message by TCP."""
 _MOST_HELD: Final = 1024
-"""Of so many connections that may be to an Agent a length is remembered."""
+"""The number of possible connections to an Agent whose lengths are remembered."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -102,12 +102,12 @@ class _Pending:
     """The bytes read of a stream and not yet used."""
 
     def __init__(self, stream: BinaryIO) -> None:
-        # A pipe gives what is there, where a file gives as much as is asked for.
+        # A pipe gives what is there, whereas a file gives as much as is requested.
         self._read = stream.read1 if hasattr(stream, "read1") else stream.read
         self.octets = bytearray()
 
     def more(self) -> bool | None:
-        """Whether more has come; None if there is nothing yet."""
+        """True if more has come, False at the end; None if there is nothing yet."""
         read = self._read(_PIECE)
         if read is None:
             return None

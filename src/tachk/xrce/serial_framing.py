@@ -43,7 +43,7 @@ class FrameReader:
         self._between = 0
 
     def push(self, octets: bytes) -> list[SerialFrame]:
-        """The frames that these bytes complete. What lies between frames is told when the next frame begins."""
+        """The frames that these bytes complete. Bytes between frames are given when the next frame begins."""
         found = []
         for octet in octets:
             if octet == _BEGIN:

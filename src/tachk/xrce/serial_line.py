@@ -41,7 +41,7 @@ class SerialReading:
         repair: Callable[[SerialFrame], bytes | None] = lambda frame: None,
     ) -> None:
         """Args:
-        damaged: whether frames that a receiver would drop are told.
+        damaged: give also frames that a receiver would drop.
         clock: nanoseconds, when bytes come alone.
         repair: what message the sender of a damaged frame has sent, if that is known.
         """

@@ -18,10 +18,10 @@ SIGNALS: Final = (
     "repaired",
     "confirmed",
 )
-"""Of a stream: how many messages have been sent, how many the last ACKNACK says have arrived without gap, how many no
-ACKNACK has said that of, how many the last ACKNACK says are missing, how many HEARTBEATs and how many repetitions have
-been sent, how many messages have arrived in order, how many had been named as missing and arrived later, and whether
-all that were sent have arrived."""
+"""The signals of a stream: the number of messages that have been sent, that have arrived without gap by the last
+ACKNACK, that no ACKNACK has confirmed, and that the last ACKNACK names as missing; of HEARTBEATs and of repetitions
+that have been sent; of messages that have arrived in order, and that had been named as missing and arrived later; and 1
+if all that were sent have arrived."""
 
 _CYCLE: Final = 1 << 16
 _MOST_KEPT: Final = 1 << 12

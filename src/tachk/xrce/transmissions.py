@@ -82,7 +82,7 @@ class Transmission:
 
     @property
     def arrived(self) -> int:
-        """When it came to its receiver, as far as is known; of a lost one when it was sent."""
+        """The time of its arrival, if that is known; of a lost one the time when it was sent."""
         return self.arrivals[0].time if self.arrivals else self.sent
 
 
@@ -328,11 +328,11 @@ def _matched(link: int, before: Sequence[_PacketMessage], behind: Sequence[_Pack
 def _equal_ones(
     before: Sequence[_PacketMessage], numbers: Sequence[int], behind: Sequence[_PacketMessage]
 ) -> Iterator[tuple[int, _PacketMessage]]:
-    """Which of some messages with the same bytes is which of those that came out.
+    """Matches messages with the same bytes that came out with those that went in.
 
-    Nothing tells them apart but the time. If there are not more than went in, the last that came out is the last that
-    had gone in, and so on, which makes the delays as short as they can be in this order. Else the first that came out
-    is the first that had gone in, and so on, and what is left are copies: each of the last that had gone in.
+    Only the time distinguishes them. If there are not more than went in, the last that came out is the last that had
+    gone in, and so on, which makes the delays as short as they can be in this order. Else the first that came out is
+    the first that had gone in, and so on, and the rest are copies: each of the last that had gone in.
     """
     entered = [before[number].packet for number in numbers]
     if len(behind) <= len(numbers):

@@ -94,7 +94,7 @@ SAMPLE_FORMATS: Final = {
 
 _REFERENCE, _XML, _BINARY = 1, 2, 3
 REPRESENTATIONS: Final = {_REFERENCE: "reference", _XML: "XML", _BINARY: "binary"}
-"""How the description of a new object is written."""
+"""The representations of the description of a new object."""
 
 _PARTICIPANT, _APPLICATION, _AGENT, _CLIENT = 0x1, 0xC, 0xD, 0xE
 _ALONE = frozenset({0xA, 0xB, _APPLICATION})

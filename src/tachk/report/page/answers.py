@@ -35,8 +35,8 @@ def playback(
     """The run by columns, since most values stay as they are in most steps: ``locations``, ``variables`` and ``clocks``
     hold for each name its values, each with the number of the state from which on it has it.
 
-    ``times``, ``told`` (the step in words) and ``moved`` (the edges that are taken) have an entry for each state,
-    ``templates`` one for each process.
+    ``times``, ``descriptions`` (the step in words) and ``moved`` (the edges that are taken) have an entry for each
+    state, ``templates`` one for each process.
 
     Args:
         trace: as docs/schema/verify.schema.json has it.
@@ -62,12 +62,12 @@ def playback(
         _add(columns["locations"], number, state.get("locations") or {})
         _add(columns["variables"], number, {n: str(v).lower() for n, v in (state.get("variables") or {}).items()})
         _add(columns["clocks"], number, {name: decimal(value) for name, value in clocks.items()})
-    return {"templates": shown, "loop": loop, "times": times, "told": steps, "moved": moved, **columns}
+    return {"templates": shown, "loop": loop, "times": times, "descriptions": steps, "moved": moved, **columns}
 
 
 def lines_of_run(run: Mapping[str, Any]) -> str:
     """The steps of a `playback` in words, a line for each."""
-    return "\n".join(f"{time:>12}  {step}" for time, step in zip(run["times"], run["told"], strict=True))
+    return "\n".join(f"{time:>12}  {step}" for time, step in zip(run["times"], run["descriptions"], strict=True))
 
 
 def _add(columns: dict[str, list[list[Json]]], number: int, values: Mapping[str, str]) -> None:

@@ -17,7 +17,7 @@ _LIBRARY = "libtachk_unit"
 _SUFFIXES = {"linux": ".so", "darwin": ".dylib"}
 _MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 _TIME = (1980, 1, 1, 0, 0, 0)
-"""Of every member, so that the same model gives the same file."""
+"""The time of every member, so that the same model gives the same file."""
 
 
 def write_unit(unit: CoSimulationUnit, version: FmiVersion, path: Path) -> None:

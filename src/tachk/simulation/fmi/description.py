@@ -11,7 +11,7 @@ from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVaria
 
 
 class FmiVersion(StrEnum):
-    """Of the standard."""
+    """The versions of the standard."""
 
     TWO = "2"
     THREE = "3"
@@ -74,7 +74,7 @@ def _head(
 
 
 def _declared(reference: int, variable: UnitVariable) -> dict[str, str]:
-    """How both versions declare a variable."""
+    """The attributes of a variable that both versions have."""
     return {
         "name": variable.name,
         "valueReference": str(reference),

@@ -109,7 +109,7 @@ class _PartInterface:
 
     Attributes:
         used, written: global and other variables.
-        places: of processes whose locations are asked for.
+        places: of processes whose locations are used.
         channels: those over which they may send, and receive, by their names.
     """
 

@@ -146,7 +146,7 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
 
 
 def _is_committed(network: Network) -> Expression:
-    """Whether some process is where others must wait for it."""
+    """The condition that some process is in a committed location."""
     tests: list[Expression] = [
         LocationTest(number, place)
         for number, process in enumerate(network.processes)

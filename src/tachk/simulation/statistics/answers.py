@@ -50,7 +50,7 @@ class StatisticalAnswer:
 
     @property
     def met(self) -> bool | None:
-        """Whether the answer is as expected (see `as_expected`); None where there is none."""
+        """True if the answer is as expected (see `as_expected`); None if there is none."""
         return None if self.found is None else as_expected(self.found, self.query.expectation)
 
 
@@ -63,7 +63,7 @@ class NoEstimate:
 
 
 def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None:
-    """Whether an answer is the expected one: of a test without an expectation, whether it holds. None: no decision.
+    """True if an answer is the expected one, or a test without an expectation holds. None: no decision.
 
     UPPAAL calls every probability, mean and trajectory that it could find satisfied. So these hold, and cannot fail;
     but trajectories that a condition picks fail where there is none, and a mean of no value is no answer.
@@ -108,7 +108,7 @@ def answer_statistical(
     settings: Settings,
     limits: Limits = Limits(),
 ) -> dict[int, StatisticalAnswer | UncheckedQuery]:
-    """What comes of the statistical queries among formulas, by their numbers from 1: an answer, or the query with the
+    """The results of the statistical queries among formulas, by their numbers from 1: an answer, or the query with the
     diagnostics that say what is wrong with it or not supported.
 
     Args:

@@ -38,7 +38,7 @@ class Errors:
 
 
 class RatioTest:
-    """Whether the probability of a hit is at least ``above`` or at most ``below``, run by run."""
+    """The sequential test if the probability of a hit is at least ``above`` or at most ``below``, run by run."""
 
     def __init__(self, above: float, below: float, errors: Errors) -> None:
         """Raises ValueError unless 0 <= below < above <= 1."""

@@ -38,7 +38,7 @@ from tachk.simulation.statistics.stopping import MOST_RUNS, StoppingRule, runs_f
 from tachk.simulation.statistics.trajectories import Trajectory, picked, trajectories
 
 _ROUND = 256
-"""How many runs a test draws at once."""
+"""The number of runs that a test draws at once."""
 _SECOND = 2**61
 """The number of the first run of what another probability is compared with: other runs, and so independent ones."""
 _RUNS_OF_MEANS = 1000
@@ -46,11 +46,11 @@ _RUNS_OF_MEANS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How sure an answer is to be.
+    """Confidence parameters of a statistical query.
 
     Attributes:
         half_width: of the interval of a probability.
-        runs: how many are drawn, whatever comes of them; None: as many as it takes.
+        runs: a fixed number of runs; None: as many as it takes.
         most_runs: after which a test without a decision ends.
         splitting: estimate probabilities by splitting.
     """
@@ -88,11 +88,11 @@ class Estimated:
 
 @dataclass(frozen=True, slots=True)
 class Decided:
-    """Whether a probability is large enough.
+    """The decision if a probability is large enough.
 
     Attributes:
         samples: of the probability, and perhaps of the one that it is compared with.
-        frequencies: how often each was seen.
+        frequencies: the observed frequency of each.
         interval: for a number of runs that was fixed beforehand.
     """
 
@@ -139,7 +139,7 @@ class DrawnRuns:
     """Runs that are shown.
 
     Attributes:
-        picked: where a condition picks them: all runs that were asked.
+        picked: all runs on which the condition was evaluated, if one picks runs.
         interval: of the probability that the condition becomes true.
     """
 
@@ -157,8 +157,8 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
 
     Raises:
         UnsupportedError: the network is not simulated.
-        UsageError: the bound is too long, the query measures what is not one clock, or splitting is asked for what is
-            no probability.
+        UsageError: the bound is too long, the query measures something else than one clock, or splitting is chosen for
+            a query that is no probability.
         OutOfTimeError: the limit on time is over.
     """
     if settings.splitting is not None and not isinstance(query.question, Probability):
@@ -184,7 +184,7 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
 
 
 def _frequency(sample: SampledRuns, always: bool) -> float:
-    """How often a path was true; ``always``: the sample counts those on which it was not."""
+    """The share of runs on which a path was true; ``always``: the sample counts those on which it was not."""
     share = sample.hits / sample.runs
     return 1 - share if always else share
 
@@ -357,7 +357,7 @@ def _mean(network: Network, query: StatisticalQuery, wanted: ExpectedValue, sett
 
 
 def value_range(network: Network, wanted: ExpectedValue, largest_reset: int) -> tuple[float, float] | None:
-    """Where what is measured certainly lies; None where that is not known."""
+    """The range in which the measured value certainly lies; None if it is not known."""
     value: Expression = wanted.value
     if value.type == DOUBLE:
         return None

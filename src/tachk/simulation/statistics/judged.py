@@ -40,8 +40,8 @@ _ANSWERS = {Truth.TRUE: TrialAnswer.YES, Truth.FALSE: TrialAnswer.NO, Truth.UNDE
 
 
 def sampler_of(network: Network, path: PathProperty, source: RunSource) -> Sampler:
-    """Runs on which a path is asked. Raises UnsupportedError for what is not simulated, and InputError for a wrong
-    initial value."""
+    """The runs on which a path property is evaluated. Raises UnsupportedError for a network that cannot be simulated,
+    and InputError for a wrong initial value."""
     return path_sampler(network, path, source) if isinstance(path, Path) else _formula_sampler(network, path, source)
 
 
@@ -97,7 +97,7 @@ class _RunJudge:
     programs: dict[int, MonitorProgram] = field(default_factory=dict)
 
     def truth(self, trace: Trace) -> Truth:
-        """Whether the formula is true on a run, as `tachk.recordings.monitors.offline` judges it."""
+        """The truth of the formula on a run, as `tachk.recordings.monitors.offline` computes it."""
         program = self._program(trace)
         finer = trace.refined(program.ticks_per_unit)
         found = monitor_truth(program, finer).verdict

@@ -39,7 +39,7 @@ def bounded_mean(lowest: Floats, highest: Floats, least: float, most: float, con
 _LARGEST_STAKE = 0.75
 """As a share of what can be lost."""
 _ROUNDS = 45
-"""Of halving, where the wealth is large enough."""
+"""The number of rounds of bisection for the point at which the wealth is large enough."""
 
 
 def _below_the_mean(values: Floats, miss: float) -> float:

@@ -23,20 +23,20 @@ from tachk.simulation.intervals import student_quantile
 from tachk.simulation.statistics.sampling import RunSource, lowered_path, trial_question, with_elapsed_time
 
 _BATCH = 4
-"""How many replications are made at once."""
+"""The number of replications that are made at once."""
 _LEAST = 16
 """Fewer of them tell nothing of how much they vary."""
 
 
 @dataclass(frozen=True, slots=True)
 class Splitting:
-    """How much is done.
+    """The effort of splitting.
 
     Attributes:
         relative: the half-width of the interval, as a share of the probability.
         effort: runs of each stage.
         most: replications, after which an estimate ends that is not so narrow.
-        zones: how many are explored for the levels.
+        zones: the number that is explored for the levels.
     """
 
     relative: float = 0.1
@@ -68,7 +68,7 @@ class Rare:
         return float(self.probabilities.mean())
 
     def half_width(self, confidence: float) -> float:
-        """Of the interval of the mean, if the replications were normally distributed (Student 1908)."""
+        """The half-width of the interval of the mean, if replications are normally distributed (Student 1908)."""
         count = len(self.probabilities)
         deviation = float(self.probabilities.std(ddof=1)) / sqrt(count)
         return student_quantile(confidence, count - 1) * deviation

@@ -1,4 +1,4 @@
-"""Runs of a network that are asked whether something happens, or how large a value becomes."""
+"""Samples of runs of a network: does something happen, or how large does a value become?"""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from tachk.model.statistical import ExpectedValue, Path, RunBound, Scale
 from tachk.model.types import ClockType
 
 _BATCH = 4096
-"""How many runs are drawn at once, while Ctrl-C is not looked at by the threads."""
+"""The number of runs that are drawn between two checks for Ctrl-C."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunSource:
-    """Where runs come from.
+    """The source of random runs.
 
     Attributes:
         first: the number of the first run; with the seed it determines the runs.
@@ -138,7 +138,8 @@ def _sampler_of(program: Program, chances: Chances, question: TrialQuestion, sou
 
 
 def path_sampler(network: Network, path: Path, source: RunSource) -> Sampler:
-    """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false. Raises as `lowered_path`."""
+    """The runs on which ``<> p`` or ``p U q`` is evaluated; for ``[] p`` a hit is that p becomes false. Raises as
+    `lowered_path`."""
     network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
     return _sampler_of(program, chances, trial_question(network, path, program), source)
@@ -168,7 +169,7 @@ def lowered_path(network: Network, path: Path) -> tuple[Program, Chances]:
 
 
 def _lost(path: Path) -> Expression | None:
-    """Where the predicate counts no more."""
+    """The condition from which the predicate counts no more."""
     before, beyond = path.before, path.bound.beyond
     if before is None:
         return beyond

@@ -1,4 +1,4 @@
-"""How many runs are drawn, and intervals that are exact for a number of runs that depends on them.
+"""The number of runs to draw, and intervals that are exact for a number of runs that depends on them.
 
 The runs are looked at after certain numbers of them, and no more are drawn as soon as the interval is narrow enough.
 The interval of Clopper and Pearson for a fixed number of runs would miss the probability more often than it says then.
@@ -38,7 +38,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StoppingRule:
-    """When to stop, for an interval of at most twice the half-width."""
+    """The rule that stops once the interval is at most twice the half-width wide."""
 
     confidence: float
     half_width: float
@@ -111,7 +111,7 @@ class StoppingRule:
 
 
 class Places:
-    """Where a rule may stop.
+    """The places at which a rule may stop.
 
     Attributes:
         runs, hits: of each place.
@@ -127,12 +127,12 @@ class Places:
         return len(self.runs)
 
     def up_to(self, runs: int, hits: int) -> Places:
-        """Those of fewer runs, and of so many runs those with at most so many hits."""
+        """The places with fewer runs, and those with as many runs and at most ``hits`` hits."""
         kept = (self.runs < runs) | ((self.runs == runs) & (self.hits <= hits))
         return Places(self.runs[kept], self.hits[kept], self.shares[kept])
 
     def probabilities(self, hit: float) -> Floats:
-        """Of stopping at each of them, if a run is a hit with this probability."""
+        """The probability of stopping at each of them, if a run is a hit with probability ``hit``."""
         if hit <= 0 or hit >= 1:
             return np.where(self.hits == (0 if hit <= 0 else self.runs), self.shares, 0.0)
         logarithms = self._ways + self.hits * log(hit) + (self.runs - self.hits) * np.log1p(-hit)
@@ -179,7 +179,7 @@ def _width(hits: NDArray[np.int64], runs: int, z: float) -> Floats:
 
 
 def _one_more_run(shares: Floats, runs: int) -> Floats:
-    """Of the orders of k hits among so many runs those that have not stopped: a hit or a miss comes last."""
+    """The shares of the orders of k hits among one more run that have not stopped: a hit or a miss comes last."""
     hits = np.arange(runs + 1)
     longer = np.zeros(runs + 1)
     longer[:-1] = shares * (runs - hits[:-1]) / runs

@@ -1,4 +1,4 @@
-"""How values go on runs: what ``simulate`` asks for."""
+"""Trajectories of values on runs: the query ``simulate``."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from tachk.simulation.statistics.sampling import RunSource, SampledRuns, clock_n
 
 Floats = NDArray[np.float64]
 _BATCH = 4096
-"""How many runs are asked at once for a condition."""
+"""The number of runs that are drawn at once for a condition."""
 _BYTES_A_STATE = 128
 """The memory that the points of a value take for each state of a run while they are computed."""
 
@@ -65,7 +65,7 @@ class Trajectory:
 def picked(
     network: Network, question: TrajectoriesQuery, source: RunSource
 ) -> tuple[SampledRuns | None, tuple[int, ...]]:
-    """The numbers of the runs that are told, and where a condition picks them, on how many it became true."""
+    """The numbers of the runs to show; and the sample of the condition, if one picks runs."""
     numbers = range(source.first, source.first + question.runs)
     if question.condition is None:
         return None, tuple(numbers)
@@ -100,7 +100,7 @@ def trajectories(
 def _drawings(
     network: Network, question: TrajectoriesQuery, source: RunSource, numbers: Sequence[int], program: Program
 ) -> Iterator[tuple[SimulationOptions, int, int]]:
-    """How runs are drawn: those with numbers in a row and the same end together, from one number to another."""
+    """The ranges of runs to draw: those with consecutive numbers and the same end together."""
     if question.bound.scale is Scale.CLOCK:
         for number in numbers:
             end = _end(network, question, replace(source, first=number))
@@ -123,7 +123,7 @@ def _drawings(
 
 
 def _end(network: Network, question: TrajectoriesQuery, source: RunSource) -> Horizon:
-    """When the run with the first number reaches a bound that is a clock."""
+    """The time at which the run with the first number reaches a bound that is a clock."""
     beyond, latest = question.bound.beyond, RunBound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
     path = Path(question.bound, None, False, Constant(0)) if beyond is None else Path(latest, None, False, beyond)
     sampler = path_sampler(network, path, source)

@@ -16,9 +16,10 @@ class ClaimedMove:
     """The submitted step of a process.
 
     Attributes:
-        number: which of its edges from the source to the target, from 1 in the order of the text; None: not told.
-        selects: the values of select variables that are told.
-        direction: of the synchronisation; None if the edge is internal, or nothing is told.
+        number: the number of the edge among those from the source to the target, from 1 in the order of the text;
+            None: not given.
+        selects: the values of select variables that are given.
+        direction: of the synchronisation; None if the edge is internal, or it is not given.
     """
 
     process: str
@@ -46,9 +47,9 @@ class ClaimedStep:
     Attributes:
         time: since the start of the run, or, with ``relative``, since the step before.
         moves: empty where time passes and nothing else happens.
-        channel: as the view of runs names it; empty: none, or it is not told.
+        channel: as the view of runs names it; empty: none, or it is not given.
         partial: whether what hidden processes do may be left out.
-        after: the state behind the step, as far as it is told.
+        after: the state after the step, as far as it is given.
         span: the line that says so; of a report none.
     """
 
@@ -65,8 +66,8 @@ class ClaimedStep:
 class ClaimedRun:
     """Attributes:
     name: of the file.
-    constants: with which values of constants of the model the run was made, as far as it is told.
-    initial: what is told of the first state.
+    constants: the values of constants of the model with which the run was made, as far as they are given.
+    initial: the first state, as far as it is given.
     """
 
     name: str

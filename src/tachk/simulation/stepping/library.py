@@ -51,7 +51,7 @@ class DrawnRun:
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """Of the rows, in the unit of the model; ``trace`` has them exactly."""
+        """The times of the rows, in the unit of the model; ``trace`` has them exactly."""
         return self.trace.times / self.trace.ticks_per_unit
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -141,7 +141,7 @@ class Replay:
         return self.refusal is None
 
     def __len__(self) -> int:
-        """How many steps were taken."""
+        """The number of steps."""
         return len(self.trace.steps)
 
     @property

@@ -68,7 +68,8 @@ class Offers:
 
 
 def offers_of(names: RunNames, state: TimedState) -> Offers:
-    """What can happen from a state on. Raises EvaluationFault where an invariant cannot be evaluated."""
+    """The transitions and delays that are enabled in a state. Raises EvaluationFault if an invariant cannot be
+    evaluated."""
     model = names.model
     moments = relevant_moments(model, state, before=None)
     possible: list[tuple[Fraction, set[Transition]]] = []

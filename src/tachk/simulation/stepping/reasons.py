@@ -1,4 +1,4 @@
-"""Why a network does not take a step: which guard or invariant is false, and with which values."""
+"""The reason why a network does not take a step: the false guard or invariant, with its values."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def process_named(names: RunNames, name: str) -> int:
 
 
 def why_no_delay(names: RunNames, state: TimedState, duration: Fraction) -> StepReason:
-    """Why a delay that the semantics refuses cannot pass."""
+    """The reason why a delay that the semantics refuses cannot pass."""
     model = names.model
     if duration < 0:
         return StepReason(f"it would be at {decimal(state.time + duration)}, and the run is at {decimal(state.time)}")
@@ -89,7 +89,7 @@ def _broken_invariants(names: RunNames, state: TimedState) -> Iterator[Label]:
 
 
 def why_no_transition(names: RunNames, state: TimedState, claim: ClaimedStep) -> StepReason:
-    """Why none of the transitions that a claim may mean can be taken."""
+    """The reason why none of the transitions that a claimed step may mean can be taken."""
     model = names.model
     groups: list[list[Participant]] = []
     for move in claim.moves:

@@ -1,4 +1,4 @@
-"""Why something is no run, as a message with places."""
+"""The rejection of a submitted trace, as a message with places."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether what a file claims is a run: it is executed by the concrete semantics, which knows no search and no core."""
+"""The replay of a submitted trace: the concrete semantics, which knows no search and no core, executes it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tachk.simulation.stepping.reasons import (
 )
 
 _MOST_AT_ONCE = 10_000
-"""States that are kept where it is not told what hidden processes do."""
+"""The number of states that are kept if the trace leaves out hidden processes."""
 
 
 @dataclass(frozen=True, slots=True)

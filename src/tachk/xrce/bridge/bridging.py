@@ -50,7 +50,7 @@ class Bridge:
         return self._session.is_open
 
     def wake(self) -> int | None:
-        """When to ask again what is due, by the clock; None: when a packet arrives."""
+        """The time of the clock at which something is due next; None: when a packet arrives."""
         if self._begin is None:
             return self._clock.now() if self._session.is_open else self._session.wake()
         event = None if self._part.is_over else self._part.next_event()

@@ -1,4 +1,4 @@
-"""Where time comes from."""
+"""The clocks of a bridge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A part of a network under way: it is told what the rest does, and tells what it sends."""
+"""The run of a part of a network: its environment feeds it events, and it gives those that it sends."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class BridgedPart:
         return self._unit_run.over
 
     def next_event(self) -> int | None:
-        """When something may happen next, in nanoseconds, rounded up; None if nothing does by itself."""
+        """The time of the next event, in nanoseconds, rounded up; None if nothing happens by itself."""
         event = self._unit_run.next_event()
         if event >= _core.latest_end():
             return None

@@ -1,4 +1,4 @@
-"""How a session begins: CREATE_CLIENT, then objects for one topic. The models do not speak of it, so that a bridge does
+"""The beginning of a session: CREATE_CLIENT, then objects for one topic. The models leave it out, so that a bridge does
 it for them, on either side."""
 
 from __future__ import annotations

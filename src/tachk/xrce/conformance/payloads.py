@@ -106,7 +106,7 @@ def _requests(read: SubmessageEvent) -> int:
 
 
 def samples_in(detail: object) -> int:
-    """How many samples a message carries."""
+    """The number of samples of a message."""
     return detail // _BATCH + 1 if isinstance(detail, int) and detail >= 0 else 1
 
 
@@ -131,7 +131,7 @@ def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[Submessage
 
 
 def most_pieces(recording: EventLog) -> int:
-    """How many pieces of one sample the Agent sends to a client before the last one."""
+    """The number of pieces of one sample that the Agent sends to a client before the last one."""
     pieces = {
         (int(event.cells["link"]), int(event.cells["number"]))
         for event in recording.events

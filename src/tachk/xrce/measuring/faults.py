@@ -83,7 +83,7 @@ def _wants_answer(one: Transmission) -> bool:
 
 
 def stops_quantity(found: Sequence[tuple[str, StreamStop]]) -> Quantity:
-    """How long nothing came through, to the end."""
+    """The time to the end in which nothing came through."""
     samples = [
         Observation(
             (stop.messages[-1].sent - stop.messages[0].sent) / _MILLISECOND,

@@ -1,4 +1,4 @@
-"""When HEARTBEATs leave: the law of a client's timer, its period, and the period of the Agent.
+"""The times of HEARTBEATs: the law of a client's timer, its period, and the period of the Agent.
 
 A client has one of three laws. STEADY: the timer runs from the first unacknowledged message, from each HEARTBEAT and
 from each ACKNACK. REARMED: it starts again also at every message that leaves or comes in, and at every call of a run
@@ -48,7 +48,7 @@ _FIRST_OF_OLD: Final = (0.9, 1.4)
 """Milliseconds; clients up to 2.0 send the first HEARTBEAT 1 ms after a message, by a clock of such steps."""
 
 _FEW: Final = 4
-"""With fewer waits, what else a client does cannot be told from its period."""
+"""The number of waits below which a client's period cannot be separated from its other activity."""
 
 _CLEARLY: Final = 1.25
 """By how much two times have to differ to tell two laws apart."""
@@ -56,7 +56,7 @@ _CLEARLY: Final = 1.25
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatWait:
-    """How long a client's HEARTBEAT had been awaited, in milliseconds.
+    """The wait for a client's HEARTBEAT, in milliseconds.
 
     Attributes:
         activity: since something left or came in, or since messages were unacknowledged.
@@ -89,7 +89,7 @@ class Starving:
 
 
 def waits(conversation: Conversation) -> Iterator[HeartbeatWait]:
-    """Those of all HEARTBEATs that a client sends about a stream."""
+    """The waits for all HEARTBEATs that a client sends about a stream."""
     activity: Moment | None = None
     anchor: Moment | None = None
     previous: float | None = None
@@ -214,7 +214,7 @@ def law_quantity(
 
 
 def client_period(found: Sequence[HeartbeatWait], law: HeartbeatLaw | None) -> Quantity:
-    """How long a client waits for an ACKNACK."""
+    """The time that a client waits for an ACKNACK."""
     name, title = "client_heartbeat", "period of the client's HEARTBEATs"
     since = [Observation(wait.beat if law is HeartbeatLaw.STEADY else wait.activity, wait.places) for wait in found]
     if law is HeartbeatLaw.DOUBLING:
@@ -246,8 +246,8 @@ def _fits_usual(wait: float) -> bool:
 
 
 def agent_rounds(conversation: Conversation) -> tuple[list[Observation], list[Observation]]:
-    """Of the Agent's HEARTBEATs about a stream: the times between two with messages unacknowledged all the time, and
-    those from the first unacknowledged message to the first HEARTBEAT."""
+    """The times of the Agent's HEARTBEATs about a stream: between two with messages unacknowledged all the time, and
+    from the first unacknowledged message to the first HEARTBEAT."""
     between: list[Observation] = []
     first: list[Observation] = []
     anchor: Moment | None = None

@@ -1,7 +1,7 @@
-"""How many slots the input stream of a client has: the number with which its ACKNACKs are what they are.
+"""The number of slots of the input stream of a client: the number that explains its ACKNACKs.
 
-No message tells it. A message too far ahead is dropped and yet named as missing, and the bitmap of an ACKNACK looks at
-slots, so a client with few slots says other things than one with many, once enough is missing.
+No message contains it. A message too far ahead is dropped and yet named as missing, and the bitmap of an ACKNACK is
+about slots, so a client with few slots sends other ACKNACKs than one with many, once enough is missing.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _ASLEEP: Final = 100_000_000
 
 
 def unanswered(recording: Capture) -> int:
-    """How many packets came to clients that did not read them. A client answers each that it reads, in their order."""
+    """The number of packets that clients did not read. A client answers each that it reads, in their order."""
     return sum(_unanswered(_at_client(recording, link)) for link in range(len(recording.links)))
 
 
@@ -60,8 +60,8 @@ class _SentAcknack:
 
 @dataclass(frozen=True, slots=True)
 class _Heard:
-    """What comes to the client: a message, a HEARTBEAT with the last ``number`` that there is, or nothing: a session
-    ``begins``."""
+    """An arrival at the client: a message, a HEARTBEAT with the last ``number`` that there is, or the beginning of a
+    session."""
 
     time: int
     number: int
@@ -99,7 +99,7 @@ def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Heard]:
 
 
 def _differences(stream: Sequence[_SentAcknack | _Heard], size: int) -> int:
-    """How many ACKNACKs are not what a client with so many slots would have said."""
+    """The number of ACKNACKs that a client with ``size`` slots would not have sent."""
     client, waiting, wrong = _InputStream(size), deque[_Heard](), 0
     sleeps = _unanswered(stream) > 0
     for each in stream:
@@ -135,7 +135,7 @@ class _InputStream:
                 self._handled += 1
 
     def _complete(self) -> int:
-        """How many messages are handed over together: one, or all pieces of a larger one."""
+        """The number of messages that are handed over together: one, or all pieces of a larger one."""
         for count in range(self._size):
             is_piece = self._slots.get((self._handled + count) % self._size)
             if is_piece is not True:

@@ -34,7 +34,7 @@ class LateReading:
 
 
 def late_readings(recording: Capture) -> Iterator[LateReading]:
-    """Those of every client, as far as samples can be told apart by their content."""
+    """The late readings of every client, as far as samples differ in their content."""
     for link in range(len(recording.links)):
         request = next(
             (one for one in recording.transmissions if one.link == link and _of(one.events, SubmessageKind.READ_DATA)),
@@ -65,8 +65,8 @@ def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[Submess
 
 
 def kept_quantity(found: Sequence[tuple[str, LateReading]]) -> Quantity:
-    """How many samples the Agent keeps: seen where a client gets fewer than were written, but not where it asks for
-    no more."""
+    """The number of samples that the Agent keeps: seen where a client gets fewer than were written, but not where it
+    asks for no more."""
     name, title = "kept", "samples that the Agent keeps for a client that asks late"
     fewer = [(file, one) for file, one in found if one.kept < one.written and one.kept != (one.wanted or 1)]
     samples = tuple(Observation(one.kept, (PacketPlace(file, one.packet),)) for file, one in fewer or found)

@@ -24,7 +24,7 @@ _LATE_READING = 2000.0
 """Milliseconds from the first sample to READ_DATA; what is shorter is set-up."""
 
 _ENOUGH, _NEARLY_ALL, _SHORTLY = 20, 0.9, 50_000_000
-"""Of at least so many messages this part are there twice within so many nanoseconds where a line was recorded twice."""
+"""A line was recorded twice if, of at least 20 messages, nine tenths are there twice within 50 milliseconds."""
 
 _NO_RELAY = "only a capture of both sides of a relay shows what is lost, copied or late"
 
@@ -158,12 +158,12 @@ class _Measuring:
         return max(numbers, default=0) + 1
 
     def _rounds(self) -> list[int]:
-        """When Agents sent HEARTBEATs."""
+        """The times at which Agents sent HEARTBEATs."""
         found = (m.time for c, _ in self.of_agents for m in c.moments if isinstance(m, Beat))
         return sorted(found) if len(self.recordings) == 1 else []
 
     def _publisher(self) -> tuple[int, Quantity]:
-        """How many samples the client writes that waits longest for an ACKNACK, and its pace."""
+        """The number of samples of the client that waits longest for an ACKNACK, and its pace."""
         writers = [conversation for conversation in self.of_clients if traffic.writes(conversation)]
         if not writers:
             return 0, seen("pace", "", (), "")
@@ -249,8 +249,8 @@ class _Measuring:
     def _lost(
         self, asleep: Sequence[tuple[str, sleeps.Sleep]], stopped: Sequence[tuple[str, faults.StreamStop]]
     ) -> int | None:
-        """How many packets were lost on their way to somebody who was awake, on a way that did not stop for good; None
-        where that was not recorded."""
+        """The number of packets that were lost on their way to an awake receiver, on a way that did not stop for good;
+        None if that was not recorded."""
         if not any(link.relay for _, recording in self.recordings for link in recording.links):
             return None
         return sum(
@@ -275,7 +275,7 @@ def _problems(recording: Capture) -> Iterator[str]:
 
 
 def _twice(ours: Sequence[Transmission]) -> int:
-    """How many messages follow an equal one of the same direction shortly behind, which is counted with no other."""
+    """The number of messages shortly after an equal one of the same direction, each of which is counted once."""
     open_: dict[tuple[bool, str], int] = {}
     count = 0
     for one in ours:
@@ -288,7 +288,7 @@ def _twice(ours: Sequence[Transmission]) -> int:
 
 
 def _created_again(recording: Capture) -> int:
-    """How often CREATE_CLIENT came to the Agent behind messages of the client's streams."""
+    """The number of times that CREATE_CLIENT came to the Agent after messages of the client's streams."""
     times: dict[int, int] = {}
     for one in recording.transmissions:
         if one.to_agent and one.events[0].is_reliable and not one.is_lost:

@@ -12,7 +12,7 @@ from tachk.base.records import dataclass
 
 
 class Confidence(StrEnum):
-    """How a quantity is known."""
+    """The evidence for a quantity."""
 
     MEASURED = "measured"
     ONE_SAMPLE = "one sample"
@@ -124,6 +124,6 @@ _LATE: Final = 1.1
 
 
 def punctual(samples: Sequence[Observation]) -> list[Observation]:
-    """Those that are hardly longer than the shortest: the others waited for something else as well."""
+    """The samples that are hardly longer than the shortest: the others waited for something else as well."""
     shortest = min((sample.value for sample in samples), default=0.0)
     return [sample for sample in samples if sample.value <= shortest * _LATE]

@@ -99,7 +99,7 @@ def _client(found: SettingsEvidence) -> Iterator[Setting]:
 
 
 def _jitter(name: str, period: Quantity) -> Setting:
-    """How much later than due HEARTBEATs come, but for the latest tenth: what delays those is none of the timer."""
+    """The lateness of HEARTBEATs, except the latest tenth, which the timer does not delay."""
     if period.value is None or period.confidence is not Confidence.MEASURED:
         return Setting(
             name, _USUAL_JITTER, True, Confidence.ASSUMED, "the period was not seen often enough; what is usual"
@@ -111,8 +111,8 @@ def _jitter(name: str, period: Quantity) -> Setting:
 
 
 def _delay(found: SettingsEvidence) -> Iterator[Setting]:
-    """How much later than due a round of the Agent's heartbeat thread comes at most, by HEARTBEATs that are some rounds
-    apart: the thread waits for a period after each round, so it is never early."""
+    """The largest lateness of a round of the Agent's heartbeat thread, from HEARTBEATs that are some rounds apart: the
+    thread waits for a period after each round, so it is never early."""
     period = found.quantities["agent_heartbeat"].value
     if period is None:
         return
@@ -126,7 +126,7 @@ def _delay(found: SettingsEvidence) -> Iterator[Setting]:
 
 
 def _pauses(reaction: Quantity, overdue: Quantity) -> Iterator[Setting]:
-    """Whether applications leave the run function for longer."""
+    """The setting that applications leave the run function for longer."""
     if reaction.maximum is not None and reaction.maximum > _OUTSIDE:
         how = f"a client answered only after {reaction.maximum:.0f} ms"
         yield Setting("PAUSES", 1, False, reaction.confidence, how)

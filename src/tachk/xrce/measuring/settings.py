@@ -59,7 +59,7 @@ class LinkDirection:
 
     @property
     def bit(self) -> int:
-        """Of the link in the models: client_publisher to Agent, back, client_subscriber to Agent, back."""
+        """The bit of the link in the models: client_publisher to Agent, back, client_subscriber to Agent, back."""
         return 1 << 2 * (not self.of_writer) + (not self.to_agent)
 
 

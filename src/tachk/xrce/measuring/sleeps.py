@@ -155,7 +155,7 @@ def _longest_silence(conversation: Conversation, recording: Capture) -> Iterator
 
 
 def _heard(conversation: Conversation, recording: Capture) -> list[tuple[int, Transmission]]:
-    """When the Agent heard the client."""
+    """The times at which packets of the client arrived at the Agent."""
     found = [
         (one.arrived, one)
         for one in recording.transmissions

@@ -1,4 +1,4 @@
-"""A relay between clients and Agent that loses, delays and duplicates what it is told to.
+"""A relay between clients and Agent that loses, delays and duplicates packets by rules.
 
 In the order of reading: `rules` (what to do with which packets), `script` (text to rules), `counterexample` (a run of a
 model to rules), `sightings` (what a datagram says), `decisions` (from arrivals to departures, without sockets and

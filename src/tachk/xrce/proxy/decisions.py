@@ -128,7 +128,7 @@ class Decisions:
                 self._came[(arrival.port, event)] = (number, arrival.way)
 
     def _count(self, key: object, chosen: Chosen, arrival: RelayArrival, sayings: tuple[Said, ...]) -> int:
-        """Which one it is among the packets that are counted; 0 if it is none of them."""
+        """The number of the arrival among the packets that are counted; 0 if it is none of them."""
         port, way, since = arrival.port, arrival.way, chosen.since
         if since is not None and (port, since) not in self._begun:
             if not are_among(sayings, way, port, since):

@@ -93,11 +93,11 @@ _SETTLED: Final = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Where to listen, where to send.
+    """The addresses to listen at and to send to.
 
     Attributes:
         listening: an address for each client.
-        agent: where the Agent listens.
+        agent: the address of the Agent.
         idle: stop when nothing has come for so many seconds after the first packet; None: go on.
     """
 

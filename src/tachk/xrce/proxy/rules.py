@@ -16,7 +16,7 @@ EVERY: Final = 1 << 62
 
 
 class PacketDirection(Enum):
-    """Which way a packet goes."""
+    """The direction of a packet."""
 
     TO_AGENT = "client->agent"
     TO_CLIENT = "agent->client"
@@ -89,7 +89,7 @@ class ChosenPackets:
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """Those among packets that a rule is about, counted for each client.
+    """The packets that a rule is about, counted for each client.
 
     Attributes:
         packets: which are counted.

@@ -29,7 +29,7 @@ _KINDS: Final = {
 """The messages of `models/micro_xrce_dds/protocol.ta` on the wire: to the Agent, to the client."""
 
 REPORT_WITH_RUN = "tachk verify MODEL --property NAME --format json -o TRACE.json makes one"
-"""How to get a report that has a run."""
+"""The command for a report with a run."""
 
 
 @dataclass(frozen=True, slots=True)

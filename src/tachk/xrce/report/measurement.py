@@ -17,7 +17,7 @@ _PLACES = 6
 
 @dataclass(frozen=True, slots=True)
 class ModelTime:
-    """How settings are written.
+    """Options for writing settings.
 
     Attributes:
         milliseconds: in a unit of time of the model.
@@ -32,7 +32,7 @@ class ModelTime:
     is_for_recordings: bool = False
 
     def all(self, found: Measurement) -> tuple[Setting, ...]:
-        """Those for such models."""
+        """The settings for such models."""
         return found.recorded if self.is_for_recordings else found.settings
 
     def chosen(self, found: Measurement) -> list[Setting]:

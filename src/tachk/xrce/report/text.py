@@ -10,7 +10,7 @@ from tachk.xrce.messages import Endpoint
 from tachk.xrce.wire import SubmessageKind
 
 _WIDEST_SAMPLE = 16
-"""How many bytes of a sample are shown."""
+"""The number of bytes of a sample that are shown."""
 
 UNLIMITED = 0xFFFF
 

@@ -16,7 +16,7 @@ from tachk.xrce.streams import SIGNALS, StreamState
 NEVER: Final = 1 << 62
 
 Way = tuple[bool, int]
-"""Whether the client sends, and the id of the stream."""
+"""True if the client sends, and the id of the stream."""
 
 
 class Stream:
@@ -53,7 +53,7 @@ class Side:
             only where arrivals are seen.
         asked_by: the packet that did so.
         asleep: the client has been silent for long, or has owed an answer for long.
-        disturbed: it has been asked while asleep, and has not answered.
+        disturbed: something was sent to it while asleep, and it has not answered.
         ended: it has closed its session.
         forgotten: nothing is noted of it any more.
         sleep_log: changes of ``asleep``.
@@ -77,12 +77,12 @@ class Side:
         return len(self.owner.sides) > 1 and self is self.owner.own_side
 
     def due(self, silence: int, patience: int, answer: int) -> int:
-        """When it counts as asleep, or as disturbed, if nothing comes before.
+        """The time from which it counts as asleep, or as disturbed, if nothing comes before.
 
         Args:
-            silence: how long a client that is awake is silent at most.
-            patience: how long it owes an answer at most.
-            answer: how long it takes to answer at most, if its silence has shown already that it sleeps.
+            silence: the longest silence of a client that is awake.
+            patience: the longest time for which it owes an answer.
+            answer: the longest time for an answer, if its silence has shown already that it sleeps.
         """
         if self.ended or self.disturbed or (self.asleep and self.owing_since is None):
             return NEVER

@@ -38,11 +38,11 @@ SITUATION: Final = (
     "behind",
     "unheard",
 )
-"""Of all clients together: every message that clients have sent has arrived at the Agent; every sample that they have
-written has arrived at every reader; a client is silent for long; something came to such a client, which has not
-answered in time; the Agent has got what clients sent; readers have got it in order; a message of a client is neither
-there nor named as missing, or one of the Agent; the Agent has unconfirmed messages; a message of a client is not there,
-and its client has not heard so."""
+"""The signals of all clients together: every message that clients have sent has arrived at the Agent; every sample that
+they have written has arrived at every reader; a client is silent for long; something came to such a client, which has
+not answered in time; the Agent has got what clients sent; readers have got it in order; a message of a client is
+neither there nor named as missing, or one of the Agent; the Agent has unconfirmed messages; a message of a client is
+not there, and its client has not heard so."""
 
 GONE: Final = 60_000_000_000
 """A client that has closed its session, and from which nothing has come for so many nanoseconds, does not come back."""

@@ -116,8 +116,8 @@ def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) 
 
 
 def read_recorded_serial(stream: BinaryIO, signals: bool = True) -> CaptureSignals:
-    """What a capture of a serial line says; frames that a receiver would drop are left out. Raises CaptureError for a
-    file without bytes."""
+    """The signals of a capture of a serial line; frames that a receiver would drop are left out. Raises CaptureError
+    for a file without bytes."""
     return _recorded(SerialReading(stream, damaged=False), signals)
 
 

@@ -45,7 +45,7 @@ _OF_STREAM: Final = re.compile(
 
 
 class Arriving(Protocol):
-    """Where the bytes of the capture come from."""
+    """The source of the bytes of a capture."""
 
     def read1(self, size: int, /) -> bytes | None:
         """The bytes that have come; empty at the end, None if nothing has come for a while."""
@@ -149,7 +149,8 @@ class LivePackets:
             self._stream.close()
 
     def _opened(self) -> CaptureReading | SerialReading:
-        """What begins as no capture holds the bytes of a serial line, and so does a capture with a link of the user."""
+        """The reader of the stream. A stream that does not begin as a capture holds the bytes of a serial line, and so
+        does a capture with a link of the user."""
         stream = Peeked(cast("BinaryIO", self._stream), PCAP_HEADER)
         octets = cast("BinaryIO", stream)
         if is_capture(stream.begin) and (self._ports or link_of_pcap(stream.begin) not in USER_LINKS):

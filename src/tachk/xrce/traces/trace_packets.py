@@ -41,9 +41,9 @@ from tachk.xrce.transmissions import Capture, Transmission, read_transmissions
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
 
 HOP_SIGNALS: Final = ("lost", "copies", "overtaken", "delay_ms")
-"""Of all messages of a client, or of the Agent to it, so far: how many were lost, counted when they were sent; how many
-copies came; how many came after one that was sent later; and how long the last one that came was on its way, of which
-`hop_changes` has nanoseconds."""
+"""The signals of all messages of a client, or of the Agent to it, so far: the number of lost ones, counted when they
+were sent; of copies; of those that came after one that was sent later; and the delay of the last one that came, of
+which `hop_changes` has nanoseconds."""
 
 Direction = tuple[str, bool]
 """The key of a client, and whether it sends."""
@@ -113,7 +113,7 @@ PROPERTIES: Final = {
     "noticed": ("missing", True),
     "caughtUp": ("behind", True),
 }
-"""What the properties of the reliable stream are about, as one of the `SITUATION`, and whether it is negated."""
+"""The subjects of the properties of the reliable stream, each as one of the `SITUATION`, and True if it is negated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,8 +157,8 @@ class PacketRecording:
 
 
 def _instead(columns: Sequence[str]) -> str:
-    """What to write in place of the arrivals of some columns: each packet gives all columns a value, so that every
-    packet would be an arrival of all."""
+    """The help for arrivals of columns: each packet gives all columns a value, so that every packet would be an arrival
+    of all."""
     count = next((name for name in columns if name.endswith(".delivered")), columns[0])
     return f"write `change({count})`: a capture holds packets, and what they change"
 
