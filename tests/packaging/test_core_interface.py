@@ -64,7 +64,7 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
         ("machine/floating.hpp", "FloatingOperation", FloatingOperation),
         ("machine/opcode.hpp", "FaultKind", _core.FaultKind),
         ("reachability/explorer.hpp", "Status", _core.Status),
-        ("order/waiting.hpp", "SearchOrder", _core.SearchOrder),
+        ("order/orders.hpp", "SearchOrder", _core.SearchOrder),
         ("symbolic/abstraction.hpp", "Extrapolation", _core.Extrapolation),
         ("symbolic/abstraction.hpp", "BoundScope", _core.BoundScope),
         ("zones/zone.hpp", "Width", _core.Width),

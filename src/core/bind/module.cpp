@@ -48,12 +48,9 @@ using FailureTuple = std::tuple<FaultKind, int, symbolic::Path>;
 // The members have the names of those in tachk.engine.options and tachk.model.fault; the numbers are nobody's
 // business.
 void bind_enumerations(nb::module_& m) {
-  nb::enum_<SearchOrder>(m, "SearchOrder")
-      .value("AUTO", SearchOrder::automatic)
-      .value("BFS", SearchOrder::breadth_first)
-      .value("DFS", SearchOrder::depth_first)
-      .value("RANDOM_DFS", SearchOrder::random_depth_first)
-      .value("PROGRESS", SearchOrder::progress);
+  nb::enum_<SearchOrder> search_orders(m, "SearchOrder");
+  for (std::size_t number = 0; number < order::orders().size(); ++number)
+    search_orders.value(order::orders()[number].name, static_cast<SearchOrder>(number));
   nb::enum_<Extrapolation>(m, "Extrapolation")
       .value("NONE", Extrapolation::none)
       .value("MAX", Extrapolation::max)

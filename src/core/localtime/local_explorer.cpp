@@ -68,15 +68,13 @@ Status LocalExplorer::search(std::uint64_t expansions) {
       passed_.announce(initial.effect.slots.data(), initial.effect.written);
       store(initial, no_node);
     });
-    waiting_.close();
-    waiting_.consider(graph_.program(), passed_);
+    waiting_.close(graph_.program(), passed_);
   }
   while (!goals_.settled()) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t node = next();
     if (node == no_node) return Status::finished;
     expand(node);
-    waiting_.consider(graph_.program(), passed_);
     if (passed_.stored() > limits_.states) return Status::state_limit;
     if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
   }
@@ -100,7 +98,7 @@ void LocalExplorer::expand(std::uint32_t node) {
         ++transitions_;
         store(successor, node);
       });
-  waiting_.close();
+  waiting_.close(graph_.program(), passed_);
 }
 
 void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent) {

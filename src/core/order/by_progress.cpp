@@ -2,10 +2,10 @@
 
 namespace tachk::order {
 
-ByProgress::ByProgress(const program::Program& program, states::PassedList& states, std::uint32_t first_waiting)
-    : progress_(program) {
-  std::vector<std::int32_t> before(program.slots.size());
-  std::vector<std::int32_t> after(program.slots.size());
+void ByProgress::start(const Beginning& at) {
+  states::PassedList& states = at.states;
+  std::vector<std::int32_t> before(at.program.slots.size());
+  std::vector<std::int32_t> after(at.program.slots.size());
   std::vector<std::uint32_t> far_of;  // of each state
   for (std::uint32_t number = 0; number < states.size(); ++number) {
     const std::uint32_t parent = states.parent(number);
@@ -16,7 +16,7 @@ ByProgress::ByProgress(const program::Program& program, states::PassedList& stat
       far = beyond(far_of[parent], progress_.between(before.data(), after.data()));
     }
     far_of.push_back(far);
-    if (number >= first_waiting && !states.covered(number)) wait(number, far);
+    if (number >= at.first && !states.covered(number)) wait(number, far);
   }
 }
 

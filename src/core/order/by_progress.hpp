@@ -6,26 +6,23 @@
 #include <map>
 #include <vector>
 
+#include "order/orders.hpp"
 #include "order/progress.hpp"
-#include "states/store.hpp"
 
 namespace tachk::order {
 
-class ByProgress final {
+class ByProgress final : public Order {
  public:
-  // Those with numbers from `first_waiting` on wait, unless they are covered.
-  ByProgress(const program::Program& program, states::PassedList& states, std::uint32_t first_waiting);
+  explicit ByProgress(const Beginning& at) : progress_(at.program) {}
 
-  // The state taken last is going to be expanded; its slots.
-  void begin(const std::int32_t* slots) { locations_.assign(slots, slots + progress_.processes()); }
-  // A new state that follows from that one.
-  void add(std::uint32_t node, const std::int32_t* slots) {
-    wait(node, beyond(far_, progress_.between(locations_.data(), slots)));
+  void start(const Beginning& at) override;
+
+  void begin(const std::int32_t* slots) override { locations_.assign(slots, slots + progress_.processes()); }
+  void add(const NewState& state) override {
+    wait(state.node, beyond(far_, progress_.between(locations_.data(), state.slots)));
   }
-  // The next in order; no_node if none is left.
-  std::uint32_t next();
-
-  std::size_t bytes() const { return waiting_ * sizeof(std::uint32_t); }
+  std::uint32_t next() override;
+  std::size_t bytes() const override { return waiting_ * sizeof(std::uint32_t); }
 
  private:
   struct Queue {

@@ -115,10 +115,7 @@ void Explorer::expand(std::uint32_t number) {
 }
 
 // All successors of a state have been stored.
-void Explorer::close() {
-  waiting_.close();
-  waiting_.consider(graph_.program(), store_.states());
-}
+void Explorer::close() { waiting_.close(graph_.program(), store_.states()); }
 
 bool Explorer::needs_too_much_memory() const {
   return limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes;

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "order/waiting.hpp"
+#include "order/orders.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 

@@ -60,7 +60,7 @@ def _avoiding_run(
 ) -> LivenessOutcome:
     """As `find_avoiding_run`, by one search; where processes are interchangeable a run is one up to exchanges."""
     goals = [avoided] if begins is None else [avoided, begins]
-    if options.extrapolation is Extrapolation.LU and any(goal.asks_deadlock for goal in goals):
+    if not options.extrapolation.keeps_deadlocks and any(goal.asks_deadlock for goal in goals):
         # A widened valuation may be stuck where the true ones are not, and so on one side of the goal only.
         options = replace(options, extrapolation=Extrapolation.MAX)
     first, stands = _search(program, goals, options, limits)
@@ -86,7 +86,7 @@ def find_recurring_run(
         program, goals: as `tachk.engine.compiler.lower.lower_recurrence` gives them.
         begins: whether one of the goals says where runs begin to avoid the predicate.
     """
-    if options.extrapolation is Extrapolation.LU:
+    if not options.extrapolation.keeps_deadlocks:
         options = replace(options, extrapolation=Extrapolation.MAX)
     image = encode(program, goals)
     search = _core.RecurrenceSearch(image, begins, core_options(options), core_limits(limits))
@@ -101,7 +101,7 @@ def _search(program: Program, goals: Sequence[Goal], options: Options, limits: L
     violation = search.violation()
     if violation is None or violation[0] is not _core.ViolationKind.STUCK:
         return outcome, True
-    if options.extrapolation is not Extrapolation.LU:
+    if options.extrapolation.keeps_deadlocks:
         return outcome, True
     without = replace(options, extrapolation=Extrapolation.NONE)
     probe = _core.LivenessSearch(image, core_options(without), core_limits(Limits()))

@@ -56,6 +56,11 @@ class Extrapolation(StrEnum):
     """The same operator with L = U = the larger of both: preserves enabledness (deadlock, priorities)."""
     NONE = "none"
 
+    @property
+    def keeps_deadlocks(self) -> bool:
+        """Whether a widened valuation is in a deadlock only if one from which it comes is."""
+        return self in (Extrapolation.MAX, Extrapolation.NONE)
+
 
 class BoundScope(StrEnum):
     LOCAL = "local"

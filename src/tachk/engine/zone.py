@@ -180,7 +180,7 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
 
 def _doubtful(program: Program, goals: Sequence[Goal], options: Options, search: ZoneSearch) -> list[int]:
     """The goals that a search has reached, maybe only seemingly: those that a replay does not confirm."""
-    if options.extrapolation is not Extrapolation.LU or isinstance(search, _core.LocalExplorer):
+    if options.extrapolation.keeps_deadlocks or isinstance(search, _core.LocalExplorer):
         return []
     everybody = replace(program, interchangeable=())
     doubtful = []

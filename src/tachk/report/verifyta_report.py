@@ -28,7 +28,6 @@ _ORDERS = {
     SearchOrder.BFS: "breadth first",
     SearchOrder.DFS: "depth first",
     SearchOrder.RANDOM_DFS: "random depth first",
-    SearchOrder.PROGRESS: "by progress",
 }
 OUT_OF_MEMORY = "memory limit"
 
@@ -90,7 +89,7 @@ def option_lines(trace: str, order: SearchOrder, seed: int, notes: Sequence[str]
     """The summary of the options. ``trace``: ``no``, ``some``, ``shortest`` or ``fastest``."""
     yield "Options for the verification:"
     yield f"  Generating {trace} trace"
-    yield f"  Search order is {_ORDERS[order]}"
+    yield f"  Search order is {_ORDERS.get(order, f'by {order.value}')}"
     yield f"  Seed is {seed}"
     yield from (f"  tachk: {harmless(text)}" for text in notes)
 
