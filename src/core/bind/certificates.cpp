@@ -72,8 +72,8 @@ void bind_closed_set(nb::module_& m) {
           "objection",
           [](const ClosedSet& self) {
             const auto& found = self.objection();
-            using Told = std::tuple<std::string, std::vector<std::int32_t>, std::size_t, std::vector<std::uint32_t>>;
-            return found ? std::optional(Told{found->reason, found->discrete, found->zone, found->edges})
+            using Answer = std::tuple<std::string, std::vector<std::int32_t>, std::size_t, std::vector<std::uint32_t>>;
+            return found ? std::optional(Answer{found->reason, found->discrete, found->zone, found->edges})
                          : std::nullopt;
           },
           "(reason, discrete state, number of the zone, edges of the action), or None.");

@@ -58,7 +58,7 @@ struct Group {
   nb::object verdict() const { return truths[static_cast<std::size_t>(group.verdict())]; }
 
   // The verdict, or None where there is something to look after: a decision, or a fault.
-  nb::object told(RowFault found) {
+  nb::object answer(RowFault found) {
     fault = found;
     return found != RowFault::none || group.decided_some() ? nb::none() : verdict();
   }
@@ -114,7 +114,7 @@ struct Group {
       const std::optional<double> number = number_of(value);
       if (!number) {
         faulty_column = n;
-        return told(RowFault::not_a_value);
+        return answer(RowFault::not_a_value);
       }
       row[n] = *number;
     }
@@ -123,16 +123,16 @@ struct Group {
     if (!at) return nb::none();
     const RowFault found = group.update(*at, plain, row);
     faulty_column = group.faulty_column();
-    return told(found);
+    return answer(found);
   }
 
   // As `update`; a column that is no contiguous array of float64, bool, or uint8 of 0 and 1, or lacks a number, is a
   // `not_a_value`.
   nb::object push(nb::handle given_times, nb::handle columns, std::int64_t factor) {
     TickArray times;
-    if (!nb::try_cast(given_times, times, false)) return told(RowFault::not_a_time);
+    if (!nb::try_cast(given_times, times, false)) return answer(RowFault::not_a_time);
     faulty_column = 0;
-    if (!PyDict_Check(columns.ptr())) return told(RowFault::not_a_value);
+    if (!PyDict_Check(columns.ptr())) return answer(RowFault::not_a_value);
     using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -143,37 +143,37 @@ struct Group {
     for (std::size_t n = 0; n < names.size(); ++n) {
       faulty_column = n;
       PyObject* const value = PyDict_GetItemWithError(columns.ptr(), names[n].ptr());
-      if (value == nullptr) return told(RowFault::not_a_value);
+      if (value == nullptr) return answer(RowFault::not_a_value);
       std::size_t length = 0;
       if (nb::try_cast(nb::handle(value), numbers, false)) {
         length = numbers.shape(0);
         views[n] = {numbers.data(), nullptr};
         if (!monitoring::all_finite(numbers.data(), length) &&
             std::any_of(numbers.data(), numbers.data() + length, [](double number) { return std::isnan(number); }))
-          return told(RowFault::not_a_value);
+          return answer(RowFault::not_a_value);
       } else if (nb::try_cast(nb::handle(value), bytes, false)) {
         length = bytes.shape(0);
         if (std::any_of(bytes.data(), bytes.data() + length, [](std::uint8_t byte) { return byte > 1; }))
-          return told(RowFault::not_a_value);
+          return answer(RowFault::not_a_value);
         views[n] = {nullptr, bytes.data()};
       } else if (nb::try_cast(nb::handle(value), flags, false)) {
         length = flags.shape(0);
         views[n] = {nullptr, reinterpret_cast<const std::uint8_t*>(flags.data())};
       } else {
-        return told(RowFault::not_a_value);
+        return answer(RowFault::not_a_value);
       }
-      if (length != count) return told(RowFault::not_a_value);
+      if (length != count) return answer(RowFault::not_a_value);
     }
     // The dictionary holds the arrays while they are read.
     const RowFault found = group.push(times.data(), factor, views, count, faulty_row);
     faulty_column = group.faulty_column();
-    return told(found);
+    return answer(found);
   }
 
   nb::object advance(nb::handle time) {
     std::optional<double> plain;
     const std::optional<int128> at = tick(time, plain);
-    return at ? told(group.advance(*at)) : nb::none();
+    return at ? answer(group.advance(*at)) : nb::none();
   }
 
   nb::object finish(nb::handle time) {
@@ -183,7 +183,7 @@ struct Group {
       at = tick(time, plain);
       if (!at) return nb::none();
     }
-    return told(group.finish(at));
+    return answer(group.finish(at));
   }
 
   monitoring::TickScale scale;

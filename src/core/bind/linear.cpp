@@ -36,7 +36,7 @@ void bind_linear(nb::module_& m) {
       .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),
            "Takes samples: ticks that do not decrease, and the columns.")
       .def("finish", &Monitor::finish, nb::arg("end"), nb::arg("most_parts"),
-           "The trace ends at this tick; crossings are told in at most so many parts of a tick.")
+           "The trace ends at this tick; crossings are given in at most so many parts of a tick.")
       .def(
           "compute",
           [](Monitor& self, std::size_t node, bool high) {

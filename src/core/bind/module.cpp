@@ -129,8 +129,8 @@ std::unique_ptr<Explorer> make_explorer(const std::vector<std::int64_t>& image, 
 std::optional<FaultTuple> fault_of(Explorer& explorer) {
   if (!explorer.fault()) return std::nullopt;
   std::vector<std::vector<std::uint32_t>> path;
-  const reachability::FaultReport told = explorer.told_fault(path);
-  return FaultTuple{told.kind, told.position, std::move(path), told.edges};
+  const reachability::FaultReport report = explorer.fault_report(path);
+  return FaultTuple{report.kind, report.position, std::move(path), report.edges};
 }
 
 std::optional<FailureTuple> failure_of(Explorer& explorer, std::size_t goal) {

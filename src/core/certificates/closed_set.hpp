@@ -30,7 +30,7 @@ struct Objection {
   std::vector<std::uint32_t> edges;
 };
 
-// Discrete states one behind the other, with the numbers of their zones among all that have been told, and new zones:
+// Discrete states one behind the other, with the numbers of their zones among all that have been listed, and new zones:
 // of each the matrix of bounds. Otherwise as tachk.meaning.judge.certificate.Columns.
 struct Block {
   std::span<const std::int32_t> discretes;
@@ -45,10 +45,10 @@ class ClosedSet final {
   void add(const Block& block) {
     const std::size_t n = network_.n, width = program_.state_slots;
     for (auto from = block.bounds.begin(); from < block.bounds.end(); from += n * n) {
-      const Constraints told = Zone{n, {from, from + n * n}}.constraints();
-      for (const zones::Atom& atom : told)
+      const Constraints constraints = Zone{n, {from, from + n * n}}.constraints();
+      for (const zones::Atom& atom : constraints)
         expect(std::abs(atom.raw) < zones::Raw{1} << 42, "a constraint that cannot be");
-      shapes_.push_back({told, Zone::universe(n).within(told)});
+      shapes_.push_back({constraints, Zone::universe(n).within(constraints)});
     }
     for (std::size_t group = 0, e = 0; group < block.zones.size(); ++group) {
       const auto slots = block.discretes.subspan(group * width, width);
@@ -59,7 +59,7 @@ class ClosedSet final {
       const bool ranked = block.ranks[e] > 0;
       for (std::int64_t left = block.zones[group]; left > 0; --left, ++e) {
         elements_.push_back({static_cast<std::uint64_t>(block.shapes[e]), block.ranks[e]});
-        expect(elements_.back().shape < shapes_.size(), "a zone that has not been told");
+        expect(elements_.back().shape < shapes_.size(), "a zone that has not been listed");
         expect(block.ranks[e] >= 0 && (block.ranks[e] > 0) == ranked, "ranks that cannot be");
       }
       const auto [entry, fresh] = numbers_.emplace(key(slots, ranked), states_.size());

@@ -22,13 +22,13 @@ Network::Network(program::Program given)
   for (const program::Process& process : program.processes) leaving_.emplace_back(process.locations.size());
   for (std::uint32_t number = 0; number < program.edges.size(); ++number)
     leaving_[program.edges[number].process][static_cast<std::size_t>(program.edges[number].source)].push_back(number);
-  listeners_.resize(program.channels.size());
+  receivers_.resize(program.channels.size());
   for (std::size_t number = 0; number < program.channels.size(); ++number)
     for (std::uint32_t p = 0; p < program.processes.size(); ++p)
       if (std::any_of(program.edges.begin(), program.edges.end(), [&](const Edge& edge) {
             return edge.process == p && !edge.sends && edge.may_name(static_cast<std::int32_t>(number));
           }))
-        listeners_[number].push_back(p);
+        receivers_[number].push_back(p);
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) metas_.push_back(slot);
   for (const Channel& channel : program.channels) has_urgent_channels_ |= channel.urgent;
@@ -72,7 +72,7 @@ std::int32_t Network::channel(const Edge& edge, Slots& slots) {
   if (edge.internal() || edge.channel_code == no_code) return edge.channel;
   return static_cast<std::int32_t>(machine_.value(edge.channel_code, slots.data()));
 }
-bool Network::hears(const Edge& edge, std::int32_t used, Slots& slots) {
+bool Network::receives(const Edge& edge, std::int32_t used, Slots& slots) {
   return !edge.internal() && !edge.sends && edge.may_name(used) && channel(edge, slots) == used;
 }
 
@@ -117,7 +117,7 @@ bool Network::is_urgent(Slots& slots) {
       for (std::size_t q = 0; q < program.processes.size() && kind.urgent; ++q)
         for (const std::uint32_t other : leaving(q, slots))
           if (const Edge& edge = program.edges[other];
-              q != p && edge.may_name(used) && holds(edge.guard, slots, ignored) && hears(edge, used, slots))
+              q != p && edge.may_name(used) && holds(edge.guard, slots, ignored) && receives(edge, used, slots))
             return true;
     }
   return false;
@@ -165,22 +165,22 @@ void Network::find_steps(Situation& here, const Zone& zone) {
 void Network::add_partner(Slots& slots, std::int32_t used, const Zone& zone, bool free) {
   const std::size_t sender = program.edges[taking_part[0]].process;
   Part room;
-  for (const std::size_t q : listeners_[static_cast<std::size_t>(used)])
+  for (const std::size_t q : receivers_[static_cast<std::size_t>(used)])
     for (const std::uint32_t number : leaving(q, slots)) {
       const Edge& edge = program.edges[number];
       if (q == sender || edge.sends || !edge.may_name(used) || (!free && !location(q, slots).may_go(most_))) continue;
       const Zone* guarded = where(edge, slots, zone, room);
-      if (guarded == nullptr || !hears(edge, used, slots)) continue;
+      if (guarded == nullptr || !receives(edge, used, slots)) continue;
       taking_part.push_back(number);
       add_step(slots, *guarded, used);
       taking_part.pop_back();
     }
 }
 // A process that can hear a broadcast does, by any of its edges whose guard holds; else it stays out.
-void Network::add_receivers(Slots& slots, std::size_t listener, std::int32_t used, const Zone& zone, bool free) {
-  const auto& listeners = listeners_[static_cast<std::size_t>(used)];
-  for (; listener < listeners.size(); ++listener) {
-    const std::size_t q = listeners[listener];
+void Network::add_receivers(Slots& slots, std::size_t next, std::int32_t used, const Zone& zone, bool free) {
+  const auto& processes = receivers_[static_cast<std::size_t>(used)];
+  for (; next < processes.size(); ++next) {
+    const std::size_t q = processes[next];
     if (q == program.edges[taking_part[0]].process) continue;
     Zones staying{};
     Part part;
@@ -189,15 +189,15 @@ void Network::add_receivers(Slots& slots, std::size_t listener, std::int32_t use
       const Edge& edge = program.edges[number];
       if (edge.sends || !edge.may_name(used)) continue;
       const Zone* guarded = where(edge, slots, zone, part);
-      if (guarded == nullptr || !hears(edge, used, slots)) continue;
+      if (guarded == nullptr || !receives(edge, used, slots)) continue;
       taking_part.push_back(number);
-      add_receivers(slots, listener + 1, used, *guarded, free || location(q, slots).may_go(most_));
+      add_receivers(slots, next + 1, used, *guarded, free || location(q, slots).may_go(most_));
       taking_part.pop_back();
       if (!std::exchange(some, true) && guarded != &zone) staying = {zone};
       staying = without(staying, part.guard);
     }
     if (!some) continue;
-    for (const Zone& piece : staying) add_receivers(slots, listener + 1, used, piece, free);
+    for (const Zone& piece : staying) add_receivers(slots, next + 1, used, piece, free);
     return;
   }
   if (free) add_step(slots, zone, used);

@@ -63,7 +63,7 @@ class Network final {
   Zone later(const Situation& here, Zone zone) const;
   // The steps from a zone; those that a higher priority forbids come without the part where it does, in several pieces.
   std::span<Step> steps(Situation& here, const Zone& zone, Steps& room);
-  // The parts of a zone where a goal holds. Where `deadlock` is asked for and clocks are stopped, it is perhaps more
+  // The parts of a zone where a goal holds. Where it contains `deadlock` and clocks are stopped, it is perhaps more
   // than that, or less if not `widely`.
   Zones where(const program::Goal& goal, Situation& here, const Zone& zone, bool widely);
   // From where in a zone no step is possible, now or later; likewise.
@@ -87,17 +87,17 @@ class Network final {
   bool holds(const program::Condition& condition, Slots& slots, Constraints& constraints);
   const Zone* where(const program::Edge& edge, Slots& slots, const Zone& zone, Part& room);
   std::int32_t channel(const program::Edge& edge, Slots& slots);
-  bool hears(const program::Edge& edge, std::int32_t used, Slots& slots);
+  bool receives(const program::Edge& edge, std::int32_t used, Slots& slots);
   bool is_urgent(Slots& slots);
   void find_steps(Situation& here, const Zone& zone);
   void add_partner(Slots& slots, std::int32_t used, const Zone& zone, bool free);
-  void add_receivers(Slots& slots, std::size_t listener, std::int32_t used, const Zone& zone, bool free);
+  void add_receivers(Slots& slots, std::size_t next, std::int32_t used, const Zone& zone, bool free);
   void add_step(const Slots& slots, const Zone& guarded, std::int32_t used);
   void hold_back_lower_priorities();
 
   machine::Machine machine_;
   std::vector<std::vector<std::vector<std::uint32_t>>> leaving_;  // of each process and location, the edges
-  std::vector<std::vector<std::uint32_t>> listeners_;             // of each channel, the processes that may receive
+  std::vector<std::vector<std::uint32_t>> receivers_;             // of each channel, the processes that may receive
   std::vector<std::uint32_t> metas_;
   bool has_urgent_channels_ = false;
   int most_ = 0;  // the largest commitment where steps are looked for

@@ -66,7 +66,7 @@ class Instance {
   Logger logger_;
 };
 
-// Runs a call from outside; what goes wrong is told, and gives `failed`.
+// Runs a call from outside; an error is logged, and gives `failed`.
 template <class Status, class Body>
 Status guarded(void* instance, Status fine, Status failed, Body body) {
   auto* unit = static_cast<Instance*>(instance);

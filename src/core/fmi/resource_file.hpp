@@ -23,7 +23,7 @@ enum class Role : std::int64_t {
   transitions,  // how many there have been
   observed,     // a value of the network: its place in `Chances::observed`
   input,        // what the environment writes: the slot of what it writes, and of the variable it is for
-  hears,        // a channel over which the environment sends: the edge that does it
+  receives,     // a channel over which the environment sends: the edge that does it
   sends,        // a channel over which the network sends: the edge that takes notice
 };
 

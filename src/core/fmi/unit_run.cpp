@@ -107,7 +107,7 @@ std::int64_t UnitRun::number(std::uint32_t reference, Type type) {
       return static_cast<std::int64_t>(transitions_);
     case Role::input:
       return outside_.inputs[reference];
-    case Role::hears:
+    case Role::receives:
       return outside_.counts[reference] + outside_.pending[reference];
     case Role::sends:
       return outside_.counts[reference];
@@ -131,7 +131,7 @@ void UnitRun::set_number(std::uint32_t reference, Type type, std::int64_t value)
     case Role::input:
       set_input(reference, value);
       return;
-    case Role::hears:
+    case Role::receives:
       set_count(reference, value);
       return;
     case Role::time:
@@ -172,14 +172,14 @@ void UnitRun::set_count(std::uint32_t place, std::int64_t value) {
 
 bool UnitRun::ticks(std::uint32_t reference) const {
   const Variable& wanted = variable(reference, Type::clock);
-  if (wanted.role == Role::hears) return outside_.pending[reference] > 0;
+  if (wanted.role == Role::receives) return outside_.pending[reference] > 0;
   if (!fresh_ || !simulator_) return false;
   const std::span<const std::uint32_t> edges = simulator_->edges();
   return std::find(edges.begin(), edges.end(), static_cast<std::uint32_t>(wanted.number)) != edges.end();
 }
 
 void UnitRun::set_ticks(std::uint32_t reference) {
-  if (variable(reference, Type::clock).role != Role::hears) throw std::invalid_argument("this clock cannot be set");
+  if (variable(reference, Type::clock).role != Role::receives) throw std::invalid_argument("this clock cannot be set");
   outside_.pending[reference] = 1;
 }
 

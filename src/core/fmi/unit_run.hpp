@@ -55,7 +55,7 @@ class UnitRun {
   struct Intake {
     std::uint64_t transitions;  // of the network before it
     flow::Ticks moment;
-    bool settled;  // whether the network had been asked to act at that moment, and did not
+    bool settled;  // whether the network could have acted at that moment, and did not
     std::uint32_t edge;
     std::vector<std::int32_t> inputs;
   };
@@ -94,7 +94,7 @@ class UnitRun {
   std::uint64_t transitions_ = 0;
   std::uint64_t at_once_ = 0;  // transitions without time between them
   flow::Ticks last_ = 0;       // when the last one was
-  bool settled_ = false;       // the network has been asked to act at this moment, and did not
+  bool settled_ = false;       // the network could have acted at this moment, and did not
   bool fresh_ = false;         // what happened last is the last transition of the network
   std::optional<simulation::Ending> ending_;
   Environment outside_;

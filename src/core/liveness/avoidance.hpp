@@ -30,7 +30,7 @@ class Avoidance final {
                                        const std::vector<zones::Atom>& invariant, const Predicate& avoided);
 
   // The valuations of a zone from which no delay within the invariant meets a zone of the predicate. Where clocks stand
-  // still, or time does, it is the whole zone: this is asked of zones that avoid the predicate.
+  // still, or time does, it is the whole zone: the argument is a zone that avoids the predicate.
   const zones::Federation& never_met(zones::ConstZoneRef zone, const std::vector<zones::Atom>& invariant,
                                      symbolic::Delay delay, const Predicate& avoided);
 

@@ -1,5 +1,5 @@
 // Where a run may end that avoids a predicate: valuations of one symbolic state in which time can pass for ever, or
-// from which nothing can happen any more, without the predicate becoming true. What actions are possible is told while
+// from which nothing can happen any more, without the predicate becoming true. The possible actions are visited while
 // the state is expanded: begin, pass for every possible action, end.
 #pragma once
 

@@ -217,7 +217,7 @@ bool LivenessSearch::gets_stuck(const Path& actions, std::size_t begins) {
                               begins);
 }
 
-// ---- how it is asked for --------------------------------------------------------------------------------------------
+// ---- the interface --------------------------------------------------------------------------------------------------
 
 Status LivenessSearch::run(std::uint64_t steps) {
   return overview_.pieces(

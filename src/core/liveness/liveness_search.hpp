@@ -1,9 +1,9 @@
 // Whether some run avoids a predicate q for ever: depth first, with subsumption in both directions.
 //
 // The search goes through the zone graph without q (Restriction). A successor whose zone contains that of a state on
-// the path to it closes a loop. A successor inside a finished state is dropped. Every state on the way is asked whether
-// a run can end in it (Ends). Of `p --> q` the runs begin in each reachable state in which p holds and q does not, and
-// share the finished states.
+// the path to it closes a loop. A successor inside a finished state is dropped. Every state on the way is checked
+// whether a run can end in it (Ends). Of `p --> q` the runs begin in each reachable state in which p holds and q does
+// not, and share the finished states.
 //
 // Of `p --> q` a small part of the steps is taken depth first while the states are being reached: a run is found early.
 //
@@ -58,7 +58,7 @@ class LivenessSearch final {
   // and of p --> q all that are reachable, with the rank 0. It needs zones that are stored whole and not reclaimed,
   // and no search for another proof.
   reachability::CoverParts& cover();
-  // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. Asked of a
+  // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. For a
   // search without extrapolation that has not run; false also if clock values become too large on the way.
   bool gets_stuck(const symbolic::Path& actions, std::size_t begins);
 

@@ -295,7 +295,7 @@ void RecurrenceSearch::found_loop(State entrance) {
   violation_ = Violation{ViolationKind::loop, std::move(stem), begins, std::move(loop)};
 }
 
-// ---- how it is asked for --------------------------------------------------------------------------------------------
+// ---- the interface --------------------------------------------------------------------------------------------------
 
 Status RecurrenceSearch::run(std::uint64_t steps) {
   return way_.pieces(

@@ -119,7 +119,7 @@ void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent)
   });
 }
 
-// ---- what is asked of it --------------------------------------------------------------------------------------------
+// ---- the interface --------------------------------------------------------------------------------------------------
 
 reachability::Statistics LocalExplorer::statistics() const {
   const std::size_t bytes = passed_.bytes() + waiting_.bytes() + zones_.bytes() + actions_.bytes();

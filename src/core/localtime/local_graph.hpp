@@ -39,7 +39,7 @@ class LocalGraph final {
   const LocalZones& zones() const { return zones_; }
   // That of the same network, to which the synchronised states belong.
   symbolic::ZoneGraph& ordinary() { return ordinary_; }
-  // Where processes are interchangeable, successors are told with those sorted.
+  // Where processes are interchangeable, successors have them sorted.
   LocalSymmetry& symmetry() { return symmetry_; }
 
   // Calls take(successor) for the initial state. Throws ModelFault, ConstantOverflow.

@@ -1,5 +1,5 @@
-// Paths of a search over local times in which interchangeable processes are sorted, told with processes that keep their
-// places.
+// Paths of a search over local times in which interchangeable processes are sorted, as paths of processes that keep
+// their places.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
-// Which states of the network in a zone over local times are deadlocks: goals that ask for `deadlock`.
+// Which states of the network in a zone over local times are deadlocks: goals that contain `deadlock`.
 //
 // Whether a state is one depends on all processes at the same time, so that only the synchronised part of a zone is
-// asked. With LU bounds a state that is covered may be stuck where those that cover it are not. With equal lower and
+// checked. With LU bounds a state that is covered may be stuck where those that cover it are not. With equal lower and
 // upper bounds each clock of the two has the same value or is beyond its bound for both: one is stuck iff the other one
 // is.
 #pragma once

@@ -31,7 +31,7 @@ class Machine {
   Machine(const program::Program& program, zones::Raw largest_reset)
       : program_(program), largest_reset_(largest_reset), code_(program) {}
 
-  // Where code draws random numbers from, as long as it is not told otherwise; nullptr: nowhere.
+  // The default source of random numbers for code; nullptr: none.
   void draw_from(Dice* dice) { dice_ = dice; }
 
   // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.

@@ -88,7 +88,7 @@ struct StackEffect {
 // Of all instructions but calls, which push what the function leaves.
 StackEffect effect_of(Opcode opcode);
 
-// Translates pieces of stack code when they are asked for.
+// Translates pieces of stack code on demand.
 class MachineCode {
  public:
   explicit MachineCode(const program::Program& program);

@@ -55,7 +55,7 @@ class Waiting final {
     return admitted;
   }
 
-  // Whether every state that was asked for has been admitted.
+  // Whether every requested state has been admitted.
   bool complete() const { return complete_; }
 
   std::size_t bytes() const { return depth_.capacity() * sizeof(std::uint32_t) + (order_ ? order_->bytes() : 0); }

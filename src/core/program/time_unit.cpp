@@ -52,7 +52,7 @@ struct Divider {
     constraint.bound = static_cast<std::int32_t>(constraint.bound / unit);
   }
   void operator()(ClockReset& reset) const { reset.value = static_cast<std::int32_t>(reset.value / unit); }
-  // A bound may be rounded up: zones are then told apart more finely.
+  // A bound may be rounded up: the abstraction is then finer.
   void round_up(zones::Raw& bound) const {
     if (bound > 0) bound = (bound + unit - 1) / unit;
   }

@@ -69,12 +69,12 @@ void CoverParts::tell(zones::ConstZoneRef zone, CoverPart& part) const {
   for (std::size_t clock = 1; clock < program.clock_numbers.size(); ++clock)
     if (program.clock_numbers[clock] != 0) original[program.clock_numbers[clock]] = clock;
   const auto width = static_cast<std::size_t>(program.numbered_clocks()) + 1;
-  std::int64_t told = 0;
+  std::int64_t written = 0;
   const auto add = [&](std::size_t i, std::size_t j) {
     if (i == 0 && at(i, j) == raw_zero) return;
     part.places.push_back(static_cast<std::int64_t>(original[i] * width + original[j]));
     part.bounds.push_back(2 * zones::raw_value(at(i, j)) * program.time_unit + (at(i, j) & 1));
-    ++told;
+    ++written;
   };
   std::vector<std::size_t> first(n);  // of each clock the first member of its class
   for (std::size_t i = 0; i < n; ++i) {
@@ -99,7 +99,7 @@ void CoverParts::tell(zones::ConstZoneRef zone, CoverPart& part) const {
         follows = k != i && k != j && first[k] == k && sum(at(i, k), at(k, j)) <= at(i, j);
       if (!follows) add(i, j);
     }
-  part.constraints.push_back(told);
+  part.constraints.push_back(written);
 }
 
 }  // namespace tachk::reachability

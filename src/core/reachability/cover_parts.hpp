@@ -1,4 +1,4 @@
-// Stored states as they are told to whoever writes them down: grouped by discrete state, their zones by as few
+// Stored states for writing: grouped by discrete state, their zones by as few
 // constraints as say it.
 #pragma once
 

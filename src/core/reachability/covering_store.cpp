@@ -9,7 +9,7 @@ using zones::ClockBounds;
 
 namespace {
 
-// Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
+// Whether a state that simulates another one stands for it: no goal depends on an action being
 // impossible, or on how long clocks have run.
 bool looks_at_actions_only(const Program& program) {
   if (!program.measures.empty()) return false;

@@ -35,7 +35,7 @@ class DeadlockWatch final {
     const program::Disjunct* disjunct;
   };
 
-  // Whether the state, where it is stuck or not as asked, satisfies the rest.
+  // Whether the state, where it is stuck or not as the goal says, satisfies the rest.
   bool meets(const Candidate& candidate, std::uint32_t node, symbolic::SymbolicState& source);
   // The open disjuncts whose predicates the state satisfies.
   void find_candidates(std::uint32_t node, symbolic::SymbolicState& source);

@@ -52,7 +52,7 @@ class Search {
         continue;  // a run that gets here ends
       }
     }
-    return told(next == waiting_.size());
+    return result(next == waiting_.size());
   }
 
   // ---- what the graph tells
@@ -80,7 +80,7 @@ class Search {
   }
 
   // Distances back from the goal, as levels.
-  Distances told(bool whole) {
+  Distances result(bool whole) {
     std::vector<std::uint32_t> distance(before_.size(), unreached);
     std::deque<std::uint32_t> queue;
     for (std::uint32_t n = 0; n < is_goal_.size(); ++n)

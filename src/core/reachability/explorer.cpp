@@ -25,7 +25,7 @@ Options consistent(Options options, const Limits& limits, const Program& program
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // An action that is taken first makes paths longer.
   if (options.shortest || limits.depth != UINT32_MAX || !program.interchangeable.empty()) options.partial_order = false;
-  // A path to a united state has not been stored, and is told only to goals.
+  // A path to a united state has not been stored, and is made only for goals.
   if (options.shortest || limits.depth != UINT32_MAX || options.partial_order || !program.measures.empty() ||
       !options.subsumption)
     options.merging = false;
@@ -141,7 +141,7 @@ bool Explorer::keeps_layers(std::uint32_t node) {
   return !parts_.goals.settled();
 }
 
-// ---- how it is asked for --------------------------------------------------------------------------------------------
+// ---- the interface --------------------------------------------------------------------------------------------------
 
 Status Explorer::run(std::uint64_t expansions) {
   if (fault_) return Status::fault;
@@ -203,7 +203,7 @@ Path Explorer::path_to_goal(std::size_t goal) {
 
 Path Explorer::path(std::uint32_t node) { return path_to(graph_, store_.states(), node); }
 
-FaultReport Explorer::told_fault(Path& path) {
+FaultReport Explorer::fault_report(Path& path) {
   FaultReport report = *fault_;
   if (report.node == no_node) return report;
   if (has_merged()) {
@@ -211,7 +211,7 @@ FaultReport Explorer::told_fault(Path& path) {
     endless.goals.emplace_back();
     const std::unique_ptr<Explorer> narrow = among_origins(report.node, std::move(endless));
     if (narrow->run(UINT64_MAX) != Status::fault) throw std::logic_error("united states do not meet a run-time error");
-    return narrow->told_fault(path);
+    return narrow->fault_report(path);
   }
   symbolic::SymbolicState last = graph_.blank();
   path = path_to(graph_, store_.states(), report.node, &last);

@@ -68,7 +68,7 @@ class Explorer final {
   std::optional<Extreme> extreme(std::size_t measure) const { return parts_.measures.extreme(measure); }
   const std::optional<FaultReport>& fault() const { return fault_; }
   // The fault there is, with the names of processes that belong to a path to its node.
-  FaultReport told_fault(symbolic::Path& path);
+  FaultReport fault_report(symbolic::Path& path);
   // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
   // everything, no other edge can be taken at all.
   std::vector<std::uint32_t> taken() const { return parts_.taken.edges(); }
@@ -79,7 +79,7 @@ class Explorer final {
   bool any_failure() const { return parts_.goals.any_failure(); }
   // Actions that lead from the initial state to where a goal has been reached or has failed.
   symbolic::Path path_to_goal(std::size_t goal);
-  // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
+  // Whether these actions, taken one after the other from the initial state, can end in a goal. For an explorer
   // without extrapolation that has not run; false also if clock values become too large on the way.
   bool leads_to(const symbolic::Path& actions, std::size_t goal);
 

@@ -15,7 +15,7 @@ struct RunEnd {
   std::vector<zones::Raw> bounds;   // of its clocks, row by row; empty if clocks do not allow the path
 };
 
-// The state in which a path ends. What depends on a transition being impossible is not asked. Nothing if clocks can
+// The state in which a path ends. Conditions that a transition is impossible are not checked. Nothing if clocks can
 // stop or the path leads beyond an invariant's integers. Throws ModelFault.
 std::optional<RunEnd> end_of(const program::Program& program, const RunPath& path);
 

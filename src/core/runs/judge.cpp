@@ -38,7 +38,7 @@ class Judge {
   bool satisfied(const Atom& atom) const;
   bool holds(const program::Condition& condition);
   bool invariants();
-  bool hears(std::uint32_t number, std::int32_t channel);
+  bool receives(std::uint32_t number, std::int32_t channel);
   Verdict takes_part(EdgeNumbers edges);
   Verdict synchronise(EdgeNumbers edges);
   bool somebody_stays_out(EdgeNumbers edges, std::int32_t channel);
@@ -50,7 +50,7 @@ class Judge {
   std::vector<Wide> zero_;  // when each clock was, or would have been, 0
   std::vector<Atom> asked_;
   std::vector<ClockReset> resets_;
-  std::vector<std::vector<std::uint32_t>> listeners_;  // of each channel, the processes that may receive
+  std::vector<std::vector<std::uint32_t>> receivers_;  // of each channel, the processes that may receive
 };
 
 Judge::Judge(const Program& program, std::int64_t unit)
@@ -58,11 +58,11 @@ Judge::Judge(const Program& program, std::int64_t unit)
       unit_(unit),
       reading_(program),
       zero_(static_cast<std::size_t>(program.dimension()), 0),
-      listeners_(program.channels.size()) {
+      receivers_(program.channels.size()) {
   for (const ClockReset& start : program.starts) zero_[start.clock] = -Wide{start.value} * unit;
   for (const Edge& each : program.edges)
     for (std::uint32_t n = 0; !each.internal() && !each.sends && n < each.channels; ++n) {
-      auto& listening = listeners_[static_cast<std::size_t>(each.channel) + n];
+      auto& listening = receivers_[static_cast<std::size_t>(each.channel) + n];
       if (std::find(listening.begin(), listening.end(), each.process) == listening.end())
         listening.push_back(each.process);
     }
@@ -107,17 +107,17 @@ Verdict Judge::wait(std::int64_t until) {
   return invariants() ? nullptr : "the delay violates an invariant";
 }
 
-bool Judge::hears(std::uint32_t number, std::int32_t channel) {
+bool Judge::receives(std::uint32_t number, std::int32_t channel) {
   const Edge& other = edge(number);
   return !other.internal() && !other.sends && other.may_name(channel) && holds(other.guard) &&
          reading_.channel(other) == channel;
 }
 
 bool Judge::somebody_stays_out(EdgeNumbers edges, std::int32_t channel) {
-  for (const std::uint32_t p : listeners_[static_cast<std::size_t>(channel)]) {
+  for (const std::uint32_t p : receivers_[static_cast<std::size_t>(channel)]) {
     if (std::any_of(edges.begin(), edges.end(), [&](std::uint32_t each) { return edge(each).process == p; })) continue;
     const auto& leaving = reading_.leaving(p);
-    if (std::any_of(leaving.begin(), leaving.end(), [&](std::uint32_t each) { return hears(each, channel); }))
+    if (std::any_of(leaving.begin(), leaving.end(), [&](std::uint32_t each) { return receives(each, channel); }))
       return true;
   }
   return false;
@@ -147,7 +147,7 @@ Verdict Judge::synchronise(EdgeNumbers edges) {
     const std::uint32_t process = edge(edges[n]).process;
     if (process == sender.process || (n > 1 && process <= edge(edges[n - 1]).process))
       return "receivers are not in the order of their processes";
-    if (!hears(edges[n], channel)) return "a receiver cannot receive";
+    if (!receives(edges[n], channel)) return "a receiver cannot receive";
   }
   return broadcast && somebody_stays_out(edges, channel) ? "somebody who can receive a broadcast stays out" : nullptr;
 }

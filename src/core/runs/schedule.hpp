@@ -3,7 +3,7 @@
 // The moments of the transitions are unknowns. As long as all clocks run, each clock constraint bounds the difference
 // of two moments from below, and relaxation (Bellman and Ford) finds the least ones. A moment is an integer, and an
 // infinitesimal for each strict bound on the way to it. What depends on a transition being impossible (urgent channels,
-// receivers of a broadcast that stay out, priorities) is not asked here: the judge sees to that.
+// receivers of a broadcast that stay out, priorities) is not checked here: the judge sees to that.
 #pragma once
 
 #include <optional>

@@ -1,6 +1,6 @@
-// Whether it pays to ask a dearer question after a cheap one has said no. It is asked for a while, because it may
-// say yes only once much is known, and goes on being asked as long as it says yes often for what it costs. Otherwise it
-// is tried again later, for a short time.
+// An adaptive heuristic for a dearer check after a cheap one has said no. The check is made for a while, because it may
+// say yes only once much is known, and goes on as long as it says yes often for what it costs. Otherwise it is tried
+// again later, for a short time.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@ class AdaptiveCheck final {
   static constexpr std::int64_t long_first = std::int64_t{1} << 18;
   static constexpr std::int64_t short_first = std::int64_t{1} << 15;
 
-  // Not `allowed`: the question is never asked. `first`: what it may cost before its answers are weighed.
+  // Not `allowed`: the check is never made. `first`: what it may cost before its answers are weighed.
   explicit AdaptiveCheck(bool allowed, std::int64_t first = long_first)
       : left_(allowed ? first : 0), allowed_(allowed) {}
 
-  // Whether the question is to be asked this time.
+  // Whether the check is to be made this time.
   bool asks() {
     if (left_ > 0) return true;
     if (!allowed_ || ++skipped_ < skip) return false;
@@ -25,7 +25,7 @@ class AdaptiveCheck final {
     left_ = window;
     return true;
   }
-  // Whether it is being asked; does not count.
+  // Whether it is being made; does not count.
   bool asking() const { return left_ > 0; }
   // What the answer was, and what it cost: each yes saves as much as `worth` of that.
   void tell(bool yes, std::size_t cost) {
@@ -41,7 +41,7 @@ class AdaptiveCheck final {
   static constexpr std::int64_t worth = 128;
   static constexpr std::uint32_t skip = std::uint32_t{1} << 17;
 
-  std::int64_t left_;  // what the question may cost before its answers are weighed; 0: it is not asked now
+  std::int64_t left_;  // what the check may cost before its answers are weighed; 0: it is not made now
   bool allowed_;
   std::uint32_t skipped_ = 0;
   std::int64_t gained_ = 0;

@@ -54,7 +54,7 @@ class DiscreteStates {
   // Sets the discrete state that the next `locate` looks up; all slots in which it differs from the state unpacked last
   // are in `written`. Call it early, so that its memory is fetched in the meantime.
   void announce(const std::int32_t* slots, const program::SlotSet& written);
-  // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
+  // The number of that state, which is new, with the note `fresh_note`, if it was never looked up before.
   std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
   void unpack(std::uint32_t number, std::int32_t* slots);

@@ -37,7 +37,7 @@ class PassedList {
   // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
   // meantime. All slots in which it differs from the state unpacked last are in `written`.
   void announce(const std::int32_t* slots, const program::SlotSet& written) { discretes_.announce(slots, written); }
-  // The number of that state, which is new if nobody has asked for it before.
+  // The number of that state, which is new if it was never looked up before.
   std::uint32_t locate() { return discretes_.locate(no_node); }
 
   // Whether a stored zone of this discrete state contains the zone; with `bounds` (may be null), simulates it.
@@ -46,7 +46,7 @@ class PassedList {
   }
   // A stored state with this discrete part whose zone does; no_node if there is none.
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds = nullptr) const;
-  // The states with this number and larger ones wait, and are to be found by `unite`. To be told before any is added,
+  // The states with this number and larger ones wait, and are to be found by `unite`. To be set before any is added,
   // and whenever it grows.
   void wait_from(std::uint32_t first) { first_waiting_ = first; }
   // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a

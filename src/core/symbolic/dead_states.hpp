@@ -15,7 +15,7 @@ namespace tachk::symbolic {
 
 class DeadStates final {
  public:
-  // Has a transition relation of its own: it is asked while the graph goes through the actions of another state.
+  // Has a transition relation of its own: it is used while the graph goes through the actions of another state.
   DeadStates(const program::Program& program, const zones::ZoneOperations& operations);
 
   // Looks at a zone of a discrete state and all that delays lead to from there. Throws ModelFault.

@@ -29,7 +29,7 @@ class DeadlockFinder {
   DeadlockFinder(const zones::ZoneOperations& operations, int dimension);
 
   // Begins with a state. The zone may have been widened beyond its invariant, and is cut back to it: what can happen
-  // outside is of no use to a valuation inside. `wants_live`: whether `live` will be asked for.
+  // outside is of no use to a valuation inside. `wants_live`: whether `live` will be needed.
   void begin(zones::ConstZoneRef zone, const std::vector<zones::Atom>& invariant, Delay delay, bool wants_live);
 
   // False once further actions cannot change the result.

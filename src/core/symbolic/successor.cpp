@@ -240,14 +240,14 @@ bool Semantics::time_passes(std::int32_t* slots) {
   for (std::size_t p = 0; p < processes; ++p) {
     for (const auto& [number, partners] : outgoing(p, slots).sends) {
       const Edge& sender = program_.edges[number];
-      if (!may_be_urgent(sender) || !offers(number, slots)) continue;
+      if (!may_be_urgent(sender) || !guard_may_hold(number, slots)) continue;
       const std::int32_t channel = channel_of(sender, slots);
       const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
       if (!kind.urgent) continue;
       if (kind.broadcast) return false;
       for (const std::uint32_t q : partners)
         for (const std::uint32_t other : outgoing(q, slots).receives)
-          if (may_hear(other, channel, slots) && names(program_.edges[other], channel, slots)) return false;
+          if (may_receive(other, channel, slots) && names(program_.edges[other], channel, slots)) return false;
     }
   }
   return true;

@@ -1,5 +1,5 @@
-// The transition relation on symbolic states: which actions a discrete state offers, and what firing one does to slots
-// and zone. The semantics is that of docs/semantics.md.
+// The transition relation on symbolic states: the actions enabled in a discrete state, and what firing one does to
+// slots and zone. The semantics is that of docs/semantics.md.
 #pragma once
 
 #include <algorithm>
@@ -52,8 +52,8 @@ class Semantics {
 
   // Calls visit(action, guarded) for each action that is enabled somewhere in the zone; `guarded` is that part of the
   // zone. Priorities and the invariants of the targets are not considered. Both arguments are only valid during the
-  // call. Receivers are asked only where the guard of a sender holds, channel codes only where that of their edge does
-  // (docs/semantics.md, run-time errors). Throws ModelFault.
+  // call. Receivers are evaluated only where the guard of a sender holds, channel codes only where that of their edge
+  // does (docs/semantics.md, run-time errors). Throws ModelFault.
   template <class Visit>
   void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit) {
     for_each_action(slots, zone, visit, [](std::size_t) { return false; });
@@ -125,7 +125,7 @@ class Semantics {
     std::uint32_t span;
     bool outside;
   };
-  // The integer part of a guard, side by side with those of other edges: most guards are only ever asked this.
+  // The integer part of a guard, side by side with those of other edges: of most guards only this is ever evaluated.
   struct IntegerGuard {
     std::uint32_t first_test;
     std::uint32_t last_test;
@@ -136,20 +136,20 @@ class Semantics {
   }
   std::int32_t channel_of(const program::Edge& edge, std::int32_t* slots);
   // Whether a receiving edge may name the channel and the integer part of its guard holds.
-  bool may_hear(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
-    return program_.edges[number].may_name(channel) && offers(number, slots);
+  bool may_receive(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
+    return program_.edges[number].may_name(channel) && guard_may_hold(number, slots);
   }
-  // Whether an edge that may name the channel does so now. Only to be asked where its guard holds.
+  // Whether an edge that may name the channel does so now. Only to be called where its guard holds.
   bool names(const program::Edge& edge, std::int32_t channel, std::int32_t* slots) {
     return edge.channel_code == program::no_code || channel_of(edge, slots) == channel;
   }
   // Whether a sending edge names an urgent channel in some state.
   bool may_be_urgent(const program::Edge& edge) const;
-  // As `names`, asked only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
+  // As `names`, evaluated only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
   bool names_within(const program::Edge& edge, std::int32_t channel, std::int32_t* slots, zones::ConstZoneRef zone,
                     std::size_t level);
   // Whether the integer part of an edge's guard holds.
-  bool offers(std::uint32_t number, std::int32_t* slots) {
+  bool guard_may_hold(std::uint32_t number, std::int32_t* slots) {
     const IntegerGuard& guard = integer_guards_[number];
     for (std::uint32_t n = guard.first_test; n < guard.last_test; ++n)
       if (!guard_tests_[n].passes(slots)) return false;
@@ -174,7 +174,7 @@ class Semantics {
   std::vector<Outgoing> outgoing_;
   std::vector<IntegerGuard> integer_guards_;  // of each edge
   std::vector<RangeTest> guard_tests_;
-  std::vector<std::uint32_t> listeners_;  // receiving edges of the broadcasts under way
+  std::vector<std::uint32_t> receiving_;  // receiving edges of the broadcasts under way
   std::vector<std::uint32_t> meta_slots_;
   std::vector<std::uint8_t> stopped_;
   bool has_urgent_channels_ = false;
@@ -189,7 +189,7 @@ class Semantics {
 template <class Visit, class Skips>
 void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit, Skips&& skips) {
   const std::size_t processes = program_.processes.size();
-  listeners_.clear();
+  receiving_.clear();
   int most = 0;
   if (has_committed_locations_)
     for (std::size_t p = 0; p < processes; ++p) most = std::max(most, location(p, slots).commitment());
@@ -200,7 +200,7 @@ void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, V
     if (goes && !skips(p)) {
       for (const std::uint32_t number : out.internal) {
         const program::Edge& edge = program_.edges[number];
-        if (!offers(number, slots)) continue;
+        if (!guard_may_hold(number, slots)) continue;
         action_.edges.assign(1, number);
         action_.guard.clear();
         if (const zones::ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
@@ -208,7 +208,7 @@ void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, V
     }
     for (const auto& [number, partners] : out.sends) {
       const program::Edge& sender = program_.edges[number];
-      if (!offers(number, slots)) continue;
+      if (!guard_may_hold(number, slots)) continue;
       action_.edges.assign(1, number);
       action_.guard.clear();
       const zones::ConstZoneRef sent = guarded(sender, slots, zone, 0);
@@ -222,7 +222,7 @@ void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, V
       for (const std::uint32_t q : partners) {
         if (!goes && !location(q, slots).may_go(most)) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
-          if (!may_hear(other, channel, slots)) continue;
+          if (!may_receive(other, channel, slots)) continue;
           const program::Edge& partner = program_.edges[other];
           action_.edges.resize(1);
           action_.edges.push_back(other);
@@ -242,20 +242,21 @@ void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, V
 template <class Visit>
 void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
                           std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit&& visit) {
-  const std::size_t first = listeners_.size();
+  const std::size_t first = receiving_.size();
   bool must_join = false;  // some listener asks nothing of the clocks
   std::uint32_t receiver = 0;
-  for (; !receivers.empty() && listeners_.size() == first; receivers = receivers.subspan(1)) {
+  for (; !receivers.empty() && receiving_.size() == first; receivers = receivers.subspan(1)) {
     receiver = receivers.front();
     for (const std::uint32_t number : outgoing(receiver, slots).receives) {
-      if (!may_hear(number, channel, slots)) continue;
-      const program::Edge& listener = program_.edges[number];
-      if (listener.channel_code != program::no_code && !names_within(listener, channel, slots, zone, level)) continue;
-      listeners_.push_back(number);
-      must_join |= !listener.guard.constrains_clocks();
+      if (!may_receive(number, channel, slots)) continue;
+      const program::Edge& receiving_edge = program_.edges[number];
+      if (receiving_edge.channel_code != program::no_code && !names_within(receiving_edge, channel, slots, zone, level))
+        continue;
+      receiving_.push_back(number);
+      must_join |= !receiving_edge.guard.constrains_clocks();
     }
   }
-  const std::size_t last = listeners_.size();
+  const std::size_t last = receiving_.size();
   if (first == last) {
     if (participates) visit(std::as_const(action_), zone);
     return;
@@ -264,7 +265,7 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
   const bool joined = participates || location(receiver, slots).may_go(most);
   std::vector<std::vector<zones::Atom>> guards;
   for (std::size_t n = first; n < last; ++n) {
-    const std::uint32_t number = listeners_[n];
+    const std::uint32_t number = receiving_[n];
     action_.edges.push_back(number);
     const zones::ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
     if (!must_join)
@@ -277,7 +278,7 @@ void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t
     stay_out(guards, 0, zone, level, [&](zones::ConstZoneRef rest, std::size_t next_level) {
       broadcast(receivers, channel, most, participates, slots, rest, next_level, visit);
     });
-  listeners_.resize(first);
+  receiving_.resize(first);
 }
 
 // Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards

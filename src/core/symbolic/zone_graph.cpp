@@ -22,8 +22,8 @@ Program prepared(Program program, const ZoneGraphOptions& options) {
   return program;
 }
 
-// By how much a transition may advance clocks, as far as code does not compute it: a clock at the edge of what is told
-// apart may still get larger by so much.
+// By how much a transition may advance clocks, as far as code does not compute it: a clock at the edge of the
+// distinguished values may still get larger by so much.
 Raw largest_advance(const Program& program) {
   std::vector<Raw> of_process(program.processes.size(), 0);
   for (const program::Edge& edge : program.edges) {

@@ -89,8 +89,8 @@ class ZoneGraph final {
   // Those of each smaller dimension, if zones are stored without clocks that do not matter; else none.
   const std::vector<zones::ZoneOperations>& smaller_operations() const { return smaller_; }
   Semantics& semantics() { return semantics_; }
-  // Where processes are interchangeable, successors are told with those sorted; how that was done for the last one, and
-  // whether it is done, may be asked for here.
+  // Where processes are interchangeable, successors have them sorted; this gives how that was done for the last one,
+  // and whether it is done.
   Representatives& representatives() { return representatives_; }
 
   // The successors that no action leads to: the initial states. Throws ModelFault, ConstantOverflow.
@@ -138,7 +138,7 @@ class ZoneGraph final {
   bool enter(zones::ConstZoneRef guarded, const Effect& effect);
   // Lets time pass in `target_`.
   void delay(Effect& effect);
-  // Throws GivenUp, now and then asked whether to.
+  // Throws GivenUp; checks only now and then.
   void look_at_the_time() {
     constexpr std::uint32_t seldom = 64;
     if (++actions_ % seldom == 0) zones::Patience::check();
@@ -164,7 +164,7 @@ class ZoneGraph final {
   EquivalentProcesses equivalent_;
   Effect effect_;
   zones::ZoneBuffer target_;
-  std::uint32_t actions_ = 0;  // that have been told, for the next look at the time
+  std::uint32_t actions_ = 0;  // that have been visited, for the next check of the time
 };
 
 // ---- the templates --------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ class Patience final {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `is_wanted`: asked a few times a second whether the work is to go on.
+  // `is_wanted`: called a few times a second; whether the work is to go on.
   Patience(std::optional<Clock::time_point> end, std::function<bool()> is_wanted);
   ~Patience();
   Patience(const Patience&) = delete;

@@ -21,7 +21,7 @@ struct ClockBounds {
   ConstBoundRow upper;
 };
 
-// What is asked of a zone whose rows lie apart: the same as of others.
+// The operations on a zone whose rows lie apart: the same as on others.
 struct ZoneRowOperations {
   bool (*equal)(ZoneRows zone, ConstZoneRef other, int dimension);
   bool (*include)(ZoneRows outer, ConstZoneRef inner, int dimension);
@@ -102,7 +102,7 @@ struct ZoneOperations {
 };
 
 inline constexpr Raw not_compared = -1;  // the bound of a clock that nothing compares: minus infinity
-inline constexpr Raw no_bound = 4095;    // larger than any lower bound that can be asked of clock 0 or the padding
+inline constexpr Raw no_bound = 4095;    // larger than any lower bound that clock 0 or the padding can have
 
 inline constexpr Raw unbounded_entry = INT64_MAX;
 inline constexpr std::int32_t unbounded_int32 = BoundLimits<std::int32_t>::infinity;

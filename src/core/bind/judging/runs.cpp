@@ -109,8 +109,8 @@ void bind_runs(nb::module_& m) {
           "objection",
           [](const PathOfRun& self, std::int64_t unit, const Column& ticks) {
             const auto found = self.objection({unit, {ticks.data(), ticks.data() + ticks.shape(0)}});
-            using Told = std::tuple<std::size_t, std::string>;
-            return found ? std::optional(Told{found->step, found->reason}) : std::nullopt;
+            using Answer = std::tuple<std::size_t, std::string>;
+            return found ? std::optional(Answer{found->step, found->reason}) : std::nullopt;
           },
           nb::arg("unit"), nb::arg("ticks"), "(number of the step, what is wrong with it), or None if all is right.");
 }

@@ -71,10 +71,10 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance, fmi3Boolean, std::size_t, const fmi
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String resources, fmi3Boolean, fmi3Boolean,
                                          fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference*,
-                                         std::size_t, fmi3InstanceEnvironment environment, fmi3LogMessageCallback told,
-                                         fmi3IntermediateUpdateCallback) {
+                                         std::size_t, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback) {
   const auto log = [=](const char* message) {
-    if (told != nullptr) told(environment, fmi3Error, "error", message);
+    if (logger != nullptr) logger(environment, fmi3Error, "error", message);
   };
   try {
     auto unit = std::make_unique<Unit>(resources == nullptr ? "." : resources, token == nullptr ? "" : token, log);

@@ -303,7 +303,7 @@ std::vector<Value> LinearMonitor::sampled(Evaluate evaluate) const {
   return result;
 }
 
-// The stretches in which it is told alike how long the truth of an atom lasts, or has lasted.
+// The segments in which one formula gives how long the truth of an atom lasts, or has lasted.
 auto LinearMonitor::runs(std::size_t number) const -> std::vector<Run> {
   const auto holding =
       sampled<Truth>([&](AtomEvaluator& atoms, const Samples& samples, std::size_t first, std::size_t count,

@@ -31,7 +31,7 @@ class LinearMonitor {
   std::size_t columns() const { return program_.columns; }
   std::size_t nodes() const { return program_.nodes.size(); }
   void push(const Samples& samples);
-  // Instants at which columns cross are told in parts of a tick: `most_parts`, a power of ten, or as many as fit.
+  // Instants at which columns cross are given in parts of a tick: `most_parts`, a power of ten, or as many as fit.
   void finish(std::int64_t end, std::int64_t most_parts = 1'000'000);
 
   // The robustness of a node at each instant; after the end of the trace, what is certain of it. It is kept, so that

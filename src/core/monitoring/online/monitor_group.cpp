@@ -208,7 +208,7 @@ Decision MonitorGroup::joint() const {
   return undetermined ? Decision::undetermined : Decision::yes;
 }
 
-// An explanation looks back from the last row that the verdict rests on, and that of a violation is asked for before
+// An explanation looks back from the last row that the verdict rests on, and that of a violation is requested before
 // the next call.
 void MonitorGroup::forget_rows() {
   std::vector<std::int64_t>& ticks = kept_.ticks;

@@ -96,7 +96,7 @@ void OnlineMonitor::push_ordered(const Samples& samples) {
   if (margins_.whole) take_margins(samples);
 }
 
-// Samples come more often than bounds are asked for, and margins are much faster in blocks. So samples wait until a
+// Samples come more often than bounds are requested, and margins are much faster in blocks. So samples wait until a
 // block of them is there or somebody asks; what is found is the same.
 void OnlineMonitor::take_margins(const Samples& samples) {
   constexpr std::size_t block = AtomEvaluator::block;

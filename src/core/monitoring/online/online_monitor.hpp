@@ -94,7 +94,7 @@ class OnlineMonitor {
     std::vector<std::vector<double>> columns;
   };
 
-  // What tells the robustness, where it is asked for.
+  // The robustness, if it is requested.
   struct Margins {
     std::unique_ptr<offline::OfflineMonitor<offline::Robustness>> whole;
     std::unique_ptr<offline::OfflineMonitor<offline::Robustness>>

@@ -29,7 +29,7 @@ TruthEngine::TruthEngine(const OnlineGraph& graph, bool all_violations)
   for (std::size_t n = 0; n < states_.size(); ++n) {
     const OnlineNode& node = graph.nodes[n];
     const bool leaf = node.kind == OnlineKind::atom || node.kind == OnlineKind::change;
-    states_[n].asked = {!leaf, !leaf};
+    states_[n].watched = {!leaf, !leaf};
     const bool of_time = node.kind == OnlineKind::strict_until || node.kind == OnlineKind::strict_since;
     for (const bool value : {false, true}) {
       if (node.kind == OnlineKind::window && (!value || node.to_the_end)) ask(node.left, value);

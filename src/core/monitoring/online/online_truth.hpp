@@ -36,7 +36,7 @@ class TruthEngine {
   Decision verdict() const { return verdict_; }
   const std::optional<ViolatedSpan>& violation() const { return violation_; }
   // The violations that have ended since the last call, and where one has begun that has not ended, in the order of
-  // time: one is told when all before it is decided. How the trace is cut into steps changes nothing.
+  // time: one is reported when all before it is decided. How the trace is cut into steps changes nothing.
   std::vector<Span> take_violations();
   std::optional<Cell> violated_since() const { return violated_since_; }
   // Nothing that follows can change verdict or violation.
@@ -47,12 +47,12 @@ class TruthEngine {
 
  private:
   struct State {
-    std::array<SpanSet, 2> cells;           // decided false, decided true
-    std::array<std::vector<Span>, 2> news;  // what this step has added to them
-    Cell wanted = 0;                        // the first cell that anything above asks for
-    Cell open = 0;                          // the first wanted cell that is not decided
-    std::array<bool, 2> asked{true, true};  // of a leaf: whether the sets are looked at, not only their growth
-    Cell matured = -1;                      // witnesses up to here count for operators that look to the end
+    std::array<SpanSet, 2> cells;             // decided false, decided true
+    std::array<std::vector<Span>, 2> news;    // what this step has added to them
+    Cell wanted = 0;                          // the first cell that anything above asks for
+    Cell open = 0;                            // the first wanted cell that is not decided
+    std::array<bool, 2> watched{true, true};  // of a leaf: whether the sets are looked at, not only their growth
+    Cell matured = -1;                        // witnesses up to here count for operators that look to the end
   };
 
   const SpanSet& cells(Literal operand, bool value) const {
@@ -77,7 +77,7 @@ class TruthEngine {
   void collect(Cell limit, bool finished);
   void forget();
   bool forgets_now();
-  void ask(Literal operand, bool value) { states_[operand.node].asked[value != operand.negated ? 1 : 0] = true; }
+  void ask(Literal operand, bool value) { states_[operand.node].watched[value != operand.negated ? 1 : 0] = true; }
   void want(Literal operand, Cell cell) {
     State& state = states_[operand.node];
     state.wanted = std::min(state.wanted, std::max<Cell>(cell, 0));
@@ -89,7 +89,7 @@ class TruthEngine {
   int steps_ = 0;  // since something was forgotten
   std::vector<Span> scratch_[2];
   std::optional<Literal> guarded_;  // of a formula G f: f
-  Cell guarded_open_ = 0;           // f is decided true before, or all its violations before are told
+  Cell guarded_open_ = 0;           // f is decided true before, or all its violations before are reported
   Decision verdict_ = Decision::undetermined;
   std::optional<ViolatedSpan> violation_;
   bool all_violations_;

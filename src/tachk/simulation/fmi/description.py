@@ -102,7 +102,7 @@ def _causality(role: Role) -> str:
             return "parameter"
         case Role.TRANSITIONS | Role.OBSERVED | Role.SENDS:
             return "output"
-        case Role.INPUT | Role.HEARS:
+        case Role.INPUT | Role.RECEIVES:
             return "input"
 
 
@@ -112,7 +112,7 @@ def _variability(role: Role) -> str:
             return "continuous"
         case Role.SEED | Role.RUN | Role.POLICY:
             return "fixed"
-        case Role.TRANSITIONS | Role.OBSERVED | Role.SENDS | Role.INPUT | Role.HEARS:
+        case Role.TRANSITIONS | Role.OBSERVED | Role.SENDS | Role.INPUT | Role.RECEIVES:
             return "discrete"
 
 

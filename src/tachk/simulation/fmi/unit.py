@@ -38,7 +38,7 @@ class Role(IntEnum):
     TRANSITIONS = 4
     OBSERVED = 5
     INPUT = 6
-    HEARS = 7
+    RECEIVES = 7
     SENDS = 8
 
 
@@ -135,7 +135,7 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
             *observations(columns, program),
             *_inputs(opened, program),
             *(
-                UnitVariable(f"{channel}?", Role.HEARS, kind, numbers[edge], start=start)
+                UnitVariable(f"{channel}?", Role.RECEIVES, kind, numbers[edge], start=start)
                 for channel, edge in opened.hears
             ),
             *(UnitVariable(f"{channel}!", Role.SENDS, kind, numbers[edge]) for channel, edge in opened.sends),

@@ -185,14 +185,14 @@ def test_in_version_2_messages_are_counted(link: Network, tmp_path: Path) -> Non
 
 def test_inputs_are_what_others_write(link: Network) -> None:
     unit = open_unit(link, ["Client"], "client", clocks=True)
-    outer = {v.name for v in unit.variables if v.role in (Role.INPUT, Role.HEARS, Role.SENDS)}
+    outer = {v.name for v in unit.variables if v.role in (Role.INPUT, Role.RECEIVES, Role.SENDS)}
     assert outer == {"outside.number", "answer?", "ask!"}
 
 
 def test_only_channels_that_a_part_speaks_of_lead_out_of_it() -> None:
     network = tachk.load("models/micro_xrce_dds/paper.ta").network
     unit = open_unit(network, ["application", "publisher"], "publisher", clocks=True)
-    heard = [v.name for v in unit.variables if v.role is Role.HEARS]
+    heard = [v.name for v in unit.variables if v.role is Role.RECEIVES]
     assert heard == [f"deliver[1][{kind}]?" for kind in range(4)]
 
 
