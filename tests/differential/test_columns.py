@@ -26,7 +26,7 @@ from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import Column, all_columns
 from tachk.simulation.runs import Runs, steps_of
 from tachk.simulation.statistics.estimate import DrawnRuns
-from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import read_run_file, steps_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.verify.questions import Questions
@@ -161,7 +161,7 @@ def compare(text: str, query: str, seed: int) -> int:
     for run in runs.draw(drawing, range(2), RecordedChanges(actions=True, observed=True)):
         if run.fault is not None:
             continue
-        replayed = replay_claims(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
+        replayed = replay_submitted(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
         assert replayed.refusal is None
         expected = signals_of(names, runs.columns, replayed.trace, "a", Fraction(run.end, TICKS_PER_UNIT)).trace
         assert columns(runs.trace(run)) == columns(expected), text

@@ -95,27 +95,27 @@ class Estimable:
             runs: how many are drawn; None: as many as it takes.
             seed: the same seed gives the same answers, with any number of threads.
             max_steps: a run with more transitions is given up and counts as unknown.
-            fault: orders such as ``"lost=0.01"``, see docs/faults.md.
+            fault: faults to inject, such as ``"lost=0.01"``, see docs/faults.md.
 
         Raises:
             InputError: a query is wrong.
             UsageError: there is no statistical query, or an argument has no meaning.
             UnsupportedError: something cannot be simulated.
         """
-        from tachk.simulation.orders import ordered, orders_of
+        from tachk.simulation.fault_injection import read_plan, with_faults
         from tachk.simulation.statistics.estimate import Settings, estimate
         from tachk.simulation.statistics.sampling import RunSource
 
         if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
             raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
         loaded = simulated(self.loaded, self.path)
-        orders = orders_of([fault] if isinstance(fault, str) else list(fault))
+        plan = read_plan([fault] if isinstance(fault, str) else list(fault))
         settings = Settings(RunSource(seed, 0, threads, max_steps), confidence, epsilon, runs)
         chosen = list(_chosen_queries(loaded, queries))
         if not chosen:
             raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
         found = [
-            estimate(ordered(query.network or loaded.network, orders).network, query, settings) for query in chosen
+            estimate(with_faults(query.network or loaded.network, plan).network, query, settings) for query in chosen
         ]
         return Estimates(self.path, tuple(found), settings)
 

@@ -71,7 +71,7 @@ faults = click.option(
     help="How often a fault of the model happens: lost=0.01, or to which messages: lost=send[0][1]:3,5..7, or as soon "
     "as it can: 'falls asleep=now'. Can be given several times.",
 )
-"""The faults of a model to inject; `simulation.orders` reads them."""
+"""The faults of a model to inject; `simulation.fault_injection` reads them."""
 
 
 def max_states(more: str = "") -> Callable[[Decorated], Decorated]:

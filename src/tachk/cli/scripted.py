@@ -15,9 +15,9 @@ from tachk.cli.trace_arguments import exit_status
 from tachk.meaning.run_view import RunNames
 from tachk.model.quantity import duration
 from tachk.simulation.formulas import formulas_for
-from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.files import read_submitted
 from tachk.simulation.stepping.refusals import refusal_diagnostic
-from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.replaying import replay_submitted
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class ScriptArguments:
 
 def run_script(arguments: ScriptArguments) -> ExitStatus:
     """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
-    claimed = read_claims(arguments.file)
-    about = model_of_run(arguments.model, arguments.definitions, claimed)
+    submitted = read_submitted(arguments.file)
+    about = model_of_run(arguments.model, arguments.definitions, submitted)
     names = RunNames(about.model.network)
-    replayed = replay_claims(names, claimed)
+    replayed = replay_submitted(names, submitted)
     if replayed.refusal is not None:
         raise InputError([refusal_diagnostic(replayed.refusal)])
     formulas = formulas_for(arguments.formulas, about.model.network, about.constants)

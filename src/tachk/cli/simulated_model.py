@@ -7,8 +7,8 @@ from tachk.base.records import dataclass
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.guard import print_diagnostics
 from tachk.formats.loading.load import load_model
-from tachk.simulation.stepping.claims import ClaimedRun
 from tachk.simulation.stepping.files import check_determined, constants_of
+from tachk.simulation.stepping.submitted import SubmittedRun
 
 
 def simulated_model(path: str, **constants: int | bool | str) -> Model:
@@ -30,14 +30,14 @@ class ModelOfRun:
     constants: dict[str, int]
 
 
-def model_of_run(path: str, definitions: tuple[str, ...], claimed: ClaimedRun | None) -> ModelOfRun:
+def model_of_run(path: str, definitions: tuple[str, ...], submitted: SubmittedRun | None) -> ModelOfRun:
     """Loads the model that a run speaks of, or the model as it is where there is none, and prints what there is to say.
 
     Raises UsageError for a run of another model, and for a model whose runs cannot be replayed.
     """
     given = parse_definitions(definitions)
     model = simulated_model(path, **given)
-    of_run = {} if claimed is None else constants_of(claimed, model.constants, given)
+    of_run = {} if submitted is None else constants_of(submitted, model.constants, given)
     if of_run:
         model = simulated_model(path, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))

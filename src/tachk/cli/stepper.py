@@ -17,8 +17,8 @@ from tachk.meaning.step import StepError
 from tachk.model.fault import EvaluationFault
 from tachk.model.quantity import decimal, duration
 from tachk.report.run.trace_text import change_lines, event_lines
-from tachk.simulation.stepping.files import constants_of, read_claims
-from tachk.simulation.stepping.offers import EnabledTransition
+from tachk.simulation.stepping.enabled import EnabledTransition
+from tachk.simulation.stepping.files import constants_of, read_submitted
 from tachk.simulation.stepping.reasons import why_no_delay
 from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.run_file import SUFFIX, run_text
@@ -135,11 +135,11 @@ class Stepper:
     # ---- what moves -------------------------------------------------------------------------------------------------
 
     def _take(self, number: int, waited: str | None) -> Iterator[str]:
-        offers = self.session.offers().offers
-        if not 1 <= number <= len(offers):
-            known = f"the list has 1 to {len(offers)}" if offers else "nothing can happen"
+        enabled = self.session.enabled().transitions
+        if not 1 <= number <= len(enabled):
+            known = f"the list has 1 to {len(enabled)}" if enabled else "nothing can happen"
             raise NotUnderstoodError(f"there is no transition {number}; {known}")
-        yield from self._moved(self.session.take(offers[number - 1], None if waited is None else _time(waited)))
+        yield from self._moved(self.session.take(enabled[number - 1], None if waited is None else _time(waited)))
 
     def _delay(self, rest: str) -> Iterator[str]:
         waited = _time(rest)
@@ -187,12 +187,12 @@ class Stepper:
     def _load(self, rest: str) -> Iterator[str]:
         if not rest:
             raise NotUnderstoodError("load needs the name of a file")
-        claimed = read_claims(Path(rest))
-        other = constants_of(claimed, dict(self.session.names.network.constants), {})
+        submitted = read_submitted(Path(rest))
+        other = constants_of(submitted, dict(self.session.names.network.constants), {})
         if other:
             options = " ".join(f"-D {name}={value}" for name, value in other.items())
             raise NotUnderstoodError(f"{rest} is a run of another model; start with {options}")
-        session, refusal = self.session.loaded(claimed)
+        session, refusal = self.session.loaded(submitted)
         if refusal is not None:
             yield f"not all of it is a run: {refusal_diagnostic(refusal).message}"
         yield from self._moved(session.at(session.position))
@@ -237,27 +237,29 @@ class Stepper:
             yield f"  {changed.plain}"
 
     def _possibilities(self) -> Iterator[str]:
-        offers = self.session.offers()
-        for fault in offers.faults:
+        enabled = self.session.enabled()
+        for fault in enabled.faults:
             yield f"a run-time error is possible: {fault} ({fault.span})"
-        if not offers.offers:
-            yield "nothing can happen any more" + (", time passes for ever" if offers.delays.last is None else "")
+        if not enabled.transitions:
+            yield "nothing can happen any more" + (", time passes for ever" if enabled.delays.last is None else "")
             return
         yield "what can happen, after a delay in"
-        rows = [(" or ".join(map(str, offer.windows)), self._lines_of(offer)) for offer in offers.offers]
+        rows = [(" or ".join(map(str, choice.windows)), self._lines_of(choice)) for choice in enabled.transitions]
         width = max(len(when) for when, _ in rows)
         for number, (when, lines) in enumerate(rows, start=1):
             first, *others = lines
             yield f"{number:4}  {when:<{width}}  {first}"
             yield from (f"{'':4}  {'':<{width}}  {line}" for line in others)
-        if offers.delays.last is not None:
-            bound = "at most" if offers.delays.last_belongs else "less than"
+        if enabled.delays.last is not None:
+            bound = "at most" if enabled.delays.last_belongs else "less than"
             yield (
-                f"time can pass for {bound} {decimal(offers.delays.last)}" if offers.delays.last else "no time can pass"
+                f"time can pass for {bound} {decimal(enabled.delays.last)}"
+                if enabled.delays.last
+                else "no time can pass"
             )
 
-    def _lines_of(self, offer: EnabledTransition) -> list[str]:
-        event = self._names.event(self.session.state.discrete, offer.transition)
+    def _lines_of(self, choice: EnabledTransition) -> list[str]:
+        event = self._names.event(self.session.state.discrete, choice.transition)
         return [line.plain for line in event_lines(event, 100)]
 
     def _show(self, rest: str) -> Iterator[str]:

@@ -18,7 +18,7 @@ from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace
 from tachk.simulation.columns import columns_for
 from tachk.simulation.runs import Runs, steps_of
-from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import read_run_file, steps_text
 from tachk.simulation.stepping.signals import signals_of
 from tests.support.simulated.proved import FORMS, formula_over
@@ -66,8 +66,8 @@ def judged_twice(seed: int, runs: int = 4, formulas: int = 4) -> Iterator[Judged
     for run in drawn.draw(drawing, range(runs), RecordedChanges(actions=True, observed=True)):
         if run.ending is SimulationEnding.INITIAL or not len(run.times):
             continue
-        claims = read_run_file(Source("a.run", steps_text(names, steps_of(run))))
-        replayed = replay_claims(names, claims)
+        steps = read_run_file(Source("a.run", steps_text(names, steps_of(run))))
+        replayed = replay_submitted(names, steps)
         again = signals_of(names, drawn.columns, replayed.trace, "again").trace
         pairs = zip(read, _truths(read, drawn.trace(run)), _truths(read, again), strict=True)
         refusal = "" if replayed.refusal is None else replayed.refusal.reason.message

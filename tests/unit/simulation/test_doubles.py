@@ -19,7 +19,7 @@ from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs, steps_of
-from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import read_run_file, steps_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.tables import run_writer
@@ -60,7 +60,7 @@ def test_values_are_those_of_the_semantics() -> None:
         SimulationOptions(2, 30 * TICKS_PER_UNIT), range(3), RecordedChanges(actions=True, observed=True)
     ):
         trace = runs.trace(run)
-        replayed = replay_claims(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
+        replayed = replay_submitted(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
         assert replayed.refusal is None
         expected = signals_of(names, runs.columns, replayed.trace, "a", Fraction(run.end, TICKS_PER_UNIT)).trace
         assert trace.times.tolist() == expected.times.tolist()

@@ -30,7 +30,7 @@ from tachk.model.statistical import StatisticalQuery
 from tachk.report.json_text import json_text
 from tachk.report.statistics.json import estimates_document
 from tachk.report.statistics.text import answer_lines
-from tachk.simulation.orders import ordered, orders_of
+from tachk.simulation.fault_injection import read_plan, with_faults
 from tachk.simulation.statistics.answers import NoEstimate, as_expected
 from tachk.simulation.statistics.deciding import Errors
 from tachk.simulation.statistics.estimate import Estimate, Settings, estimate
@@ -132,8 +132,8 @@ def run_estimate(request: EstimateArguments, reporting: Reporting) -> ExitStatus
         raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
     model = simulated_model(models[0], **parse_definitions(request.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    orders = orders_of(request.faults)
-    network = ordered(model.network, orders).network
+    plan = read_plan(request.faults)
+    network = with_faults(model.network, plan).network
     settings = Settings(
         RunSource(request.seed, 0, request.threads, request.most_steps),
         request.confidence,
@@ -149,7 +149,7 @@ def run_estimate(request: EstimateArguments, reporting: Reporting) -> ExitStatus
     for query, expectation in _queries(model, request, typed, statuses):
         if not reason:
             try:
-                seen = network if query.network is None else ordered(query.network, orders).network
+                seen = network if query.network is None else with_faults(query.network, plan).network
                 answer = estimate(seen, query, settings)
             except StoppedError as error:
                 reason = error.reason

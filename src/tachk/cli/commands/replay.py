@@ -22,9 +22,9 @@ from tachk.model.quantity import duration
 from tachk.report.run.display import RunDisplay
 from tachk.report.run.trace_text import print_trace
 from tachk.simulation.formulas import formulas_for
-from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.files import read_submitted
 from tachk.simulation.stepping.refusals import refusal_diagnostic
-from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.replaying import replay_submitted
 
 
 @click.command(name="replay")
@@ -87,18 +87,18 @@ class ReplayArguments:
 
 def run_replay(arguments: ReplayArguments) -> ExitStatus:
     """Executes the run, and prints and writes the steps that the model allows."""
-    claimed = read_claims(arguments.file, arguments.prop)
-    about = model_of_run(arguments.model, arguments.definitions, claimed)
+    submitted = read_submitted(arguments.file, arguments.prop)
+    about = model_of_run(arguments.model, arguments.definitions, submitted)
     network = about.model.network
     names = RunNames(network)
-    replayed = replay_claims(names, claimed)
+    replayed = replay_submitted(names, submitted)
     trace = replayed.trace
     if not arguments.quiet:
         display = RunDisplay(arguments.clocks, arguments.every_step)
         print_trace(view_trace(network, trace), console(sys.stdout), network.time_unit, display)
     for name, value in about.of_run.items():
         print(f"with {name} = {value}, as the run says")
-    steps = f"{len(claimed.claims)} step{'s' if len(claimed.claims) != 1 else ''}"
+    steps = f"{len(submitted.steps)} step{'s' if len(submitted.steps) != 1 else ''}"
     when = duration(trace.states[-1].time, network.time_unit)
     if replayed.refusal is None:
         print(f"{arguments.file}: a run of {arguments.model}: {steps}, to {when}")

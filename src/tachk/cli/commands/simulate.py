@@ -34,9 +34,9 @@ from tachk.model.network import Network
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
 from tachk.report.statistics.text import times_text
+from tachk.simulation.fault_injection import read_plan, with_faults
 from tachk.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.simulation.intervals import clopper_pearson
-from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs, steps_of
 from tachk.simulation.stepping.run_file import SUFFIX, steps_text
 from tachk.simulation.tables import RUN, decimal_time, run_writer
@@ -252,7 +252,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     formulas = formulas_for(arguments.formulas, network, definitions)
     until = horizon_of(arguments.until, network.time_unit)
     columns = columns_with(network, arguments.record, formulas)
-    wanted = ordered(network, orders_of(arguments.faults))
+    wanted = with_faults(network, read_plan(arguments.faults))
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
     drawing = SimulationOptions(
         arguments.seed, until.ticks, Policy(arguments.policy), arguments.steps, arguments.threads, until.ticks_per_unit

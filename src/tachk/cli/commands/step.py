@@ -21,7 +21,7 @@ from tachk.cli.guard import complain, print_diagnostics
 from tachk.cli.simulated_model import model_of_run
 from tachk.cli.stepper import NotUnderstoodError, QuitError, Stepper
 from tachk.meaning.run_view import RunNames
-from tachk.simulation.stepping.files import read_claims
+from tachk.simulation.stepping.files import read_submitted
 from tachk.simulation.stepping.refusals import refusal_diagnostic
 from tachk.simulation.stepping.session import Session
 
@@ -68,11 +68,11 @@ class StepArguments:
 def run_step(arguments: StepArguments) -> ExitStatus:
     """Answers each line until there are no more."""
     check_job()
-    claimed = None if arguments.load is None else read_claims(arguments.load, arguments.prop)
-    about = model_of_run(arguments.model, arguments.definitions, claimed)
+    submitted = None if arguments.load is None else read_submitted(arguments.load, arguments.prop)
+    about = model_of_run(arguments.model, arguments.definitions, submitted)
     session = Session.begin(RunNames(about.model.network))
-    if claimed is not None:
-        session, refusal = session.loaded(claimed)
+    if submitted is not None:
+        session, refusal = session.loaded(submitted)
         if refusal is not None:
             print_diagnostics([refusal_diagnostic(refusal)])
     return _converse(Stepper(session, arguments.model, about.constants, arguments.seed), sys.stdin.isatty())

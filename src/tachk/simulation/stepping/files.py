@@ -1,4 +1,4 @@
-"""Files that claim runs, of either form, and the model that they speak of."""
+"""Files with submitted runs, of either form, and their model."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from tachk.formats.written_reports import json_object
 from tachk.model.expressions import Call
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk, with_bodies
-from tachk.simulation.stepping.claims import ClaimedMove, ClaimedRun, ClaimedState, ClaimedStep
 from tachk.simulation.stepping.run_file import SUFFIX, read_run_file
+from tachk.simulation.stepping.submitted import SubmittedMove, SubmittedRun, SubmittedState, SubmittedStep
 from tachk.syntax.source_files import LARGEST_RUN, read_source
 
 _HOW = "tachk verify MODEL --property NAME --format json -o TRACE.json makes one"
 _ROLES = {"internal": None, "sends": Direction.SEND, "receives": Direction.RECEIVE}
 
 
-def read_report(document: object, name: str, prop: str | None = None) -> ClaimedRun:
+def read_report(document: object, name: str, prop: str | None = None) -> SubmittedRun:
     """The run of a report about a property; without a property the only one.
 
     Raises UsageError for what is no such report, or has no such run.
@@ -51,15 +51,15 @@ def read_report(document: object, name: str, prop: str | None = None) -> Claimed
         raise UsageError(f"{name}: a run in this report is damaged", _HOW) from None
 
 
-def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) -> ClaimedRun:
-    state = initial = _merged(ClaimedState({}, {}, {}), states[0], Fraction(0))
-    claims = []
+def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) -> SubmittedRun:
+    state = initial = _merged(SubmittedState({}, {}, {}), states[0], Fraction(0))
+    steps = []
     for entry in states[1:]:
         waited = exact_number(entry["delay"])
         state = _merged(state, entry, waited)
         transition = entry["transition"] or {"channel": None, "participants": []}
         moves = tuple(
-            ClaimedMove(
+            SubmittedMove(
                 part["process"],
                 part["source"],
                 part["target"],
@@ -69,14 +69,14 @@ def _run(name: str, constants: Mapping[str, int], states: list[dict[str, Any]]) 
             )
             for part in transition["participants"]
         )
-        claims.append(ClaimedStep(waited, True, moves, transition["channel"] or "", True, state))
-    return ClaimedRun(name, {key: int(value) for key, value in constants.items()}, tuple(claims), initial)
+        steps.append(SubmittedStep(waited, True, moves, transition["channel"] or "", True, state))
+    return SubmittedRun(name, {key: int(value) for key, value in constants.items()}, tuple(steps), initial)
 
 
-def _merged(before: ClaimedState, entry: Mapping[str, Any], waited: Fraction) -> ClaimedState:
+def _merged(before: SubmittedState, entry: Mapping[str, Any], waited: Fraction) -> SubmittedState:
     """The state of the entry: the previous state after the delay, with the values that the entry changes."""
     passed = {name: value + waited for name, value in before.clocks.items()}
-    return ClaimedState(
+    return SubmittedState(
         {**before.locations, **entry.get("locations", {})},
         {**before.variables, **entry.get("variables", {})},
         {**passed, **{name: exact_number(value) for name, value in (entry.get("clocks") or {}).items()}},
@@ -84,7 +84,7 @@ def _merged(before: ClaimedState, entry: Mapping[str, Any], waited: Fraction) ->
     )
 
 
-def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
+def read_submitted(path: Path, prop: str | None = None) -> SubmittedRun:
     """The submitted run in a file. Raises InputError, and UsageError for a file of another kind."""
     source = read_source(path, "a run", LARGEST_RUN)
     if not source.text.lstrip().startswith("{"):
@@ -112,7 +112,7 @@ def check_determined(network: Network) -> None:
             raise UsageError(problem, "such a model is simulated, but its runs cannot be replayed")
 
 
-def constants_of(run: ClaimedRun, known: Mapping[str, int], given: Mapping[str, object]) -> dict[str, int]:
+def constants_of(run: SubmittedRun, known: Mapping[str, int], given: Mapping[str, object]) -> dict[str, int]:
     """The constants that the model needs another value of to be the one of the run.
 
     Args:

@@ -22,11 +22,11 @@ from tachk.model.network import Network
 from tachk.model.run import TimedTrace
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns, columns_for
-from tachk.simulation.orders import ordered, orders_of
+from tachk.simulation.fault_injection import read_plan, with_faults
 from tachk.simulation.runs import Runs
-from tachk.simulation.stepping.files import check_determined, read_claims
+from tachk.simulation.stepping.files import check_determined, read_submitted
 from tachk.simulation.stepping.refusals import refusal_diagnostic
-from tachk.simulation.stepping.replaying import replay_claims
+from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import run_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.times import horizon_of
@@ -94,10 +94,10 @@ class Simulation(Sequence[DrawnRun]):
 
 
 def drawn_runs(
-    network: Network, drawing: SimulationOptions, numbers: range, record: Sequence[str], orders: Sequence[str]
+    network: Network, drawing: SimulationOptions, numbers: range, record: Sequence[str], plan: Sequence[str]
 ) -> Simulation:
-    """Runs of a network with these columns, all if there are none, and orders for faults. Raises UsageError."""
-    wanted = ordered(network, orders_of(orders))
+    """Runs of a network with these columns, all if there are none, and a fault-injection plan. Raises UsageError."""
+    wanted = with_faults(network, read_plan(plan))
     drawn = Runs(wanted.network, chosen_columns(network, record) if record else all_columns(network))
     found = drawn.draw(drawing, numbers, RecordedChanges(observed=True))
     return Simulation(
@@ -189,7 +189,7 @@ def simulate(
         policy: ``"stochastic"``, ``"uniform"``, ``"earliest"`` or ``"latest"``.
         first: the number of the first run.
         record: signals, processes, variables, and ``"P.location"``; none: all signals, processes and variables.
-        fault: orders such as ``"lost=0.01"``, see docs/faults.md.
+        fault: faults to inject, such as ``"lost=0.01"``, see docs/faults.md.
 
     Raises:
         UsageError: an argument has no meaning.
@@ -202,8 +202,8 @@ def simulate(
         raise UsageError("runs and threads are at least 1, and first at least 0")
     end = horizon_of(str(until), network.time_unit, "until")
     drawing = SimulationOptions(seed, end.ticks, Policy(policy), max_steps, threads, end.ticks_per_unit)
-    orders = [fault] if isinstance(fault, str) else list(fault)
-    return drawn_runs(network, drawing, range(first, first + runs), tuple(record), orders)
+    plan = [fault] if isinstance(fault, str) else list(fault)
+    return drawn_runs(network, drawing, range(first, first + runs), tuple(record), plan)
 
 
 @checked_arguments
@@ -222,6 +222,6 @@ def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None 
     """
     check_determined(model.network)
     names = RunNames(model.network)
-    replayed = replay_claims(names, read_claims(Path(run), property))
+    replayed = replay_submitted(names, read_submitted(Path(run), property))
     refusal = None if replayed.refusal is None else refusal_diagnostic(replayed.refusal)
     return Replay(names, replayed.trace, refusal)

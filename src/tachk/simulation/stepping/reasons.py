@@ -19,7 +19,7 @@ from tachk.model.quantity import decimal
 from tachk.model.run import Participant, TimedState, Transition
 from tachk.model.traversal import children
 from tachk.model.types import BoolType, ClockType, IntType
-from tachk.simulation.stepping.claims import ClaimedMove, ClaimedStep
+from tachk.simulation.stepping.submitted import SubmittedMove, SubmittedStep
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +88,11 @@ def _broken_invariants(names: RunNames, state: TimedState) -> Iterator[Label]:
 # ---- transitions ----------------------------------------------------------------------------------------------------
 
 
-def why_no_transition(names: RunNames, state: TimedState, claim: ClaimedStep) -> StepReason:
+def why_no_transition(names: RunNames, state: TimedState, step: SubmittedStep) -> StepReason:
     """The reason why none of the transitions that a claimed step may mean can be taken."""
     model = names.model
     groups: list[list[Participant]] = []
-    for move in claim.moves:
+    for move in step.moves:
         process = process_named(names, move.process)
         here = names.network.processes[process].locations[state.discrete.locations[process]]
         if here.name != move.source:
@@ -105,11 +105,11 @@ def why_no_transition(names: RunNames, state: TimedState, claim: ClaimedStep) ->
             labels = [label for each in found for label in _false_guard(names, state, each)]
             return StepReason(f"a guard of {move.process} is false", _distinct(labels))
         groups.append(open_)
-    return _why_not_together(names, state, claim, groups)
+    return _why_not_together(names, state, step, groups)
 
 
-def edges_meant(names: RunNames, state: TimedState, process: int, move: ClaimedMove) -> list[Participant]:
-    """The edges of a process, with values of select variables, that a claim may mean."""
+def edges_meant(names: RunNames, state: TimedState, process: int, move: SubmittedMove) -> list[Participant]:
+    """The edges of a process, with values of select variables, that a submitted move may mean."""
     of_process = names.network.processes[process]
     alike = [
         number
@@ -126,7 +126,7 @@ def edges_meant(names: RunNames, state: TimedState, process: int, move: ClaimedM
     ]
 
 
-def _selects_fit(names: RunNames, participant: Participant, move: ClaimedMove) -> bool:
+def _selects_fit(names: RunNames, participant: Participant, move: SubmittedMove) -> bool:
     edge = names.model.edge(participant)
     synchronisation = edge.synchronisation
     if move.direction is not None and (synchronisation is None or synchronisation.direction is not move.direction):
@@ -135,7 +135,7 @@ def _selects_fit(names: RunNames, participant: Participant, move: ClaimedMove) -
     return all(chosen.get(name) == value for name, value in move.selects.items())
 
 
-def _no_edge(names: RunNames, process: int, move: ClaimedMove) -> str:
+def _no_edge(names: RunNames, process: int, move: SubmittedMove) -> str:
     of_process = names.network.processes[process]
     known = {place.name for place in of_process.locations}
     if move.target not in known:
@@ -148,7 +148,7 @@ def _no_edge(names: RunNames, process: int, move: ClaimedMove) -> str:
 
 
 def _why_not_together(
-    names: RunNames, state: TimedState, claim: ClaimedStep, groups: list[list[Participant]]
+    names: RunNames, state: TimedState, step: SubmittedStep, groups: list[list[Participant]]
 ) -> StepReason:
     model = names.model
     begun = [found for first in groups[0] for found in begun_by(model, state, first)]
@@ -157,15 +157,15 @@ def _why_not_together(
     wanted = [found for found in begun if _made_of(found, groups)]
     if not wanted:
         others = {names.network.processes[p.process].name for found in begun for p in found.participants[1:]}
-        submitted = {move.process for move in claim.moves[1:]}
+        submitted = {move.process for move in step.moves[1:]}
         missing, extra = sorted(submitted - others), sorted(others - submitted)
         if missing:
             return StepReason(f"{', '.join(missing)} cannot take part")
         return StepReason(f"{' or '.join(extra)} takes part too" if extra else "these processes do not move together")
     for found in wanted:
         channel = names.event(state.discrete, found).channel
-        if claim.channel and channel != claim.channel:
-            return StepReason(f"they synchronise over {channel or 'nothing'}, not over {claim.channel}")
+        if step.channel and channel != step.channel:
+            return StepReason(f"they synchronise over {channel or 'nothing'}, not over {step.channel}")
         try:
             fire(model, state, found)
         except StepError as error:

@@ -15,7 +15,6 @@ from tachk.meaning.step import StepError, begun_by, delay, fire, initial_state, 
 from tachk.model.fault import EvaluationFault
 from tachk.model.quantity import decimal
 from tachk.model.run import TimedState, TimedStep, TimedTrace, Transition
-from tachk.simulation.stepping.claims import ClaimedRun, ClaimedState, ClaimedStep
 from tachk.simulation.stepping.reasons import (
     NoSuchProcessError,
     StepReason,
@@ -24,6 +23,7 @@ from tachk.simulation.stepping.reasons import (
     why_no_delay,
     why_no_transition,
 )
+from tachk.simulation.stepping.submitted import SubmittedRun, SubmittedState, SubmittedStep
 
 _MOST_AT_ONCE = 10_000
 """The number of states that are kept if the trace leaves out hidden processes."""
@@ -33,11 +33,11 @@ _MOST_AT_ONCE = 10_000
 class StepRefusal:
     """Attributes:
     step: the first one that cannot be taken, from 1; 0 is the initial state.
-    claim: what is said of it; None of the initial state.
+    wanted: the submitted step; None for the initial state.
     """
 
     step: int
-    claim: ClaimedStep | None
+    wanted: SubmittedStep | None
     reason: StepReason
 
 
@@ -61,8 +61,8 @@ class _ReachedState:
     before: _ReachedState | None
 
 
-def replay_claims(names: RunNames, run: ClaimedRun) -> Replayed:
-    """Executes what is claimed, step by step.
+def replay_submitted(names: RunNames, run: SubmittedRun) -> Replayed:
+    """Executes a submitted run, step by step.
 
     Where a step may mean several transitions, one is looked for with which all that follows can be taken.
 
@@ -73,11 +73,11 @@ def replay_claims(names: RunNames, run: ClaimedRun) -> Replayed:
     difference = _difference(names, start, run.initial)
     if difference:
         return Replayed(TimedTrace(start, ()), StepRefusal(0, None, StepReason(difference)))
-    for number, claim in enumerate(run.claims, start=1):
+    for number, wanted in enumerate(run.steps, start=1):
         check_job()
-        following = _after(names, nodes, claim)
+        following = _after(names, nodes, wanted)
         if not following:
-            return Replayed(_trace(nodes[0]), StepRefusal(number, claim, _why(names, nodes[0].state, claim)))
+            return Replayed(_trace(nodes[0]), StepRefusal(number, wanted, _why(names, nodes[0].state, wanted)))
         nodes = following
     return Replayed(_trace(nodes[0]), None)
 
@@ -92,36 +92,36 @@ def beginning(model: PreparedNetwork) -> TimedState:
         raise InputError([Diagnostic("E0409", message, fault.span)]) from None
 
 
-def take(names: RunNames, state: TimedState, claim: ClaimedStep) -> list[TimedStep]:
-    """The steps that a claim may mean. Empty if there is none."""
-    waited = _wait(state, claim)
+def take(names: RunNames, state: TimedState, wanted: SubmittedStep) -> list[TimedStep]:
+    """The steps that a submitted step may mean. Empty if there is none."""
+    waited = _wait(state, wanted)
     try:
         later = delay(names.model, state, waited)
     except (StepError, EvaluationFault, ValueError):
         return []
-    if not claim.moves:
-        return [TimedStep(waited, None, later)] if not _difference(names, later, claim.after) else []
+    if not wanted.moves:
+        return [TimedStep(waited, None, later)] if not _difference(names, later, wanted.after) else []
     found = []
-    for transition in dict.fromkeys(_fitting(names, later, claim)):
-        if claim.channel and names.event(later.discrete, transition).channel != claim.channel:
+    for transition in dict.fromkeys(_fitting(names, later, wanted)):
+        if wanted.channel and names.event(later.discrete, transition).channel != wanted.channel:
             continue
         try:
             after = fire(names.model, later, transition)
         except (StepError, EvaluationFault):
             continue
-        if not _difference(names, after, claim.after):
+        if not _difference(names, after, wanted.after):
             found.append(TimedStep(waited, transition, after))
     return found
 
 
-def _wait(state: TimedState, claim: ClaimedStep) -> Fraction:
-    return claim.time if claim.relative else claim.time - state.time
+def _wait(state: TimedState, wanted: SubmittedStep) -> Fraction:
+    return wanted.time if wanted.relative else wanted.time - state.time
 
 
-def _after(names: RunNames, nodes: list[_ReachedState], claim: ClaimedStep) -> list[_ReachedState]:
+def _after(names: RunNames, nodes: list[_ReachedState], wanted: SubmittedStep) -> list[_ReachedState]:
     found: dict[TimedState, _ReachedState] = {}
     for node in nodes:
-        for step in take(names, node.state, claim):
+        for step in take(names, node.state, wanted):
             found.setdefault(step.state, _ReachedState(step.state, step, node))
             if len(found) >= _MOST_AT_ONCE:
                 return list(found.values())
@@ -138,18 +138,18 @@ def _trace(node: _ReachedState) -> TimedTrace:
     return TimedTrace(here.state, tuple(reversed(steps)))
 
 
-def _fitting(names: RunNames, state: TimedState, claim: ClaimedStep) -> Iterator[Transition]:
-    """The transitions whose guards hold and that a claim may mean."""
+def _fitting(names: RunNames, state: TimedState, wanted: SubmittedStep) -> Iterator[Transition]:
+    """The transitions whose guards hold and that a submitted step may mean."""
     try:
         meant = [
             (process := process_named(names, move.process), edges_meant(names, state, process, move))
-            for move in claim.moves
+            for move in wanted.moves
         ]
     except NoSuchProcessError:
         return
     processes = [process for process, _ in meant]
     edges = {each for _, found in meant for each in found}
-    partial = claim.partial and any(map(names.network.hides, names.network.processes))
+    partial = wanted.partial and any(map(names.network.hides, names.network.processes))
     for first in initiators(names.model, state.discrete):
         if first not in edges and not (partial and names.network.hides(names.network.processes[first.process])):
             continue
@@ -167,31 +167,31 @@ def _fitting(names: RunNames, state: TimedState, claim: ClaimedStep) -> Iterator
                 yield transition
 
 
-def _why(names: RunNames, state: TimedState, claim: ClaimedStep) -> StepReason:
-    waited = _wait(state, claim)
+def _why(names: RunNames, state: TimedState, wanted: SubmittedStep) -> StepReason:
+    waited = _wait(state, wanted)
     try:
         later = delay(names.model, state, waited)
     except (StepError, EvaluationFault, ValueError):
         return why_no_delay(names, state, waited)
-    if not claim.moves:
-        return StepReason(_difference(names, later, claim.after) or "time cannot pass")
+    if not wanted.moves:
+        return StepReason(_difference(names, later, wanted.after) or "time cannot pass")
     try:
-        for transition in _fitting(names, later, claim):
+        for transition in _fitting(names, later, wanted):
             after = fire(names.model, later, transition)
-            difference = _difference(names, after, claim.after)
+            difference = _difference(names, after, wanted.after)
             if difference:
                 return StepReason(difference)
     except (StepError, EvaluationFault):
         pass
     try:
-        return why_no_transition(names, later, claim)
+        return why_no_transition(names, later, wanted)
     except NoSuchProcessError as error:
         return StepReason(str(error))
     except EvaluationFault as fault:
         return StepReason(str(fault), (Label(fault.span, "here"),))
 
 
-def _difference(names: RunNames, state: TimedState, state_in_file: ClaimedState | None) -> str:
+def _difference(names: RunNames, state: TimedState, state_in_file: SubmittedState | None) -> str:
     """The difference between a state and the submitted one; empty if there is none."""
     if state_in_file is None:
         return ""
@@ -203,8 +203,8 @@ def _difference(names: RunNames, state: TimedState, state_in_file: ClaimedState 
         (dict(view.variables), state_in_file.variables, str),
         (dict(view.clocks or ()), state_in_file.clocks, lambda value: decimal(Fraction(value))),
     )
-    for known, claimed, shown in pairs:
-        for name, value in claimed.items():
+    for known, submitted, shown in pairs:
+        for name, value in submitted.items():
             if name not in known:
                 return f"the model has no {name}, which the file speaks of"
             if known[name] != value:

@@ -25,7 +25,7 @@ from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.model.quantity import decimal
 from tachk.model.run import Participant, TimedTrace, Transition
-from tachk.simulation.stepping.claims import ClaimedMove, ClaimedRun, ClaimedStep
+from tachk.simulation.stepping.submitted import SubmittedMove, SubmittedRun, SubmittedStep
 
 SUFFIX = ".run"
 _DIGITS = 9
@@ -41,10 +41,10 @@ _VALUE = re.compile(r"(\w+)\s*=\s*(-?\d+)")
 # ---- reading --------------------------------------------------------------------------------------------------------
 
 
-def read_run_file(source: Source) -> ClaimedRun:
+def read_run_file(source: Source) -> SubmittedRun:
     """Raises InputError with every line that is not understood."""
     constants: dict[str, int] = {}
-    claims: list[ClaimedStep] = []
+    steps: list[SubmittedStep] = []
     wrong: list[Diagnostic] = []
     begin = 0
     for line in source.text.splitlines(keepends=True):
@@ -58,15 +58,15 @@ def read_run_file(source: Source) -> ClaimedRun:
             if words.startswith("constants "):
                 constants.update(_values(words.removeprefix("constants ")))
             else:
-                claims.append(_claim(words, span))
+                steps.append(_submitted_step(words, span))
         except ValueError as error:
             wrong.append(Diagnostic("E0922", str(error), span, "such as: 2.5 P: A -> B, or: +2.5"))
     if wrong:
         raise InputError(wrong)
-    return ClaimedRun(source.name, constants, tuple(claims))
+    return SubmittedRun(source.name, constants, tuple(steps))
 
 
-def _claim(words: str, span: Span) -> ClaimedStep:
+def _submitted_step(words: str, span: Span) -> SubmittedStep:
     time = _TIME.match(words)
     if time is None:
         raise ValueError("a step begins with the time at which it happens")
@@ -77,17 +77,17 @@ def _claim(words: str, span: Span) -> ClaimedStep:
     if channel and not rest:
         raise ValueError("a step names the processes that move")
     moves = tuple(_move(part.strip()) for part in rest.split("&")) if rest and rest != "time passes" else ()
-    return ClaimedStep(
+    return SubmittedStep(
         Fraction(whole) / int(divisor or 1), bool(time[1]), moves, channel[1] if channel else "", span=span
     )
 
 
-def _move(text: str) -> ClaimedMove:
+def _move(text: str) -> SubmittedMove:
     match = _MOVE.fullmatch(text)
     if match is None:
         raise ValueError(f"{text!r} is not a process with its old and new location")
     number = int(match["number"]) if match["number"] else None
-    return ClaimedMove(match["process"], match["source"], match["target"], number, _values(match["selects"] or ""))
+    return SubmittedMove(match["process"], match["source"], match["target"], number, _values(match["selects"] or ""))
 
 
 def _values(text: str) -> dict[str, int]:

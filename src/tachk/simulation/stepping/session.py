@@ -9,9 +9,9 @@ from tachk.base.records import dataclass
 from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import delay, fire
 from tachk.model.run import TimedState, TimedStep, TimedTrace
-from tachk.simulation.stepping.claims import ClaimedRun
-from tachk.simulation.stepping.offers import DelayWindow, EnabledTransition, Offers, offers_of
-from tachk.simulation.stepping.replaying import StepRefusal, beginning, replay_claims
+from tachk.simulation.stepping.enabled import DelayWindow, EnabledSteps, EnabledTransition, enabled_steps
+from tachk.simulation.stepping.replaying import StepRefusal, beginning, replay_submitted
+from tachk.simulation.stepping.submitted import SubmittedRun
 
 
 class NotPossibleError(ValueError):
@@ -44,30 +44,30 @@ class Session:
         """The run up to here."""
         return TimedTrace(self.initial, self.steps[: self.position])
 
-    def offers(self) -> Offers:
-        return offers_of(self.names, self.state)
+    def enabled(self) -> EnabledSteps:
+        return enabled_steps(self.names, self.state)
 
     def wait(self, waited: Fraction) -> Session:
         """Lets time pass. Raises StepError."""
         return self._followed(TimedStep(waited, None, delay(self.names.model, self.state, waited)))
 
-    def take(self, offer: EnabledTransition, waited: Fraction | None = None) -> Session:
+    def take(self, choice: EnabledTransition, waited: Fraction | None = None) -> Session:
         """Takes a transition after a delay; without one, as soon as it is enabled. Raises NotPossibleError."""
         if waited is None:
-            waited = offer.windows[0].some
-        elif not any(waited in window for window in offer.windows):
-            possible_delays = " or ".join(map(str, offer.windows))
+            waited = choice.windows[0].some
+        elif not any(waited in window for window in choice.windows):
+            possible_delays = " or ".join(map(str, choice.windows))
             raise NotPossibleError(f"this is possible after a delay in {possible_delays}")
         later = delay(self.names.model, self.state, waited)
-        return self._followed(TimedStep(waited, offer.transition, fire(self.names.model, later, offer.transition)))
+        return self._followed(TimedStep(waited, choice.transition, fire(self.names.model, later, choice.transition)))
 
     def random(self, random: Random) -> Session:
         """Takes one of the transitions, each as likely, at a moment of its windows. Raises NotPossibleError."""
-        offers = self.offers().offers
-        if not offers:
+        enabled = self.enabled().transitions
+        if not enabled:
             raise NotPossibleError("nothing can happen any more")
-        offer = random.choice(offers)
-        return self.take(offer, _moment(random.choice(offer.windows), random))
+        choice = random.choice(enabled)
+        return self.take(choice, _moment(random.choice(choice.windows), random))
 
     def at(self, position: int) -> Session:
         """After so many steps. Raises NotPossibleError."""
@@ -76,9 +76,9 @@ class Session:
             raise NotPossibleError(known if self.steps else "no step has been taken yet")
         return Session(self.names, self.initial, self.steps, position)
 
-    def loaded(self, claimed: ClaimedRun) -> tuple[Session, StepRefusal | None]:
+    def loaded(self, submitted: SubmittedRun) -> tuple[Session, StepRefusal | None]:
         """Another run in place of this one, as far as it is one."""
-        replayed = replay_claims(self.names, claimed)
+        replayed = replay_submitted(self.names, submitted)
         steps = replayed.trace.steps
         return Session(self.names, self.initial, steps, len(steps)), replayed.refusal
 

@@ -23,8 +23,8 @@ from tachk.model.run import TimedTrace
 from tachk.report.json_report import runs_to_json
 from tachk.simulation.columns import all_columns
 from tachk.simulation.runs import Runs, steps_of
-from tachk.simulation.stepping.files import constants_of, read_claims, read_report
-from tachk.simulation.stepping.replaying import Replayed, replay_claims
+from tachk.simulation.stepping.files import constants_of, read_report, read_submitted
+from tachk.simulation.stepping.replaying import Replayed, replay_submitted
 from tachk.simulation.stepping.run_file import read_run_file, run_text, steps_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.syntax.source_files import LARGEST_FILE, LARGEST_RUN
@@ -53,7 +53,7 @@ system Visitor, Bell;
 
 
 def _replayed(text: str, lines: str) -> Replayed:
-    return replay_claims(RunNames(tachk.loads(text).network), read_run_file(Source("a.run", lines)))
+    return replay_submitted(RunNames(tachk.loads(text).network), read_run_file(Source("a.run", lines)))
 
 
 def _refused(lines: str) -> tuple[int, str, list[str]]:
@@ -148,7 +148,7 @@ def test_the_examples_of_the_explanations() -> None:
     assert _replayed(model, step.good).refusal is None
     with pytest.raises(InputError, match="E0922"):
         read_run_file(Source("a.run", line.bad))
-    assert len(read_run_file(Source("a.run", line.good)).claims) == 1
+    assert len(read_run_file(Source("a.run", line.good)).steps) == 1
 
 
 def _networks(count: int, seed: int) -> list[Network]:
@@ -169,7 +169,7 @@ def test_runs_that_are_written_are_replayed() -> None:
             if not len(run.times):
                 continue
             text = steps_text(names, steps_of(run))
-            replayed = replay_claims(names, read_run_file(Source("a.run", text)))
+            replayed = replay_submitted(names, read_run_file(Source("a.run", text)))
             assert replayed.refusal is None
             assert [step.transition for step in replayed.trace.steps if step.transition] == list(run.actions)
             assert run_text(names, replayed.trace) == text
@@ -195,7 +195,7 @@ def _counterexample(wait: int = 9) -> tuple[dict[str, object], Network, TimedTra
 
 def test_a_counterexample_is_replayed() -> None:
     document, network, trace = _counterexample()
-    replayed = replay_claims(RunNames(network), read_report(document, "t.json"))
+    replayed = replay_submitted(RunNames(network), read_report(document, "t.json"))
     assert replayed.refusal is None
     assert replayed.trace.steps == trace.steps
 
@@ -204,17 +204,17 @@ def test_the_report_says_which_constants_count(tmp_path: Path) -> None:
     document, _, _ = _counterexample()
     path = tmp_path / "t.json"
     path.write_text(json.dumps(document))
-    claimed = read_claims(path)
+    submitted = read_submitted(path)
     model = tachk.load(FISCHER)
-    assert constants_of(claimed, model.constants, {}) == {"N": 2, "WAIT": 9}
-    assert constants_of(claimed, model.constants, {"WAIT": "10"}) == {"N": 2}
+    assert constants_of(submitted, model.constants, {}) == {"N": 2, "WAIT": 9}
+    assert constants_of(submitted, model.constants, {"WAIT": "10"}) == {"N": 2}
     with pytest.raises(UsageError):
-        constants_of(claimed, {"N": 2}, {})
+        constants_of(submitted, {"N": 2}, {})
 
 
 def test_with_another_constant_the_counterexample_is_none() -> None:
     document, _, _ = _counterexample()
-    refusal = replay_claims(RunNames(tachk.load(FISCHER, N=2).network), read_report(document, "t.json")).refusal
+    refusal = replay_submitted(RunNames(tachk.load(FISCHER, N=2).network), read_report(document, "t.json")).refusal
     assert refusal is not None
     assert refusal.step == 4
     assert [label.text for label in refusal.reason.labels] == ["P(1), guard: false with x = 28/3"]
@@ -222,8 +222,8 @@ def test_with_another_constant_the_counterexample_is_none() -> None:
 
 def test_what_a_report_says_of_states_counts() -> None:
     document, network, _ = _counterexample()
-    claimed = read_report(document, "t.json")
-    third = claimed.claims[2]
+    submitted = read_report(document, "t.json")
+    third = submitted.steps[2]
     assert third.after is not None
     for wrong, message in (
         (replace(third.after, variables={"id": 2}), "id is 1, not 2 as the file says"),
@@ -231,8 +231,8 @@ def test_what_a_report_says_of_states_counts() -> None:
         (replace(third.after, locations={"P(2)": "idle"}), "P(2) is request, not idle as the file says"),
         (replace(third.after, variables={"ID": 2}), "the model has no ID, which the file speaks of"),
     ):
-        claims = (*claimed.claims[:2], replace(third, after=wrong), *claimed.claims[3:])
-        refusal = replay_claims(RunNames(network), replace(claimed, claims=claims)).refusal
+        steps = (*submitted.steps[:2], replace(third, after=wrong), *submitted.steps[3:])
+        refusal = replay_submitted(RunNames(network), replace(submitted, steps=steps)).refusal
         assert refusal is not None
         assert (refusal.step, refusal.reason.message) == (3, message)
 
@@ -244,7 +244,7 @@ def test_hidden_processes_may_be_left_out() -> None:
     document = json.loads(json.dumps(runs_to_json([report.record])))
     told = json.dumps(document)
     assert "Bell: " not in told
-    replayed = replay_claims(RunNames(model.network), read_report(document, "t.json"))
+    replayed = replay_submitted(RunNames(model.network), read_report(document, "t.json"))
     assert replayed.refusal is None
     assert 4 in replayed.trace.states[-1].discrete.values
 
@@ -259,7 +259,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         path = tmp_path / name
         path.write_text(text)
         with pytest.raises(UsageError):
-            read_claims(path)
+            read_submitted(path)
 
 
 def test_times_that_are_no_decimals_stay_exact_for_monitors() -> None:
@@ -296,8 +296,8 @@ def test_a_model_without_an_initial_state(invariant: str, place: str, message: s
 def test_a_run_may_be_larger_than_a_model(tmp_path: Path) -> None:
     path = tmp_path / "a.run"
     path.write_text("# " + "a" * LARGEST_FILE + "\n0 P: a -> b\n")
-    assert len(read_claims(path).claims) == 1
+    assert len(read_submitted(path).steps) == 1
     with path.open("r+b") as file:
         file.truncate(LARGEST_RUN + 1)
     with pytest.raises(UsageError, match="too large for a run"):
-        read_claims(path)
+        read_submitted(path)

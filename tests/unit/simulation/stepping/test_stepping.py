@@ -20,7 +20,7 @@ from tachk.cli.stepper import NotUnderstoodError, QuitError, Stepper
 from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import StepError, delay, initial_state, successors
 from tachk.model.network import Network
-from tachk.simulation.stepping.offers import DelayWindow, offers_of
+from tachk.simulation.stepping.enabled import DelayWindow, enabled_steps
 from tachk.simulation.stepping.session import NotPossibleError, Session
 from tests.support import Shape, random_case
 from tests.support.seeds import enough, seeds
@@ -53,20 +53,20 @@ def test_windows_say_when_transitions_are_enabled() -> None:
                 session = session.random(random)
         except (StepError, NotPossibleError):
             continue
-        offers = offers_of(names, session.state)
-        told = {offer.transition: offer.windows for offer in offers.offers}
-        assert not offers.faults
+        enabled = enabled_steps(names, session.state)
+        told = {choice.transition: choice.windows for choice in enabled.transitions}
+        assert not enabled.faults
         for tenths in (0, 1, 5, 10, 11, 15, 20, 25, 30, 40, 55, 70, 111):
             waited = Fraction(tenths, 10)
             try:
                 later = delay(names.model, session.state, waited)
             except StepError:
-                assert waited not in offers.delays
+                assert waited not in enabled.delays
                 continue
-            assert waited in offers.delays
-            enabled = {transition for transition, _ in successors(names.model, later)}
-            assert enabled == {t for t, windows in told.items() if any(waited in window for window in windows)}
-            asked += len(enabled)
+            assert waited in enabled.delays
+            possible = {transition for transition, _ in successors(names.model, later)}
+            assert possible == {t for t, windows in told.items() if any(waited in window for window in windows)}
+            asked += len(possible)
     assert enough(asked > 100)
 
 
@@ -90,7 +90,7 @@ def test_priorities_count() -> None:
     names = RunNames(tachk.loads(text).network)
     windows = {
         o.transition.participants[0].process: [*map(str, o.windows)]
-        for o in offers_of(names, initial_state(names.model)).offers
+        for o in enabled_steps(names, initial_state(names.model)).transitions
     }
     assert windows == {0: ["[0, 2)", "(4, ∞)"], 1: ["[2, 4]"]} or windows == {1: ["[0, 2)", "(4, ∞)"], 0: ["[2, 4]"]}
 
@@ -255,7 +255,7 @@ def test_random_steps_keep_their_times_short() -> None:
     text = "process P() { clock x; init location A { invariant x <= 7; to A { guard x > 1; } } } system P;"
     names, random = RunNames(tachk.loads(text).network), Random(1)
     session = Session(names, initial_state(names.model))
-    while session.position < 200 and session.offers().offers:
+    while session.position < 200 and session.enabled().transitions:
         session = session.random(random)
     assert session.position > 2
     assert 1000 % session.state.time.denominator == 0

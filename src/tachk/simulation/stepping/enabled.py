@@ -56,18 +56,18 @@ class EnabledTransition:
 
 
 @dataclass(frozen=True, slots=True)
-class Offers:
+class EnabledSteps:
     """Attributes:
     delays: how long nothing need happen.
     faults: run-time errors that some transition would meet.
     """
 
-    offers: tuple[EnabledTransition, ...]
+    transitions: tuple[EnabledTransition, ...]
     delays: DelayWindow
     faults: tuple[EvaluationFault, ...] = ()
 
 
-def offers_of(names: RunNames, state: TimedState) -> Offers:
+def enabled_steps(names: RunNames, state: TimedState) -> EnabledSteps:
     """The transitions and delays that are enabled in a state. Raises EvaluationFault if an invariant cannot be
     evaluated."""
     model = names.model
@@ -89,11 +89,11 @@ def offers_of(names: RunNames, state: TimedState) -> Offers:
         possible.append((moment, set(found)))
     made = (EnabledTransition(t, tuple(_windows(moments, [t in found for _, found in possible]))) for t in order)
     (delays,) = _windows(moments, [True] * len(possible)) or (DelayWindow(Fraction(0), Fraction(0)),)
-    return Offers(tuple(sorted(made, key=_key)), delays, tuple(faults.values()))
+    return EnabledSteps(tuple(sorted(made, key=_key)), delays, tuple(faults.values()))
 
 
-def _key(offer: EnabledTransition) -> tuple[tuple[int, int, tuple[int, ...]], ...]:
-    return tuple((p.process, p.edge, p.selects) for p in offer.transition.participants)
+def _key(choice: EnabledTransition) -> tuple[tuple[int, int, tuple[int, ...]], ...]:
+    return tuple((p.process, p.edge, p.selects) for p in choice.transition.participants)
 
 
 def _windows(moments: list[Fraction], holds: Iterable[bool]) -> list[DelayWindow]:

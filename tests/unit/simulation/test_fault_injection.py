@@ -14,7 +14,7 @@ from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, S
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import replay
 from tachk.model.network import Network
-from tachk.simulation.orders import ordered, orders_of, parse_order
+from tachk.simulation.fault_injection import parse_fault, read_plan, with_faults
 from tachk.simulation.runs import Runs
 from tests.support.simulated.timed import WITH_STATES, state_columns, timed_trace
 
@@ -66,7 +66,7 @@ system Sender, Link, Sleeper;
 def _runs(
     network: Network, faults: list[str], count: int, until: int, policy: Policy = Policy.STOCHASTIC
 ) -> list[Simulated]:
-    wanted = ordered(network, orders_of(faults))
+    wanted = with_faults(network, read_plan(faults))
     runs = Runs(wanted.network, state_columns(network), [*wanted.done.values(), *wanted.missed.values()])
     return list(runs.draw(SimulationOptions(3, until * TICKS_PER_UNIT, policy), range(count), WITH_STATES))
 
@@ -167,12 +167,12 @@ def test_a_fault_that_is_ordered_now_happens_at_its_first_moment() -> None:
 def test_wrong_orders_are_refused(written: str) -> None:
     network = tachk.loads(LINK).network
     with pytest.raises(UsageError, match="--fault"):
-        ordered(network, [parse_order(written)])
+        with_faults(network, [parse_fault(written)])
 
 
 def test_the_packets_of_the_five_automata_are_lost_as_ordered() -> None:
     network = tachk.load("models/micro_xrce_dds/client_3_0.ta", LOSSES=5).network
-    wanted = ordered(network, orders_of(["lost=send[PUB_UP][DATA]:2,4"]))
+    wanted = with_faults(network, read_plan(["lost=send[PUB_UP][DATA]:2,4"]))
     runs = Runs(wanted.network, (), [*wanted.done.values(), *wanted.missed.values()])
     drawing = SimulationOptions(1, 20_000 * TICKS_PER_UNIT)
     for run in runs.draw(drawing, range(3), RecordedChanges(actions=True, observed=True)):

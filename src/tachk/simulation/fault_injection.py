@@ -1,8 +1,8 @@
-"""Faults to order: which of the faults that a model allows happen in its runs, and how often.
+"""Fault injection: a plan says which of the faults that a model allows happen in its runs, and how often.
 
 A fault is an edge whose documentation names it (``/// ! is lost``), beside edges of the same location that answer the
-same message otherwise. An order gives it a probability, or says which messages it concerns. The model stays what it is:
-orders make weights and counters for the simulation only, so that every run remains one of the model.
+same message otherwise. A fault-injection plan gives it a probability, or says which messages it concerns. The model
+stays what it is: a plan makes weights and counters for the simulation only, so that every run remains one of the model.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ _CHANNEL = re.compile(r"(\w+(?:\.\w+)?)((?:\[\w+\])*)")
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """A requested fault.
+class InjectedFault:
+    """A fault of a plan.
 
     Attributes:
         fault: the words that name it.
@@ -68,14 +68,14 @@ class Order:
         return self.probability is None and not self.messages
 
 
-def parse_order(written: str) -> Order:
+def parse_fault(written: str) -> InjectedFault:
     """``lost=0.01``, ``lost=send[UP][DATA]:3,5..7``, ``falls asleep=now``. Raises UsageError."""
     fault, equals, wanted = (part.strip() for part in written.partition("="))
     help = "such as lost=0.01, or lost=send[0][1]:3,5..7, or 'falls asleep=now'"
     if not (fault and equals and wanted):
         raise UsageError(f"--fault {written}: expected FAULT=ORDER", help)
     if wanted == _NOW:
-        return Order(fault, None, "", (), written)
+        return InjectedFault(fault, None, "", (), written)
     channel, colon, listed = wanted.rpartition(":")
     if colon:
         ranges = []
@@ -84,23 +84,23 @@ def parse_order(written: str) -> Order:
             if match is None or int(match[1]) < 1:
                 raise UsageError(f"--fault {written}: {part.strip()!r} is no number of a message, from 1", help)
             ranges.append((int(match[1]), int(match[2] or match[1])))
-        return Order(fault, None, channel.strip(), tuple(ranges), written)
+        return InjectedFault(fault, None, channel.strip(), tuple(ranges), written)
     try:
         probability = Fraction(wanted).limit_denominator(_FINEST)
     except (ValueError, ZeroDivisionError):
         raise UsageError(f"--fault {written}: {wanted!r} is no probability", help) from None
     if not 0 <= probability <= 1:
         raise UsageError(f"--fault {written}: a probability is between 0 and 1", help)
-    return Order(fault, probability, "", (), written)
+    return InjectedFault(fault, probability, "", (), written)
 
 
 @dataclass(frozen=True, slots=True)
-class Ordered:
-    """A network whose runs are drawn as ordered.
+class FaultedNetwork:
+    """A network with the faults of a plan.
 
     Attributes:
         network: its edges have the numbers of those of the model, its new variables come after all others.
-        done: for each order with a list the slot of the number of messages for which it was carried out.
+        done: for each fault with a list the slot of the number of messages for which it happened.
         missed: the same of those for which the model did not allow it.
     """
 
@@ -109,36 +109,36 @@ class Ordered:
     missed: Mapping[str, int]
 
 
-def ordered(network: Network, orders: Sequence[Order]) -> Ordered:
-    """Carries out orders. Raises UsageError for an order that nothing in the model answers to."""
-    ordering = _Ordering(network, orders)
-    processes = [ordering.process(process) for process in network.processes]
-    for order in orders:
-        if order.written not in ordering.found:
-            raise UsageError(f"--fault {order.written}: {ordering.why_not(order)}")
-    counters = list(ordering.counters())
+def with_faults(network: Network, plan: Sequence[InjectedFault]) -> FaultedNetwork:
+    """The network with a plan carried out. Raises UsageError for a fault that the model does not have."""
+    injection = _Injection(network, plan)
+    processes = [injection.process(process) for process in network.processes]
+    for injected in plan:
+        if injected.written not in injection.found:
+            raise UsageError(f"--fault {injected.written}: {injection.why_not(injected)}")
+    counters = list(injection.counters())
     last = replace(processes[-1], variables=(*processes[-1].variables, *counters))
     cells = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
     numbers = {variable: len(network.processes) + cells + place for place, variable in enumerate(counters)}
-    return Ordered(
+    return FaultedNetwork(
         replace(network, processes=(*processes[:-1], last)),
-        {written: numbers[variable] for written, variable in ordering.done.items()},
-        {written: numbers[variable] for written, variable in ordering.missed.items()},
+        {written: numbers[variable] for written, variable in injection.done.items()},
+        {written: numbers[variable] for written, variable in injection.missed.items()},
     )
 
 
-class _Ordering:
-    def __init__(self, network: Network, orders: Sequence[Order]) -> None:
+class _Injection:
+    def __init__(self, network: Network, plan: Sequence[InjectedFault]) -> None:
         self.network = network
-        self.orders = orders
+        self.plan = plan
         self.found: set[str] = set()
-        lists = [order for order in orders if order.messages]
-        self.channels = {order.channel: _channel(network, order) for order in lists}
+        lists = [injected for injected in plan if injected.messages]
+        self.channels = {injected.channel: _channel(network, injected) for injected in lists}
         self.counted = {channel: _counter(f"sent on {channel}") for channel in self.channels}
-        self.done = {order.written: _counter(f"done: {order.written}") for order in lists}
-        self.missed = {order.written: _counter(f"missed: {order.written}") for order in lists}
-        summed = sum((o.probability for o in orders if o.probability is not None), Fraction(0))
-        if summed > 1 and len({o.fault for o in orders}) > 1:
+        self.done = {injected.written: _counter(f"done: {injected.written}") for injected in lists}
+        self.missed = {injected.written: _counter(f"missed: {injected.written}") for injected in lists}
+        summed = sum((o.probability for o in plan if o.probability is not None), Fraction(0))
+        if summed > 1 and len({o.fault for o in plan}) > 1:
             raise UsageError(f"--fault: the probabilities of all faults together are {summed}, more than 1")
 
     def counters(self) -> Iterator[Variable]:
@@ -146,7 +146,7 @@ class _Ordering:
         yield from self.done.values()
         yield from self.missed.values()
 
-    def why_not(self, order: Order) -> str:
+    def why_not(self, injected: InjectedFault) -> str:
         known = sorted({_words(e) for p in self.network.processes for e in p.edges if e.doc.startswith("!")})
         described = "; ".join(known[:12])
         return (
@@ -163,7 +163,7 @@ class _Ordering:
                 continue
             members = [edges[number] for number in group]
             if all(faults):  # nothing else can be done there
-                hurried = {order.written for orders in faults for order in orders if order.at_once}
+                hurried = {injected.written for plan in faults for injected in plan if injected.at_once}
                 self.found |= hurried
                 source = members[0].source
                 if hurried:
@@ -174,59 +174,59 @@ class _Ordering:
             ways += 1
         return replace(process, edges=tuple(edges), locations=tuple(locations))
 
-    def _faults(self, edges: Sequence[Edge]) -> list[tuple[Order, ...]]:
-        """For each edge of a group the orders about it: about those that match best."""
-        result: list[tuple[Order, ...]] = [()] * len(edges)
-        for order in self.orders:
-            fits = [_fit(order.fault, _words(edge)) for edge in edges]
+    def _faults(self, edges: Sequence[Edge]) -> list[tuple[InjectedFault, ...]]:
+        """For each edge of a group its faults: those that match best."""
+        result: list[tuple[InjectedFault, ...]] = [()] * len(edges)
+        for injected in self.plan:
+            fits = [_fit(injected.fault, _words(edge)) for edge in edges]
             best = max(fits)
             if best:
-                result = [(*o, order) if fit == best else o for o, fit in zip(result, fits, strict=True)]
+                result = [(*o, injected) if fit == best else o for o, fit in zip(result, fits, strict=True)]
         return result
 
-    def _weighted(self, edges: Sequence[Edge], faults: Sequence[tuple[Order, ...]], way: int) -> Iterator[Edge]:
+    def _weighted(self, edges: Sequence[Edge], faults: Sequence[tuple[InjectedFault, ...]], way: int) -> Iterator[Edge]:
         """The edges of a group with weights and counters."""
-        self.found |= {order.written for orders in faults for order in orders}
-        scale = lcm(*(o.probability.denominator for orders in faults for o in orders if o.probability is not None))
-        total = sum({o.fault: o.probability or Fraction(0) for orders in faults for o in orders}.values(), Fraction(0))
-        lists = list({o.written: o for orders in faults for o in orders if o.messages}.values())
-        for edge, orders in zip(edges, faults, strict=True):
+        self.found |= {injected.written for plan in faults for injected in plan}
+        scale = lcm(*(o.probability.denominator for plan in faults for o in plan if o.probability is not None))
+        total = sum({o.fault: o.probability or Fraction(0) for plan in faults for o in plan}.values(), Fraction(0))
+        lists = list({o.written: o for plan in faults for o in plan if o.messages}.values())
+        for edge, plan in zip(edges, faults, strict=True):
             if edge.branch is not None:
                 raise UsageError(f"{edge.spans[0]}: this edge goes into a branchpoint, whose weights say how often")
-            share = sum((o.probability for o in orders if o.probability is not None), Fraction(0))
+            share = sum((o.probability for o in plan if o.probability is not None), Fraction(0))
             marked = edge.doc.startswith("!")
-            plain = share if orders else Fraction(0) if marked else 1 - total
-            if any(o.at_once for o in orders):
+            plain = share if plan else Fraction(0) if marked else 1 - total
+            if any(o.at_once for o in plan):
                 plain = Fraction(1)
             elif any(o.at_once for others in faults for o in others):
                 plain = Fraction(0)
             weight: Expression = Constant(int(plain * scale))
             updates: list[Expression] = []
-            for order in lists:
-                due = self._due(order, edge)
+            for injected in lists:
+                due = self._due(injected, edge)
                 if due is None:
                     continue
-                own = order in orders
+                own = injected in plan
                 weight = Conditional(due, Constant(scale if own else 0), weight, INT)
-                updates.append(_increase((self.done if own else self.missed)[order.written], due))
-            for channel in dict.fromkeys(order.channel for order in lists):
+                updates.append(_increase((self.done if own else self.missed)[injected.written], due))
+            for channel in dict.fromkeys(injected.channel for injected in lists):
                 here = self._concerns(channel, edge)
                 if here is not None:
                     updates.append(_increase(self.counted[channel], here))
             yield replace(edge, branch=Branching(way, len(edge.selects), weight), updates=(*edge.updates, *updates))
 
-    def _due(self, order: Order, edge: Edge) -> Expression | None:
+    def _due(self, injected: InjectedFault, edge: Edge) -> Expression | None:
         """The condition that the message is one of those of the list."""
-        here = self._concerns(order.channel, edge)
+        here = self._concerns(injected.channel, edge)
         if here is None:
             return None
-        count = Reference(self.counted[order.channel])
+        count = Reference(self.counted[injected.channel])
         ranges = [
             _and(
                 Binary(BinaryOperator.GREATER_EQUAL, count, Constant(first - 1), BOOL),
                 Binary(BinaryOperator.LESS_EQUAL, count, Constant(last - 1), BOOL),
             )
-            for first, last in order.messages
+            for first, last in injected.messages
         ]
         return _and(here, reduce(lambda a, b: Binary(BinaryOperator.OR, a, b, BOOL), ranges))
 
@@ -274,10 +274,10 @@ def _fit(fault: str, words: str) -> int:
     return int(re.search(rf"\b{re.escape(fault)}\b", words) is not None)
 
 
-def _channel(network: Network, order: Order) -> tuple[Variable, tuple[int, ...]]:
+def _channel(network: Network, injected: InjectedFault) -> tuple[Variable, tuple[int, ...]]:
     """The array and the indices of a channel. Raises UsageError."""
-    match = _CHANNEL.fullmatch(order.channel.replace(" ", ""))
-    problem = f"--fault {order.written}: there is no channel {order.channel}"
+    match = _CHANNEL.fullmatch(injected.channel.replace(" ", ""))
+    problem = f"--fault {injected.written}: there is no channel {injected.channel}"
     if match is None:
         raise UsageError(problem, "such as send[0][1]")
     variable = next((v for v in network.all_variables() if v.name == match[1]), None)
@@ -306,6 +306,6 @@ def _and(left: Expression, right: Expression) -> Expression:
     return Binary(BinaryOperator.AND, left, right, BOOL)
 
 
-def orders_of(written: Iterable[str]) -> tuple[Order, ...]:
-    """Raises UsageError."""
-    return tuple(map(parse_order, written))
+def read_plan(written: Iterable[str]) -> tuple[InjectedFault, ...]:
+    """The fault-injection plan in texts such as ``lost=0.01``. Raises UsageError."""
+    return tuple(map(parse_fault, written))

@@ -12,7 +12,7 @@ from tachk.base.words import Direction
 
 
 @dataclass(frozen=True, slots=True)
-class ClaimedMove:
+class SubmittedMove:
     """The submitted step of a process.
 
     Attributes:
@@ -31,7 +31,7 @@ class ClaimedMove:
 
 
 @dataclass(frozen=True, slots=True)
-class ClaimedState:
+class SubmittedState:
     """A submitted state, by names; whatever is not named may have any value."""
 
     locations: Mapping[str, str]
@@ -41,7 +41,7 @@ class ClaimedState:
 
 
 @dataclass(frozen=True, slots=True)
-class ClaimedStep:
+class SubmittedStep:
     """A step: first time passes, then processes move.
 
     Attributes:
@@ -55,15 +55,15 @@ class ClaimedStep:
 
     time: Fraction
     relative: bool
-    moves: tuple[ClaimedMove, ...]
+    moves: tuple[SubmittedMove, ...]
     channel: str = ""
     partial: bool = False
-    after: ClaimedState | None = None
+    after: SubmittedState | None = None
     span: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class ClaimedRun:
+class SubmittedRun:
     """Attributes:
     name: of the file.
     constants: the values of constants of the model with which the run was made, as far as they are given.
@@ -72,5 +72,5 @@ class ClaimedRun:
 
     name: str
     constants: Mapping[str, int]
-    claims: tuple[ClaimedStep, ...]
-    initial: ClaimedState | None = None
+    steps: tuple[SubmittedStep, ...]
+    initial: SubmittedState | None = None
