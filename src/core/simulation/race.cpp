@@ -1,0 +1,164 @@
+#include "simulation/race.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tachk::simulation {
+
+using flow::never;
+using flow::Ticks;
+using flow::Window;
+using program::Condition;
+using program::Edge;
+
+namespace {
+
+// In units of time:
+constexpr Ticks far = 10'000;  // how far hybrid clocks are followed to see where an invariant ends
+constexpr Ticks retries = 4;   // how often what only target invariants forbid is tried, where no delay is drawn
+
+// Whether the edge is taken as soon as hybrid clocks allow it. (Other clocks are not in guards of urgent edges.)
+bool acts_at_once(Present& present, std::uint32_t number) {
+  const Edge& edge = present.program.edges[number];
+  return !edge.guard.flow.empty() && !edge.internal() && present.channel(present.channel_of(edge)).urgent;
+}
+
+// The first moment in the window at which the edge can be taken, as far as guards tell.
+Ticks next_opening(Present& present, std::uint32_t number, Window own) {
+  const Edge& edge = present.program.edges[number];
+  if (edge.internal()) return own.first;
+  const std::int32_t channel = present.channel_of(edge);
+  if (present.channel(channel).broadcast) return own.first;
+  Ticks first = never;
+  for (const std::uint32_t q : present.listening(channel)) {
+    if (q == edge.process) continue;
+    for (const Reception& other : present.place(q).receives) {
+      const Edge& partner = present.program.edges[other.edge];
+      if (!other.may_name(channel) || !present.integers_hold(partner.guard)) continue;
+      Window both = present.window(partner.guard, own.first);
+      both.last = std::min(both.last, own.last);
+      if (!both.empty() && present.channel_of(partner) == channel) first = std::min(first, both.first);
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+void Openings::add(Window window, bool urgent) {
+  if (urgent) {
+    at_once = std::min(at_once, window.first);
+    return;
+  }
+  first = std::min(first, window.first);
+  last = std::max(last, window.last);
+}
+
+std::pair<Ticks, Ticks> Race::next_moments() const {
+  Ticks first = never;
+  Ticks limit = never;
+  for (std::size_t p = 0; p < due_.size(); ++p) {
+    first = std::min(first, due_[p]);
+    limit = std::min(limit, limit_[p]);
+  }
+  return {first, limit};
+}
+
+std::size_t Race::winner_at(Ticks moment, Random& random) const {
+  std::size_t winner = 0;
+  std::uint64_t ties = 0;
+  for (std::size_t p = 0; p < due_.size(); ++p) {
+    if (due_[p] != moment) continue;
+    ++ties;
+    if (ties == 1 || random.below(ties) == 0) winner = p;
+  }
+  return winner;
+}
+
+void Race::resume(Present& present) {
+  for (std::size_t p = 0; p < waits_.size(); ++p) waits_[p] == Wait::parked ? park(present, p) : refresh(present, p);
+}
+
+void Race::refresh_parked(Present& present) {
+  for (std::size_t p = 0; p < waits_.size(); ++p)
+    if (waits_[p] == Wait::parked) refresh(present, p);
+}
+
+void Race::refresh(Present& present, std::size_t process) {
+  const Station& here = present.place(process);
+  waits_[process] = Wait::to_act;
+  due_[process] = never;
+  limit_[process] = never;
+  if (here.freezes()) return;
+  present.sight = never;
+  if (here.outlook.has_invariant)
+    limit_[process] = present.end_of(here.location->invariant, present.now + near * present.unit());
+  Openings openings;
+  for (const auto& [number, gate] : here.outputs) {
+    if (!present.may_hold(gate)) continue;
+    const Condition& guard = present.program.edges[number].guard;
+    if (!present.integers_hold(guard)) continue;
+    const Window own = present.window(guard, present.now);
+    if (!own.empty()) openings.add(own, acts_at_once(present, number));
+  }
+  wait_for(present, process, openings, Wait::to_act);
+}
+
+void Race::park(Present& present, std::size_t process) {
+  const Station& here = present.place(process);
+  present.sight = never;
+  if (!here.location->invariant.flow.empty())
+    limit_[process] = present.end_of(here.location->invariant, present.now + near * present.unit());
+  Openings openings;
+  for (const auto& [number, gate] : here.outputs) {
+    if (!present.may_hold(gate)) continue;
+    const Condition& guard = present.program.edges[number].guard;
+    if (!present.integers_hold(guard)) continue;
+    const bool forbidden = present.program.edges[number].internal() && present.holds(guard);
+    const Ticks later = forbidden && !present.random_delays() ? present.unit() / retries : 1;
+    const Window own = present.window(guard, present.now + later);
+    if (own.empty()) continue;
+    const Ticks opening = next_opening(present, number, own);
+    if (opening != never) openings.add({opening, own.last}, acts_at_once(present, number));
+  }
+  wait_for(present, process, openings, Wait::parked);
+}
+
+// Draws when the process acts that may do so from one moment to another. A process whose hybrid clocks have to be
+// followed farther looks again: what it draws then is distributed alike, for it is exponential.
+void Race::wait_for(Present& present, std::size_t process, const Openings& openings, Wait wait) {
+  const auto& [first, last, at_once] = openings;
+  Ticks& due = due_[process];
+  Ticks& limit = limit_[process];
+  waits_[process] = wait;
+  if (first < never) {
+    present.sight = never;
+    if (limit == never)
+      limit = present.end_of(present.place(process).location->invariant, present.now + far * present.unit());
+  }
+  due = first < never && first <= limit ? drawn(present, process, first, last) : never;
+  if (at_once <= limit) due = std::min(due, at_once);
+  if (present.sight >= std::min(due, limit)) return;
+  due = std::max(present.sight, present.now + 1);
+  waits_[process] = Wait::to_look;
+}
+
+// A moment from `first` on; behind `last` the guards are false, and behind its limit the invariant.
+Ticks Race::drawn(Present& present, std::size_t process, Ticks first, Ticks last) const {
+  const Policy policy = present.policy;
+  const Ticks limit = limit_[process];
+  const Ticks bound = policy == Policy::stochastic ? limit : std::min(limit, last);
+  if (policy == Policy::earliest) return first;
+  if (bound < never) {
+    if (policy == Policy::latest) return bound;
+    return first + static_cast<Ticks>(present.random.below(static_cast<std::uint64_t>(bound - first) + 1));
+  }
+  if (policy == Policy::latest) return first;
+  const double rate = present.place(process).rate->value(present.machine, present.values.slots.data());
+  if (!(rate >= 0)) throw machine::ModelFault(machine::FaultKind::range, present.place(process).rate->code);
+  const double wait = present.random.exponential() / rate * static_cast<double>(present.unit());
+  if (wait < static_cast<double>(flow::latest_end)) return first + static_cast<Ticks>(wait);
+  return std::isfinite(wait) ? never - 1 : never;  // behind the end of every run, but not never
+}
+
+}  // namespace tachk::simulation

@@ -1,0 +1,60 @@
+// What each process has drawn: the moment at which it acts. The least one wins.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "simulation/present.hpp"
+
+namespace tachk::simulation {
+
+enum class Wait : std::uint8_t {
+  to_act,
+  parked,   // nothing was possible when it was to act
+  to_look,  // it was not looked farther ahead for what hybrid clocks allow
+};
+
+// When edges of a process can be taken: the first and the last moment, and the first one of urgent edges.
+struct Openings {
+  flow::Ticks first = flow::never;
+  flow::Ticks last = -flow::never;
+  flow::Ticks at_once = flow::never;
+
+  void add(flow::Window window, bool urgent);
+};
+
+class Race {
+ public:
+  explicit Race(std::size_t processes) : due_(processes), limit_(processes), waits_(processes) {}
+
+  // Draws when the process acts if nothing changes, by its own guards: whether somebody receives is asked when the
+  // moment has come. Where nobody does, it is parked: it waits for the next moment when somebody may, and draws again
+  // from there.
+  void refresh(Present& present, std::size_t process);
+  void park(Present& present, std::size_t process);
+  // All draw anew, from what is left of their waits.
+  void resume(Present& present);
+  // Those that are parked look again, as something has changed.
+  void refresh_parked(Present& present);
+
+  // When somebody has drawn to act, and when an invariant ends.
+  std::pair<flow::Ticks, flow::Ticks> next_moments() const;
+  // Who acts at the moment: drawn only when it has come, so that a run that is stopped before and goes on is the same.
+  std::size_t winner_at(flow::Ticks moment, Random& random) const;
+  bool is_due(std::size_t process, flow::Ticks now) const {
+    return due_[process] == now && waits_[process] != Wait::to_look;
+  }
+  bool has_to_look(std::size_t process) const { return waits_[process] == Wait::to_look; }
+
+ private:
+  void wait_for(Present& present, std::size_t process, const Openings& openings, Wait wait);
+  flow::Ticks drawn(Present& present, std::size_t process, flow::Ticks first, flow::Ticks last) const;
+
+  std::vector<flow::Ticks> due_;    // when it acts
+  std::vector<flow::Ticks> limit_;  // when its invariant ends
+  std::vector<Wait> waits_;
+};
+
+}  // namespace tachk::simulation
