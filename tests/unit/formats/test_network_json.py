@@ -13,7 +13,13 @@ from hypothesis import given, settings
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
-from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
+from tachk.formats.network_json.json_lines import DEEPEST_INDENT, json_pieces
+from tachk.formats.network_json.network import (
+    network_from_json,
+    network_to_json,
+    network_to_json_text,
+    same_network,
+)
 from tachk.model.network import Network
 from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.random_cases import cases
@@ -88,3 +94,38 @@ def test_other_json_is_refused(change: dict[str, object]) -> None:
         network_from_json({**network_to_json(rich()), **change})
     with pytest.raises(UsageError):
         network_from_json([])
+
+
+def nested(depth: int) -> object:
+    value: object = {"empty": [], "none": {}, "text": "\u00e9\n", "numbers": [1, 2.5, True, None], "pair": (1, {})}
+    for number in range(depth):
+        value = {"left": value, "right": number} if number % 2 else [number, value]
+    return value
+
+
+def test_the_text_is_that_of_json() -> None:
+    value = nested(DEEPEST_INDENT - 2)
+    assert "".join(json_pieces(value)) == json.dumps(value, indent=1)
+
+
+def test_deeper_lines_are_indented_no_further() -> None:
+    text = "".join(json_pieces(nested(DEEPEST_INDENT + 50)))
+    assert json.loads(text) == json.loads(json.dumps(nested(DEEPEST_INDENT + 50)))
+    assert max(len(line) - len(line.lstrip()) for line in text.splitlines()) == DEEPEST_INDENT
+
+
+@pytest.mark.parametrize("kind", ["else if", "-"])
+def test_the_text_of_a_chain_is_as_long_as_the_chain(kind: str) -> None:
+    """Not the square of it: each link lies deeper than the one before."""
+
+    def length(links: int) -> int:
+        tests = [f"n == {link}" for link in range(1000, 1000 + links)]
+        body = {
+            "else if": " else ".join(f"if ({test}) {{ n = 0; }}" for test in tests),
+            "-": f"n = 0 - {' - '.join(['n'] * links)};",
+        }[kind]
+        process = "process P() { init location A { to A { assign f(); } } }"
+        model = f"int[0, 9999] n; void f() {{ {body} }} {process} system P;"
+        return len(network_to_json_text(load_model(Source("chain.ta", model)).network))
+
+    assert length(900) - length(600) == length(600) - length(300)

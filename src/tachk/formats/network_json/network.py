@@ -6,7 +6,6 @@ equal JSON, so it is also how networks are compared: `same_network`.
 
 from __future__ import annotations
 
-import json
 from itertools import islice
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
@@ -14,6 +13,7 @@ from tachk.base.job import check_job
 from tachk.base.words import Direction
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.network_json.expressions import ExpressionReader, ExpressionWriter
+from tachk.formats.network_json.json_lines import json_pieces
 from tachk.formats.network_json.types import Json
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Branching, Chance, Edge, Location, Network, Process, Signal, Synchronisation
@@ -47,8 +47,8 @@ def export_json(model: LoadedModel, writing: Writing) -> Exported:
 
 
 def network_to_json_text(network: Network) -> str:
-    """The result of `json.dumps`, in pieces: the JSON of a large network takes long."""
-    written, pieces = json.JSONEncoder(indent=1).iterencode(network_to_json(network)), []
+    """The JSON of a network, with a line feed at its end."""
+    written, pieces = json_pieces(network_to_json(network)), []
     while piece := "".join(islice(written, 10_000)):
         check_job()
         pieces.append(piece)
