@@ -16,7 +16,7 @@ from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, add, bound_
 from tachk.model.evaluate import Environment, clock_number, evaluate
 from tachk.model.expressions import Binary, Comma, Conditional, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.fault import EvaluationFault
-from tachk.model.traversal import depends_on_clocks
+from tachk.model.traversal import ClockDependence, depends_on_clocks
 from tachk.model.types import ClockType, ScalarLike, bounds
 
 Conjunction = tuple[Constraint, ...]
@@ -42,13 +42,14 @@ def conditional_constraints(condition: Expression | None, environment: Environme
     """
     if condition is None:
         return TRUE
-    for excuses, part, positive in _parts(condition, True, (), environment):
-        if not depends_on_clocks(part) and not _excused(excuses, environment):
+    timed = ClockDependence()
+    for excuses, part, positive in _parts(condition, True, (), environment, timed):
+        if not timed(part) and not _excused(excuses, environment):
             if (evaluate(part, environment) != 0) is not positive:
                 return FALSE
     result = TRUE
-    for excuses, part, positive in _parts(condition, True, (), environment):
-        if depends_on_clocks(part) and not _excused(excuses, environment):
+    for excuses, part, positive in _parts(condition, True, (), environment, timed):
+        if timed(part) and not _excused(excuses, environment):
             result = conjunction(result, disjunctive(part, environment, not positive))
     return result
 
@@ -62,36 +63,40 @@ def _excused(excuses: _Excuses, environment: Environment) -> bool:
 
 
 def _parts(
-    condition: Expression, positive: bool, excuses: _Excuses, environment: Environment
+    condition: Expression,
+    positive: bool,
+    excuses: _Excuses,
+    environment: Environment,
+    timed: ClockDependence,
 ) -> Iterator[tuple[_Excuses, Expression, bool]]:
     """The conjuncts of a condition, or (not positive) of its negation, with what excuses from each; quantified
     variables are bound in the environment while one is looked at."""
-    if not depends_on_clocks(condition):
+    if not timed(condition):
         yield excuses, condition, positive
         return
     match condition:
         case Unary(UnaryOperator.NOT, operand):
-            yield from _parts(operand, not positive, excuses, environment)
+            yield from _parts(operand, not positive, excuses, environment, timed)
         case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
             left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
             if (operator is BinaryOperator.AND) is positive:
-                yield from _parts(left, left_positive, excuses, environment)
-                yield from _parts(right, positive, excuses, environment)
-            elif not depends_on_clocks(left):
-                yield from _parts(right, positive, (*excuses, (left, left_positive)), environment)
-            elif not depends_on_clocks(right):
-                yield from _parts(left, left_positive, (*excuses, (right, positive)), environment)
+                yield from _parts(left, left_positive, excuses, environment, timed)
+                yield from _parts(right, positive, excuses, environment, timed)
+            elif not timed(left):
+                yield from _parts(right, positive, (*excuses, (left, left_positive)), environment, timed)
+            elif not timed(right):
+                yield from _parts(left, left_positive, (*excuses, (right, positive)), environment, timed)
             else:
                 yield excuses, condition, positive
-        case Conditional(test, then, otherwise) if not depends_on_clocks(test):
-            yield from _parts(then, positive, (*excuses, (test, False)), environment)
-            yield from _parts(otherwise, positive, (*excuses, (test, True)), environment)
+        case Conditional(test, then, otherwise) if not timed(test):
+            yield from _parts(then, positive, (*excuses, (test, False)), environment, timed)
+            yield from _parts(otherwise, positive, (*excuses, (test, True)), environment, timed)
         case Quantifier(kind, variable, body) if kind is (QuantifierKind.FORALL if positive else QuantifierKind.EXISTS):
             assert isinstance(variable.type, ScalarLike)
             low, high = bounds(variable.type)
             for value in range(low, high + 1):
                 environment.bind(variable, value)
-                yield from _parts(body, positive, excuses, environment)
+                yield from _parts(body, positive, excuses, environment, timed)
         case _:
             yield excuses, condition, positive
 

@@ -221,6 +221,30 @@ def depends_on_clocks(condition: Expression) -> bool:
     return is_composed and any(map(depends_on_clocks, children(condition)))
 
 
+class ClockDependence:
+    """`depends_on_clocks` of conditions and their parts, found once each: of a chain every link would ask anew."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[Expression, bool]] = {}  # with the expression, whose place nothing else takes
+
+    def __call__(self, condition: Expression) -> bool:
+        pending = [condition]
+        while pending:
+            part = pending[-1]
+            if id(part) in self._known:
+                pending.pop()
+                continue
+            answer = isinstance(part, Binary) and (_is_clock(part.left) or _is_clock(part.right))
+            if not answer and isinstance(part, Unary | Binary | Conditional | Quantifier | Comma):
+                unknown = [child for child in children(part) if id(child) not in self._known]
+                if unknown:
+                    pending += unknown
+                    continue
+                answer = any(self._known[id(child)][1] for child in children(part))
+            self._known[id(part)] = part, answer
+        return self._known[id(condition)][1]
+
+
 def _is_clock(side: Expression) -> bool:
     return isinstance(side.type, ClockType)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tachk.base.operators import BinaryOperator
+from tachk.model import traversal
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -27,9 +28,12 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.traversal import (
+    ClockDependence,
     called_functions,
+    children,
     clock_in,
     compares_clocks,
+    depends_on_clocks,
     reads_clock,
     roots,
     statement_expressions,
@@ -115,3 +119,26 @@ def test_what_an_expression_has_to_do_with_clocks(
 ) -> None:
     assert (reads_clock(expression), compares_clocks(expression)) == (reads, compares)
     assert clock_in(expression) == named
+
+
+def test_what_depends_on_clocks_is_found_once_for_each_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Variable("x", ClockType(), VariableKind.GLOBAL)
+    early = Binary(BinaryOperator.LESS, Reference(clock, ClockType()), Constant(1), BOOL)
+    for timed in (True, False):
+        chain: Expression = early if timed else Constant(1, BOOL)
+        links = []
+        for _ in range(200):
+            chain = Binary(BinaryOperator.IMPLY, chain, Constant(1, BOOL), BOOL)
+            links.append(chain)
+        looked: list[Expression] = []
+
+        def children_of(part: Expression, looked: list[Expression] = looked) -> tuple[Expression, ...]:
+            looked.append(part)
+            return children(part)
+
+        monkeypatch.setattr(traversal, "children", children_of)
+        depends = ClockDependence()
+        answers = [depends(link) for link in (*links, *reversed(links))]
+        assert len(looked) <= 3 * len(links)
+        monkeypatch.undo()
+        assert answers == [timed] * (2 * len(links)) == [depends_on_clocks(link) for link in links] * 2

@@ -9,7 +9,6 @@ from tachk.engine.smt.machine import Machine, PossibleFault, or_false
 from tachk.engine.smt.terms import Formula, any_of, conj, disj, neg
 from tachk.model.connectives import is_conjunction, sides
 from tachk.model.expressions import Binary, Conditional, Expression, Quantifier, QuantifierKind, Unary
-from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ScalarLike, bounds
 
 _Excuses = tuple[tuple[Expression, bool], ...]
@@ -22,11 +21,11 @@ def guard(machine: Machine, condition: Expression | None) -> tuple[Formula, Form
         return True, True
     integer: Formula = True
     for excuses, part, positive in _parts(machine, condition, True, ()):
-        if not depends_on_clocks(part):
+        if not machine.depends_on_clocks(part):
             integer = conj(integer, _unless_excused(machine, integer, excuses, part, positive))
     whole = integer
     for excuses, part, positive in _parts(machine, condition, True, ()):
-        if depends_on_clocks(part):
+        if machine.depends_on_clocks(part):
             whole = conj(whole, _unless_excused(machine, integer, excuses, part, positive))
     return integer, whole
 
@@ -51,7 +50,7 @@ def _parts(
 ) -> Iterator[tuple[_Excuses, Expression, bool]]:
     """The conjuncts of a condition, or (not positive) of its negation, with what excuses from each; quantified
     variables are bound in the machine while one is looked at."""
-    if not depends_on_clocks(condition):
+    if not machine.depends_on_clocks(condition):
         yield excuses, condition, positive
         return
     match condition:
@@ -62,13 +61,13 @@ def _parts(
             if is_conjunction(condition, positive):
                 yield from _parts(machine, left, left_positive, excuses)
                 yield from _parts(machine, right, positive, excuses)
-            elif not depends_on_clocks(left):
+            elif not machine.depends_on_clocks(left):
                 yield from _parts(machine, right, positive, (*excuses, (left, left_positive)))
-            elif not depends_on_clocks(right):
+            elif not machine.depends_on_clocks(right):
                 yield from _parts(machine, left, left_positive, (*excuses, (right, positive)))
             else:
                 yield excuses, condition, positive
-        case Conditional(test, then, otherwise) if not depends_on_clocks(test):
+        case Conditional(test, then, otherwise) if not machine.depends_on_clocks(test):
             yield from _parts(machine, then, positive, (*excuses, (test, False)))
             yield from _parts(machine, otherwise, positive, (*excuses, (test, True)))
         case Quantifier(kind, variable, body) if kind is (QuantifierKind.FORALL if positive else QuantifierKind.EXISTS):

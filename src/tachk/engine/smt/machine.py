@@ -39,7 +39,7 @@ from tachk.engine.smt.terms import (
 from tachk.model.cell_layout import CellLayout, cell_bounds, cell_range, default_cells
 from tachk.model.expressions import Call, Expression, Function, Variable
 from tachk.model.fault import RuntimeErrorKind
-from tachk.model.traversal import depends_on_clocks
+from tachk.model.traversal import ClockDependence
 from tachk.model.types import ArrayType, RecordType, Type, VoidType, cell_count, leaves
 
 ROUNDS = 512
@@ -84,6 +84,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     doomed: something goes wrong on every way from here.
     is_deadlock: whether the state is a deadlock.
     returned: where the current function has returned, with what, and what cells held then.
+    depends_on_clocks: whether the truth of a condition does.
     """
 
     layout: CellLayout
@@ -96,6 +97,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     doomed: bool = False
     frame: dict[Variable, SymbolicPlace] = field(default_factory=dict)
     returned: list[tuple[Formula, SymbolicCells, dict[Cell, SymbolicNumber]]] = field(default_factory=list)
+    depends_on_clocks: ClockDependence = field(default_factory=ClockDependence)
 
     # ---- the interface -----------------------------------------------------------------------------------------------
 
@@ -184,7 +186,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
 
     def under(self, condition: Formula, action: Callable[[], _T], of: Expression | None = None) -> _T | None:
         """Does something where a condition holds; what it writes is written there alone. None where it never does."""
-        if of is not None and not isinstance(condition, bool) and depends_on_clocks(of):
+        if of is not None and not isinstance(condition, bool) and self.depends_on_clocks(of):
             condition = True
         condition_now = conj(self.path, condition)
         if condition is False or condition_now is False:
