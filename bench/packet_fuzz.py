@@ -23,7 +23,7 @@ from tachk.xrce.reading import CaptureReading
 from tachk.xrce.report.json import event_to_json
 from tachk.xrce.report.text import event_to_text
 from tachk.xrce.serial_framing import crc16
-from tachk.xrce.signals.following import Follower
+from tachk.xrce.signals.following import SignalTracker
 
 MESSAGES = [
     "8000000000011000585243450100010FCCCCDDDD8100FC01",
@@ -149,10 +149,10 @@ def main(count: int, seed: int, captures: list[Path]) -> None:
             capture = framing([mutated(pool, rnd) for _ in range(PIECE)], rnd)
             total += told(decode_serial(BytesIO(capture)) if carried == "serial" else decode(BytesIO(capture)))
             if carried != "serial":
-                follower = Follower()
+                tracker = SignalTracker()
                 for found in CaptureReading(BytesIO(capture), (8888,)).pieces():
-                    follower.push(found)
-                    follower.take()
+                    tracker.push(found)
+                    tracker.take()
             sent += PIECE
         print(carried, dict(total.most_common()))
     print(f"{sent} messages, nothing raised, {time.process_time() - begin:.0f} s CPU")

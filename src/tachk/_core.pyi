@@ -379,7 +379,7 @@ def finest_ticks() -> int: ...
 def coarsest_ticks() -> int: ...
 def latest_end() -> int: ...
 
-class Asked:
+class RunQuestion:
     until: int
     steps: int
     bound_clock: int
@@ -410,7 +410,7 @@ class Levels:
 def split(
     simulation: Simulation,
     levels: Levels,
-    asked: Asked,
+    question: RunQuestion,
     *,
     seed: int,
     first: int,
@@ -422,7 +422,7 @@ def split(
 ) -> list[tuple[float, int, int]]: ...
 def trials(
     simulation: Simulation,
-    asked: Asked,
+    question: RunQuestion,
     *,
     policy: Policy,
     seed: int,

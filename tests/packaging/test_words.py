@@ -32,6 +32,19 @@ REPLACED = {
     "blueprint": "resource file",
     "asked": "arguments, request, query",
     "told": "shown, listed, reported",
+    "tell": "report, print",
+    "telling": "display options",
+    "judging": "evaluation options",
+    "offer": "enabled event, enabled step",
+    "hear": "receive",
+    "follower": "trace automaton, tracker",
+    "twin": "counterpart, equivalent process",
+    "stretch": "segment, interval",
+    "course": "run, instance",
+    "surrounding": "environment",
+    "pace": "time-optimal trace",
+    "station": "location",
+    "outlook": "dependencies of a location",
 }
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
 
@@ -56,6 +69,9 @@ EXCEPTIONS = {
     "SketchEdge": "a drawing of a template",
     "listeners": "sockets, or processes behind a relay",
     "asked_of_all": "a field of documented JSON",
+    "Pace": "the type of a documented option",
+    "pace": "a documented option, and the rate of a writer",
+    "paces": "rates of writers",
 }
 """Names that contain such a word with another meaning, or in a published format, each with the reason."""
 
@@ -81,16 +97,34 @@ def names(tree: ast.AST) -> Iterator[str]:
 def offenders() -> Iterator[str]:
     for path in sorted(SOURCES.rglob("*.py")):
         own = path.relative_to(SOURCES).as_posix()
-        if own.startswith("cli/"):
-            continue
         for name in {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}:
             words = {word.lower().removesuffix("s") for word in WORD.findall(name)}
             if name not in EXCEPTIONS and not words.isdisjoint(REPLACED):
                 yield f"{own}: {name}"
 
 
+CORE = ROOT / "src" / "core"
+
+REPLACED_IN_CORE = {
+    "asked", "told", "blueprint", "course", "crew", "corridor", "harvest", "listener", "outlook", "reception", "shelf",
+    "shelves", "sight", "station", "stretch", "surrounding", "twin",
+}  # fmt: skip
+"""Words that names of the core do not contain."""
+
+NO_CODE = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|#include[^\n]*')
+
+
+def core_offenders() -> Iterator[str]:
+    for path in sorted((*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp"))):
+        code = NO_CODE.sub("", path.read_text(encoding="utf-8"))
+        for name in {path.stem, *re.findall(r"[A-Za-z_]\w*", code)}:
+            if not REPLACED_IN_CORE.isdisjoint(word.lower().removesuffix("s") for word in WORD.findall(name)):
+                yield f"{path.relative_to(CORE).as_posix()}: {name}"
+
+
 def test_names_use_the_words_of_the_field() -> None:
     assert sorted(offenders()) == []
+    assert sorted(core_offenders()) == []
 
 
 def test_every_exception_occurs() -> None:

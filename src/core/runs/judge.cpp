@@ -48,7 +48,7 @@ class Judge {
   Reading reading_;
   std::int64_t now_ = 0;
   std::vector<Wide> zero_;  // when each clock was, or would have been, 0
-  std::vector<Atom> asked_;
+  std::vector<Atom> required_;
   std::vector<ClockReset> resets_;
   std::vector<std::vector<std::uint32_t>> receivers_;  // of each channel, the processes that may receive
 };
@@ -62,9 +62,9 @@ Judge::Judge(const Program& program, std::int64_t unit)
   for (const ClockReset& start : program.starts) zero_[start.clock] = -Wide{start.value} * unit;
   for (const Edge& each : program.edges)
     for (std::uint32_t n = 0; !each.internal() && !each.sends && n < each.channels; ++n) {
-      auto& listening = receivers_[static_cast<std::size_t>(each.channel) + n];
-      if (std::find(listening.begin(), listening.end(), each.process) == listening.end())
-        listening.push_back(each.process);
+      auto& receiving = receivers_[static_cast<std::size_t>(each.channel) + n];
+      if (std::find(receiving.begin(), receiving.end(), each.process) == receiving.end())
+        receiving.push_back(each.process);
     }
 }
 
@@ -85,15 +85,15 @@ bool Judge::satisfied(const Atom& atom) const {
 }
 
 bool Judge::holds(const program::Condition& condition) {
-  asked_.clear();
-  return reading_.holds(condition, asked_) &&
-         std::all_of(asked_.begin(), asked_.end(), [&](const Atom& atom) { return satisfied(atom); });
+  required_.clear();
+  return reading_.holds(condition, required_) &&
+         std::all_of(required_.begin(), required_.end(), [&](const Atom& atom) { return satisfied(atom); });
 }
 
 bool Judge::invariants() {
-  asked_.clear();
-  return reading_.invariants(asked_) &&
-         std::all_of(asked_.begin(), asked_.end(), [&](const Atom& atom) { return satisfied(atom); });
+  required_.clear();
+  return reading_.invariants(required_) &&
+         std::all_of(required_.begin(), required_.end(), [&](const Atom& atom) { return satisfied(atom); });
 }
 
 Verdict Judge::begin() { return invariants() ? nullptr : "the initial state violates an invariant"; }

@@ -53,7 +53,7 @@ class Schedule {
   const RunPath& path_;
   Reading reading_;
   std::vector<Set> set_;
-  std::vector<Atom> asked_;
+  std::vector<Atom> required_;
   std::vector<Arc> arcs_;
 };
 
@@ -72,20 +72,20 @@ bool Schedule::require(const Atom& atom, std::size_t now) {
 }
 
 bool Schedule::require(std::size_t now) {
-  return std::all_of(asked_.begin(), asked_.end(), [&](const Atom& atom) { return require(atom, now); });
+  return std::all_of(required_.begin(), required_.end(), [&](const Atom& atom) { return require(atom, now); });
 }
 
 bool Schedule::collect(const Program& program, const Goal& goal) {
   std::vector<ClockReset> resets;
   for (std::size_t k = 0;; ++k) {
-    asked_.clear();
-    if (!reading_.invariants(asked_) || !require(k) || !require(k + 1)) return false;
+    required_.clear();
+    if (!reading_.invariants(required_) || !require(k) || !require(k + 1)) return false;
     arcs_.push_back({k, k + 1, 0});
     if (!reading_.waits()) arcs_.push_back({k + 1, k, 0});
-    asked_.clear();
+    required_.clear();
     if (k == path_.size()) break;
     for (const std::uint32_t edge : path_[k])
-      if (!reading_.holds(program.edges[edge].guard, asked_)) return false;
+      if (!reading_.holds(program.edges[edge].guard, required_)) return false;
     if (!require(k + 1)) return false;
     resets.clear();
     reading_.take(path_[k], resets);
@@ -96,8 +96,8 @@ bool Schedule::collect(const Program& program, const Goal& goal) {
   }
   const bool reached =
       std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const program::Disjunct& disjunct) {
-        asked_.clear();
-        return disjunct.deadlock == program::DeadlockLiteral::absent && reading_.holds(disjunct.condition, asked_);
+        required_.clear();
+        return disjunct.deadlock == program::DeadlockLiteral::absent && reading_.holds(disjunct.condition, required_);
       });
   return reached && require(path_.size() + 1);
 }

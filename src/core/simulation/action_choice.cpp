@@ -93,7 +93,7 @@ bool ActionChoice::choose(Present& present, std::span<const std::uint32_t> offer
   const bool broadcast = present.channel(channel).broadcast;
   const bool committed_only = !broadcast && !present.admits(edge.process);
   std::uint64_t partners = 0;
-  for (const std::uint32_t q : present.listening(channel)) {
+  for (const std::uint32_t q : present.receivers_of(channel)) {
     if (q == edge.process || (committed_only && !present.place(q).location->committed)) continue;
     present.open_receives(q, channel, heard_);
     if (heard_.empty()) continue;
@@ -119,7 +119,7 @@ void ActionChoice::enumerate_from(Present& present, std::uint32_t first, double 
   const std::int32_t channel = present.channel_of(edge);
   const bool broadcast = present.channel(channel).broadcast;
   std::vector<std::vector<std::uint32_t>> partners;
-  for (const std::uint32_t q : present.listening(channel)) {
+  for (const std::uint32_t q : present.receivers_of(channel)) {
     if (q == edge.process || (!broadcast && !present.admits(edge.process) && !present.place(q).location->committed))
       continue;
     present.open_receives(q, channel, heard_);

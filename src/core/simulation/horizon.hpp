@@ -1,4 +1,4 @@
-// What is asked of a run, looked at in one of its states.
+// The bound and the goals of a run, evaluated in one of its states.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,13 @@ struct Bound {
   flow::Ticks ticks_per_unit = flow::finest_ticks;
 };
 
-// The first moment from now on at which a goal is reached if nothing happens; `never` if it is not. `sight` becomes
+// The first moment from now on at which a goal is reached if nothing happens; `never` if it is not. `lookahead` becomes
 // less if hybrid clocks were followed only up to there.
-inline flow::Ticks first_moment(Simulator& simulator, const program::Goal& goal, flow::Ticks& sight) {
+inline flow::Ticks first_moment(Simulator& simulator, const program::Goal& goal, flow::Ticks& lookahead) {
   flow::Ticks first = flow::never;
   for (const program::Disjunct& disjunct : goal.disjuncts) {
     const flow::Window window = simulator.moments(disjunct.condition);
-    sight = std::min(sight, simulator.sight());
+    lookahead = std::min(lookahead, simulator.lookahead());
     if (!window.empty()) first = std::min(first, window.first);
   }
   return first;
@@ -32,8 +32,8 @@ inline flow::Ticks first_moment(Simulator& simulator, const program::Goal& goal,
 
 // As above, of a goal of the program; `never` for a negative number.
 inline flow::Ticks first_moment(Simulator& simulator, const program::Program& program, std::int32_t goal,
-                                flow::Ticks& sight) {
-  return goal < 0 ? flow::never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)], sight);
+                                flow::Ticks& lookahead) {
+  return goal < 0 ? flow::never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)], lookahead);
 }
 
 // The next moment at which values of hybrid clocks are noted: the last one before something may happen, or earlier.

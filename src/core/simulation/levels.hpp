@@ -14,7 +14,7 @@ class Levels {
  public:
   using Key = std::vector<std::int32_t>;
 
-  // A state is told from others by these slots.
+  // These slots identify a state.
   explicit Levels(std::vector<std::uint32_t> slots) : slots_(std::move(slots)) {}
 
   Key key(const std::int32_t* slots) const {

@@ -22,7 +22,7 @@ Present::Present(const program::Program& of, const flow::Chances& with, const Ta
       random(0, 0),
       values{{}, flow::ClockValues(of.dimension(), ticks_per_unit)},
       flow(with, ticks_per_unit),
-      outlooks(of.processes.size()) {}
+      dependencies(of.processes.size()) {}
 
 void Present::start(const Random& source) {
   random = source;
@@ -44,8 +44,8 @@ void Present::look_from_all() {
   values.urgent = 0;
   for (std::size_t p = 0; p < processes(); ++p) {
     look_from(p);
-    values.committed += outlooks[p].committed ? 1 : 0;
-    values.urgent += outlooks[p].urgent ? 1 : 0;
+    values.committed += dependencies[p].committed ? 1 : 0;
+    values.urgent += dependencies[p].urgent ? 1 : 0;
   }
 }
 
@@ -79,7 +79,7 @@ Window Present::window(const Condition& condition, Ticks from) {
   if (condition.flow.empty() || result.empty()) return result;
   Crossings hybrid = crossings();
   const Crossings::Found found = hybrid.opening(condition.flow, result.first, result.last, now + near * unit());
-  sight = std::min(sight, found.seen);
+  lookahead = std::min(lookahead, found.seen);
   result.first = found.moment;
   if (found.moment < never && policy != Policy::stochastic)
     result.last =
@@ -93,7 +93,7 @@ Ticks Present::end_of(const Condition& invariant, Ticks up_to) {
   if (invariant.flow.empty()) return last;
   const Crossings::Found found = crossings().ending(invariant.flow, now, std::min(last, up_to));
   flow.show(now, machine, values.slots.data());
-  if (found.moment == never && found.seen < last) sight = std::min(sight, found.seen);
+  if (found.moment == never && found.seen < last) lookahead = std::min(lookahead, found.seen);
   return std::min(last, found.moment);
 }
 
@@ -105,35 +105,35 @@ std::int32_t Present::channel_of(const Edge& edge) {
              : static_cast<std::int32_t>(machine.value(edge.channel_code, values.slots.data()));
 }
 
-bool Present::hears(const Reception& reception, std::int32_t number) {
-  return reception.may_name(number) && may_hold(reception.gate) && open(reception.edge) &&
-         channel_of(program.edges[reception.edge]) == number;
+bool Present::receives(const ReceivingEdge& receiving, std::int32_t number) {
+  return receiving.may_name(number) && may_hold(receiving.first_test) && open(receiving.edge) &&
+         channel_of(program.edges[receiving.edge]) == number;
 }
 
 bool Present::has_receiver(std::size_t sender, std::int32_t number, bool committed_only) {
-  for (const std::uint32_t q : listening(number)) {
+  for (const std::uint32_t q : receivers_of(number)) {
     if (q == sender) continue;
-    const Station& there = place(q);
+    const LocationTables& there = place(q);
     if (committed_only && !there.location->committed) continue;
-    for (const Reception& other : there.receives)
-      if (hears(other, number)) return true;
+    for (const ReceivingEdge& other : there.receives)
+      if (receives(other, number)) return true;
   }
   return false;
 }
 
 void Present::open_receives(std::size_t process, std::int32_t number, std::vector<std::uint32_t>& found) {
   found.clear();
-  for (const Reception& other : place(process).receives)
-    if (hears(other, number)) found.push_back(other.edge);
+  for (const ReceivingEdge& other : place(process).receives)
+    if (receives(other, number)) found.push_back(other.edge);
 }
 
-bool Present::offers_alone(std::size_t process, std::uint32_t number) {
+bool Present::is_enabled_alone(std::size_t process, std::uint32_t number) {
   const Edge& edge = program.edges[number];
   if (edge.internal()) return admits(process);
-  return !channel(channel_of(edge)).broadcast || offers(process, number);
+  return !channel(channel_of(edge)).broadcast || is_enabled(process, number);
 }
 
-bool Present::offers(std::size_t process, std::uint32_t number) {
+bool Present::is_enabled(std::size_t process, std::uint32_t number) {
   const Edge& edge = program.edges[number];
   if (edge.internal()) return admits(process);
   const std::int32_t over = channel_of(edge);

@@ -44,14 +44,14 @@ struct Present {
   }
   // Counts and remembers anew what the locations say.
   void look_from_all();
-  void look_from(std::size_t process) { outlooks[process] = place(process).outlook; }
+  void look_from(std::size_t process) { dependencies[process] = place(process).dependencies; }
 
   flow::Ticks unit() const { return flow.ticks_per_unit(); }
-  const Station& place(std::size_t process) const { return tables.place(process, values.slots.data()); }
+  const LocationTables& place(std::size_t process) const { return tables.place(process, values.slots.data()); }
   std::size_t processes() const { return program.processes.size(); }
   bool random_delays() const { return policy == Policy::stochastic || policy == Policy::uniform; }
 
-  bool may_hold(const Gate& gate) const { return gate.may_hold(values.slots.data()); }
+  bool may_hold(const FirstTest& first_test) const { return first_test.may_hold(values.slots.data()); }
   bool integers_hold(const program::Condition& condition);
   bool holds(const program::Condition& condition) {
     return integers_hold(condition) && clock_window(condition).holds(now) &&
@@ -64,7 +64,7 @@ struct Present {
   // counts.
   flow::Window window(const program::Condition& condition, flow::Ticks from);
   // The last moment at which an invariant holds that holds now.
-  flow::Ticks end_of(const program::Condition& invariant, flow::Ticks sight);
+  flow::Ticks end_of(const program::Condition& invariant, flow::Ticks lookahead);
   flow::Crossings crossings() { return {flow, machine, values.slots.data()}; }
 
   bool open(std::uint32_t edge) { return holds(program.edges[edge].guard); }
@@ -73,18 +73,18 @@ struct Present {
     return program.channels[static_cast<std::size_t>(number)];
   }
   // The processes that may receive over a channel.
-  const std::vector<std::uint32_t>& listening(std::int32_t channel) const {
-    return tables.listening[static_cast<std::size_t>(channel)];
+  const std::vector<std::uint32_t>& receivers_of(std::int32_t channel) const {
+    return tables.receivers_of[static_cast<std::size_t>(channel)];
   }
-  bool hears(const Reception& reception, std::int32_t channel);
+  bool receives(const ReceivingEdge& receiving, std::int32_t channel);
   bool has_receiver(std::size_t sender, std::int32_t channel, bool committed_only);
   void open_receives(std::size_t process, std::int32_t channel, std::vector<std::uint32_t>& found);
   // Whether a process may begin an action: where some are in committed locations, only these.
   bool admits(std::size_t process) const { return values.committed == 0 || place(process).location->committed; }
   // Whether an edge whose guard holds can be taken, but for target invariants.
-  bool offers(std::size_t process, std::uint32_t edge);
+  bool is_enabled(std::size_t process, std::uint32_t edge);
   // Whether a single edge may be tried without asking who receives.
-  bool offers_alone(std::size_t process, std::uint32_t edge);
+  bool is_enabled_alone(std::size_t process, std::uint32_t edge);
   // Whether an urgent synchronisation of the process stops time.
   bool sends_urgently(std::size_t process);
 
@@ -97,8 +97,8 @@ struct Present {
   Values values;
   flow::Flow flow;
   flow::Ticks now = 0;
-  flow::Ticks sight = flow::never;  // how far the last condition was looked at
-  std::vector<Outlook> outlooks;    // of the locations in which the processes are
+  flow::Ticks lookahead = flow::never;     // how far the last condition was looked at
+  std::vector<Dependencies> dependencies;  // of the locations in which the processes are
 };
 
 }  // namespace tachk::simulation

@@ -30,9 +30,9 @@ Ticks next_opening(Present& present, std::uint32_t number, Window own) {
   const std::int32_t channel = present.channel_of(edge);
   if (present.channel(channel).broadcast) return own.first;
   Ticks first = never;
-  for (const std::uint32_t q : present.listening(channel)) {
+  for (const std::uint32_t q : present.receivers_of(channel)) {
     if (q == edge.process) continue;
-    for (const Reception& other : present.place(q).receives) {
+    for (const ReceivingEdge& other : present.place(q).receives) {
       const Edge& partner = present.program.edges[other.edge];
       if (!other.may_name(channel) || !present.integers_hold(partner.guard)) continue;
       Window both = present.window(partner.guard, own.first);
@@ -85,17 +85,17 @@ void Race::refresh_parked(Present& present) {
 }
 
 void Race::refresh(Present& present, std::size_t process) {
-  const Station& here = present.place(process);
+  const LocationTables& here = present.place(process);
   waits_[process] = Wait::to_act;
   due_[process] = never;
   limit_[process] = never;
   if (here.freezes()) return;
-  present.sight = never;
-  if (here.outlook.has_invariant)
+  present.lookahead = never;
+  if (here.dependencies.has_invariant)
     limit_[process] = present.end_of(here.location->invariant, present.now + near * present.unit());
   Openings openings;
-  for (const auto& [number, gate] : here.outputs) {
-    if (!present.may_hold(gate)) continue;
+  for (const auto& [number, first_test] : here.outputs) {
+    if (!present.may_hold(first_test)) continue;
     const Condition& guard = present.program.edges[number].guard;
     if (!present.integers_hold(guard)) continue;
     const Window own = present.window(guard, present.now);
@@ -105,13 +105,13 @@ void Race::refresh(Present& present, std::size_t process) {
 }
 
 void Race::park(Present& present, std::size_t process) {
-  const Station& here = present.place(process);
-  present.sight = never;
+  const LocationTables& here = present.place(process);
+  present.lookahead = never;
   if (!here.location->invariant.flow.empty())
     limit_[process] = present.end_of(here.location->invariant, present.now + near * present.unit());
   Openings openings;
-  for (const auto& [number, gate] : here.outputs) {
-    if (!present.may_hold(gate)) continue;
+  for (const auto& [number, first_test] : here.outputs) {
+    if (!present.may_hold(first_test)) continue;
     const Condition& guard = present.program.edges[number].guard;
     if (!present.integers_hold(guard)) continue;
     const bool forbidden = present.program.edges[number].internal() && present.holds(guard);
@@ -132,14 +132,14 @@ void Race::wait_for(Present& present, std::size_t process, const Openings& openi
   Ticks& limit = limit_[process];
   waits_[process] = wait;
   if (first < never) {
-    present.sight = never;
+    present.lookahead = never;
     if (limit == never)
       limit = present.end_of(present.place(process).location->invariant, present.now + far * present.unit());
   }
   due = first < never && first <= limit ? drawn(present, process, first, last) : never;
   if (at_once <= limit) due = std::min(due, at_once);
-  if (present.sight >= std::min(due, limit)) return;
-  due = std::max(present.sight, present.now + 1);
+  if (present.lookahead >= std::min(due, limit)) return;
+  due = std::max(present.lookahead, present.now + 1);
   waits_[process] = Wait::to_look;
 }
 

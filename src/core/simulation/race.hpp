@@ -29,9 +29,9 @@ class Race {
  public:
   explicit Race(std::size_t processes) : due_(processes), limit_(processes), waits_(processes) {}
 
-  // Draws when the process acts if nothing changes, by its own guards: whether somebody receives is asked when the
-  // moment has come. Where nobody does, it is parked: it waits for the next moment when somebody may, and draws again
-  // from there.
+  // Draws when the process acts if nothing changes, by its own guards: receivers are checked when the
+  // moment has come. Without one it is parked: it waits for the next moment when a receiver may be there, and draws
+  // again from there.
   void refresh(Present& present, std::size_t process);
   void park(Present& present, std::size_t process);
   // All draw anew, from what is left of their waits.

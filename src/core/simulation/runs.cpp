@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "simulation/crew.hpp"
 #include "simulation/horizon.hpp"
+#include "simulation/thread_pool.hpp"
 
 namespace tachk::simulation {
 
@@ -26,7 +26,7 @@ bool lasts(Simulator& simulator) {
   }
 }
 
-// A vector is that large before it is asked whether it may be copied into a larger one.
+// The size of a vector from which its copy into a larger one is checked.
 constexpr std::size_t large = 1 << 20;
 
 // Lets a vector grow by so many values.
@@ -83,11 +83,11 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
         order.look(0);
       }
       const Ticks before = simulator.now();
-      RunLimits sight = limits;
+      RunLimits bounded = limits;
       const bool notes = order.recording.observed && simulator.has_hybrid_clocks();
       if (notes)
-        sight.until = std::min(limits.until, next_note(simulator, between_rows(limits.until, order.ticks_per_unit)));
-      ending = simulator.step(sight);
+        bounded.until = std::min(limits.until, next_note(simulator, between_rows(limits.until, order.ticks_per_unit)));
+      ending = simulator.step(bounded);
       if (ending == Ending::horizon && notes) {
         if (order.recording.actions) record.sizes.push_back(0);
         keep_values(simulator, order, record);

@@ -7,9 +7,9 @@
 #include "flow/chances.hpp"
 #include "machine/opcode.hpp"
 #include "program/program.hpp"
-#include "simulation/crew.hpp"
 #include "simulation/simulator.hpp"
 #include "simulation/tables.hpp"
+#include "simulation/thread_pool.hpp"
 
 namespace tachk::simulation {
 

@@ -82,7 +82,7 @@ bool Simulator::frozen() {
   if (values.committed == 0 && values.urgent == 0 && senders == 0) return false;
   const auto end = [&] { return candidates_.begin() + static_cast<std::ptrdiff_t>(senders); };
   for (std::size_t p = 0; p < present_.processes(); ++p) {
-    const Outlook& here = present_.outlooks[p];
+    const Dependencies& here = present_.dependencies[p];
     const bool first = values.committed > 0 ? here.committed : here.urgent || race_.is_due(p, present_.now);
     if (first && std::find(candidates_.begin(), end(), p) == end()) candidates_.push_back(p);
   }
@@ -112,27 +112,27 @@ bool Simulator::act_first(std::vector<std::size_t>& candidates) {
 // The process takes one of its edges, alone or with others; false if it cannot.
 bool Simulator::act(std::size_t process) {
   if (present_.program.has_priorities) return act_by_priority(process);
-  offered_.clear();
-  for (const auto& [number, gate] : present_.place(process).outputs)
-    if (present_.may_hold(gate) && present_.open(number)) offered_.push_back(number);
-  // Of a single edge it is asked below whether somebody receives.
-  if (offered_.size() > 1)
-    std::erase_if(offered_, [&](std::uint32_t number) { return !present_.offers(process, number); });
-  if (offered_.empty() || (offered_.size() == 1 && !present_.offers_alone(process, offered_.front()))) return false;
+  enabled_.clear();
+  for (const auto& [number, first_test] : present_.place(process).outputs)
+    if (present_.may_hold(first_test) && present_.open(number)) enabled_.push_back(number);
+  // A receiver of a single edge is checked below.
+  if (enabled_.size() > 1)
+    std::erase_if(enabled_, [&](std::uint32_t number) { return !present_.is_enabled(process, number); });
+  if (enabled_.empty() || (enabled_.size() == 1 && !present_.is_enabled_alone(process, enabled_.front()))) return false;
   return carry_out();
 }
 
 bool Simulator::take(std::uint32_t edge, Ticks moment) {
   present_.draw_from_own();  // this may be a copy of another simulator
   present_.move_to(moment);
-  offered_.assign(1, edge);
+  enabled_.assign(1, edge);
   return carry_out();
 }
 
 // Draws an action that begins with one of `offered_`, and takes it.
 bool Simulator::carry_out() {
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    if (!choice_.choose(present_, offered_, action_)) return false;
+    if (!choice_.choose(present_, enabled_, action_)) return false;
     if (apply()) return true;
   }
   return act_exhaustively();
@@ -141,7 +141,7 @@ bool Simulator::carry_out() {
 // Draws among all actions that begin with one of `offered_` and that target invariants admit.
 bool Simulator::act_exhaustively() {
   WeightedActions possible;
-  choice_.enumerate(present_, offered_, possible);
+  choice_.enumerate(present_, enabled_, possible);
   while (const auto drawn = draw_weighted(possible.probabilities, present_.random)) {
     action_ = possible.actions[*drawn];
     if (apply()) return true;
@@ -157,8 +157,9 @@ bool Simulator::act_by_priority(std::size_t process) {
   for (std::size_t n = 0; n < present_.processes(); ++n) {
     const std::size_t p = n == 0 ? process : n <= process ? n - 1 : n;
     std::vector<std::uint32_t> offered;
-    for (const auto& [number, gate] : present_.place(p).outputs)
-      if (present_.may_hold(gate) && present_.open(number) && present_.offers(p, number)) offered.push_back(number);
+    for (const auto& [number, first_test] : present_.place(p).outputs)
+      if (present_.may_hold(first_test) && present_.open(number) && present_.is_enabled(p, number))
+        offered.push_back(number);
     choice_.enumerate(present_, offered, all);
     if (n == 0) own = all.actions.size();
   }
@@ -208,9 +209,9 @@ bool Simulator::apply() {
   Values& values = present_.values;
   for (const std::uint32_t number : action_) {
     const std::size_t process = present_.program.edges[number].process;
-    const Outlook before = present_.outlooks[process];
+    const Dependencies before = present_.dependencies[process];
     present_.look_from(process);
-    const Outlook& after = present_.outlooks[process];
+    const Dependencies& after = present_.dependencies[process];
     values.committed += (after.committed ? 1U : 0U) - (before.committed ? 1U : 0U);
     values.urgent += (after.urgent ? 1U : 0U) - (before.urgent ? 1U : 0U);
   }
@@ -228,8 +229,8 @@ bool Simulator::time_passes() {
   present_.draw_from_own();  // this may be a copy of another simulator
   if (frozen()) return false;
   for (std::size_t p = 0; p < present_.processes(); ++p) {
-    const Station& here = present_.place(p);
-    if (!here.outlook.has_invariant) continue;
+    const LocationTables& here = present_.place(p);
+    if (!here.dependencies.has_invariant) continue;
     const program::Condition& invariant = here.location->invariant;
     if (present_.clock_window(invariant, 1).last <= present_.now) return false;
     if (!invariant.flow.empty() && present_.end_of(invariant, present_.now + 1) <= present_.now) return false;

@@ -67,9 +67,9 @@ class Simulator {
   // The next moment at which something may happen; `never` if nothing does by itself. Nothing happens before.
   flow::Ticks next_moment();
 
-  // Takes an action at this moment that begins with the edge, whether or not its guard holds: what the surroundings of
-  // the network do. False, with nothing changed, if nobody receives or invariants forbid it. The moment is neither in
-  // the past nor behind `next_moment`. Throws ModelFault.
+  // Takes an action at this moment that begins with the edge, whether or not its guard holds: an action of
+  // its environment. False, with nothing changed, without a receiver or if invariants forbid it. The moment is neither
+  // in the past nor behind `next_moment`. Throws ModelFault.
   bool take(std::uint32_t edge, flow::Ticks moment);
 
   // Whether some time can pass in this state, however little. Throws ModelFault.
@@ -87,14 +87,14 @@ class Simulator {
   machine::Machine& machine() { return present_.machine; }
   const flow::ClockValues& clocks() const { return present_.values.clocks; }
   // The moments at which a condition holds if nothing happens; with hybrid clocks the first of them, if it is not
-  // behind `sight`.
+  // after `lookahead`.
   flow::Window moments(const program::Condition& condition) {
-    present_.sight = flow::never;
+    present_.lookahead = flow::never;
     return present_.integers_hold(condition) ? present_.window(condition, present_.now)
                                              : flow::Window{flow::never, -flow::never};
   }
   // How far the last condition was looked at.
-  flow::Ticks sight() const { return present_.sight; }
+  flow::Ticks lookahead() const { return present_.lookahead; }
   bool has_hybrid_clocks() const { return present_.flow.exists(); }
 
  private:
@@ -117,7 +117,7 @@ class Simulator {
   Transition transition_;
   Action action_;
   // Lists that are made anew each time, kept for their memory.
-  std::vector<std::uint32_t> offered_;
+  std::vector<std::uint32_t> enabled_;
   std::vector<std::size_t> candidates_;
 };
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "simulation/crew.hpp"
 #include "simulation/horizon.hpp"
+#include "simulation/thread_pool.hpp"
 
 namespace tachk::simulation {
 
@@ -26,13 +26,13 @@ struct Entry {
 
 class Splitter {
  public:
-  Splitter(const Simulation& simulation, const Levels& levels, const Asked& asked, const SplittingOrder& order)
+  Splitter(const Simulation& simulation, const Levels& levels, const RunQuestion& question, const SplittingOrder& order)
       : program_(simulation.program()),
         levels_(levels),
-        asked_(asked),
+        question_(question),
         order_(order),
         simulator_(program_, simulation.chances(), simulation.tables(), Policy::stochastic,
-                   asked.bound.ticks_per_unit) {}
+                   question.bound.ticks_per_unit) {}
 
   void run(std::uint64_t number, Replication& result) {
     result.probability = 1;
@@ -78,10 +78,10 @@ class Splitter {
     std::uint64_t at_once = 0;
     while (true) {
       const Ticks before = simulator_.now();
-      const Ticks last = last_moment(simulator_, asked_.bound);
-      Ticks sight = flow::never;  // there are no hybrid clocks
-      const Ticks reached = first_moment(simulator_, program_, asked_.goal, sight);
-      const Ticks lost = first_moment(simulator_, program_, asked_.lost, sight);
+      const Ticks last = last_moment(simulator_, question_.bound);
+      Ticks lookahead = flow::never;  // there are no hybrid clocks
+      const Ticks reached = first_moment(simulator_, program_, question_.goal, lookahead);
+      const Ticks lost = first_moment(simulator_, program_, question_.lost, lookahead);
       if (last < before) return std::nullopt;
       if (reached <= before) return Entry{{}, steps, 0, true};
       if (lost <= before) return std::nullopt;
@@ -94,11 +94,11 @@ class Splitter {
       if (std::min(reached, lost) <= now)
         return reached <= lost ? std::optional(Entry{{}, steps, 0, true}) : std::nullopt;
       if (ending) {
-        if (*ending == Ending::zeno || (*ending == Ending::horizon && cut_off(simulator_, asked_.bound)))
+        if (*ending == Ending::zeno || (*ending == Ending::horizon && cut_off(simulator_, question_.bound)))
           ++result.unknown;
         return std::nullopt;
       }
-      if (++steps > asked_.bound.steps) return std::nullopt;
+      if (++steps > question_.bound.steps) return std::nullopt;
       if (++result.transitions % between_looks == 0 && order_.look) order_.look(0);
       at_once = now == before ? at_once + 1 : 0;
       if (at_once >= most_steps_at_once || steps >= order_.most_steps) {
@@ -110,19 +110,19 @@ class Splitter {
 
   const program::Program& program_;
   const Levels& levels_;
-  const Asked& asked_;
+  const RunQuestion& question_;
   const SplittingOrder& order_;
   Simulator simulator_;
 };
 
 }  // namespace
 
-std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const Asked& asked,
+std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const RunQuestion& question,
                                const SplittingOrder& order) {
-  check(simulation, asked);
+  check(simulation, question);
   std::vector<Replication> result(order.replications);
   share_work(order.threads, order.replications, order.look, [&] {
-    return [&, splitter = Splitter(simulation, levels, asked, order)](std::uint64_t n) mutable {
+    return [&, splitter = Splitter(simulation, levels, question, order)](std::uint64_t n) mutable {
       splitter.run(order.first + n, result[n]);
     };
   });

@@ -31,7 +31,7 @@ struct Replication {
 };
 
 // Independent estimates in the order of their numbers, whatever the number of threads. Throws as `trials`.
-std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const Asked& asked,
+std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const RunQuestion& question,
                                const SplittingOrder& order);
 
 }  // namespace tachk::simulation

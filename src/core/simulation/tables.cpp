@@ -36,7 +36,7 @@ bool may_be_urgent(const program::Edge& edge, const Program& program) {
 
 }  // namespace
 
-Tables::Tables(const Program& program, const flow::Chances& chances) : listening(program.channels.size()) {
+Tables::Tables(const Program& program, const flow::Chances& chances) : receivers_of(program.channels.size()) {
   for (std::size_t p = 0; p < program.processes.size(); ++p) {
     first_place.push_back(places.size());
     const std::vector<program::Location>& locations = program.processes[p].locations;
@@ -45,41 +45,41 @@ Tables::Tables(const Program& program, const flow::Chances& chances) : listening
   }
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
     const program::Edge& edge = program.edges[number];
-    Station& place = places[first_place[edge.process] + static_cast<std::size_t>(edge.source)];
+    LocationTables& place = places[first_place[edge.process] + static_cast<std::size_t>(edge.source)];
     has_branches |= chances.choices[number] != number;
     if (!edge.internal() && !edge.sends) {
-      place.receives.push_back({number, Gate(edge.guard), edge.channel, edge.channels});
+      place.receives.push_back({number, FirstTest(edge.guard), edge.channel, edge.channels});
       for (std::uint32_t n = 0; n < edge.channels; ++n) {
-        std::vector<std::uint32_t>& listeners = listening[static_cast<std::size_t>(edge.channel) + n];
-        if (listeners.empty() || listeners.back() != edge.process) listeners.push_back(edge.process);
+        std::vector<std::uint32_t>& receivers = receivers_of[static_cast<std::size_t>(edge.channel) + n];
+        if (receivers.empty() || receivers.back() != edge.process) receivers.push_back(edge.process);
       }
       continue;
     }
-    place.outputs.push_back({number, Gate(edge.guard)});
+    place.outputs.push_back({number, FirstTest(edge.guard)});
     if (!edge.internal() && may_be_urgent(edge, program)) {
       place.urgent.push_back(number);
       if (urgent_senders.empty() || urgent_senders.back() != edge.process) urgent_senders.push_back(edge.process);
     }
   }
   machine::CodeAccesses accesses(program);
-  for (Station& place : places) {
-    Outlook& outlook = place.outlook;
+  for (LocationTables& place : places) {
+    Dependencies& dependencies = place.dependencies;
     accesses.clear();
     accesses.add(place.location->invariant);
     accesses.add(place.rate->code);
-    outlook.clocks = clocks_of(place.location->invariant, program);
-    outlook.looks_at_flow = !place.location->invariant.flow.empty();
+    dependencies.clocks = clocks_of(place.location->invariant, program);
+    dependencies.looks_at_flow = !place.location->invariant.flow.empty();
     for (const Output& output : place.outputs) {
       const program::Condition& guard = program.edges[output.edge].guard;
       accesses.add(guard);
-      outlook.clocks |= clocks_of(guard, program);
-      outlook.looks_at_flow |= !guard.flow.empty();
+      dependencies.clocks |= clocks_of(guard, program);
+      dependencies.looks_at_flow |= !guard.flow.empty();
     }
-    outlook.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
-    outlook.reads = slots_of(accesses.reads, program);
-    outlook.committed = place.location->committed;
-    outlook.urgent = place.location->urgent;
-    outlook.has_invariant = place.location->has_invariant;
+    dependencies.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
+    dependencies.reads = slots_of(accesses.reads, program);
+    dependencies.committed = place.location->committed;
+    dependencies.urgent = place.location->urgent;
+    dependencies.has_invariant = place.location->has_invariant;
     for (std::size_t process = 0; process < program.processes.size(); ++process)
       reads_locations |= accesses.reads.has_slot(process);
   }

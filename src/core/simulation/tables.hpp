@@ -10,8 +10,8 @@
 
 namespace tachk::simulation {
 
-// What every transition asks of each process: little, so that it lies side by side.
-struct Outlook {
+// The dependencies of a location, which every transition reads for each process: small, so that they lie side by side.
+struct Dependencies {
   program::SlotSet reads;      // what guards of outputs, invariant and rate depend on
   std::uint64_t clocks = 0;    // the same of clocks: of 64 groups of clocks those with a member
   bool looks_at_flow = false;  // the same of hybrid clocks
@@ -21,10 +21,10 @@ struct Outlook {
 };
 
 // The first test of a guard, kept where the edge is looked up: most guards that are false fail there.
-struct Gate {
+struct FirstTest {
   program::Test test;
 
-  explicit Gate(const program::Condition& guard)
+  explicit FirstTest(const program::Condition& guard)
       : test(guard.tests.empty() ? program::Test{0, program::Comparison::greater_equal, INT32_MIN}
                                  : guard.tests.front()) {}
   bool may_hold(const std::int32_t* slots) const { return test.holds(slots); }
@@ -33,13 +33,13 @@ struct Gate {
 // An internal or sending edge.
 struct Output {
   std::uint32_t edge;
-  Gate gate;
+  FirstTest first_test;
 };
 
 // An edge that receives over some channels, from one on.
-struct Reception {
+struct ReceivingEdge {
   std::uint32_t edge;
-  Gate gate;
+  FirstTest first_test;
   std::int32_t channel;
   std::uint32_t channels;
 
@@ -49,15 +49,15 @@ struct Reception {
 };
 
 // A location of a process.
-struct Station {
+struct LocationTables {
   const program::Location* location;
   const flow::Number* rate;
   std::vector<Output> outputs;
-  std::vector<Reception> receives;
+  std::vector<ReceivingEdge> receives;
   std::vector<std::uint32_t> urgent;  // sending edges over channels that may be urgent
-  Outlook outlook;
+  Dependencies dependencies;
 
-  bool freezes() const { return outlook.urgent || outlook.committed; }
+  bool freezes() const { return dependencies.urgent || dependencies.committed; }
 };
 
 constexpr std::uint64_t clock_group(std::size_t clock) { return std::uint64_t{1} << (clock % 64); }
@@ -65,13 +65,13 @@ constexpr std::uint64_t clock_group(std::size_t clock) { return std::uint64_t{1}
 struct Tables {
   Tables(const program::Program& program, const flow::Chances& chances);
 
-  const Station& place(std::size_t process, const std::int32_t* slots) const {
+  const LocationTables& place(std::size_t process, const std::int32_t* slots) const {
     return places[first_place[process] + static_cast<std::size_t>(slots[process])];
   }
 
-  std::vector<Station> places;
-  std::vector<std::size_t> first_place;               // of each process
-  std::vector<std::vector<std::uint32_t>> listening;  // of each channel: the processes that may receive
+  std::vector<LocationTables> places;
+  std::vector<std::size_t> first_place;                  // of each process
+  std::vector<std::vector<std::uint32_t>> receivers_of;  // of each channel: the processes that may receive
   std::vector<std::uint32_t> meta_slots;
   std::vector<std::uint32_t> urgent_senders;  // the processes that may send over urgent channels
   bool has_branches = false;                  // some edges share a way into a branchpoint

@@ -92,7 +92,7 @@ void Transition::find_concerned(const Present& present, std::span<const std::uin
   for (const std::uint32_t number : action) concerned_.push_back(present.program.edges[number].process);
   const std::size_t participants = concerned_.size();
   for (std::size_t p = 0; p < present.processes(); ++p) {
-    if (!touches(present.outlooks[p])) continue;
+    if (!touches(present.dependencies[p])) continue;
     const auto end = concerned_.begin() + static_cast<std::ptrdiff_t>(participants);
     if (std::find(concerned_.begin(), end, p) == end) concerned_.push_back(p);
   }
@@ -100,8 +100,8 @@ void Transition::find_concerned(const Present& present, std::span<const std::uin
 
 bool Transition::invariants_hold(Present& present) const {
   for (const std::size_t p : concerned_) {
-    const Station& here = present.place(p);
-    if (here.outlook.has_invariant && !present.holds(here.location->invariant)) return false;
+    const LocationTables& here = present.place(p);
+    if (here.dependencies.has_invariant && !present.holds(here.location->invariant)) return false;
   }
   return true;
 }

@@ -29,8 +29,9 @@ class Transition {
   void update(Present& present, std::span<const std::uint32_t> action);
   void switch_clocks(Present& present);
   void find_concerned(const Present& present, std::span<const std::uint32_t> action);
-  bool touches(const Outlook& outlook) const {
-    return outlook.reads.meets(written_) || (outlook.clocks & clocks_) != 0 || (flow_ && outlook.looks_at_flow);
+  bool touches(const Dependencies& dependencies) const {
+    return dependencies.reads.meets(written_) || (dependencies.clocks & clocks_) != 0 ||
+           (flow_ && dependencies.looks_at_flow);
   }
   bool invariants_hold(Present& present) const;
 

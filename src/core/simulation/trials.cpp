@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "simulation/crew.hpp"
+#include "simulation/thread_pool.hpp"
 
 namespace tachk::simulation {
 
@@ -15,12 +15,12 @@ namespace {
 
 class Watch {
  public:
-  Watch(const Simulation& simulation, const Asked& asked, const TrialOrder& order)
+  Watch(const Simulation& simulation, const RunQuestion& question, const TrialOrder& order)
       : simulation_(simulation),
-        asked_(asked),
+        question_(question),
         order_(order),
         simulator_(simulation.program(), simulation.chances(), simulation.tables(), order.policy,
-                   asked.bound.ticks_per_unit) {}
+                   question.bound.ticks_per_unit) {}
 
   void run(std::uint64_t number, Trial& trial) {
     try {
@@ -29,7 +29,7 @@ class Watch {
         trial.ending = Ending::initial;
         return;
       }
-      if (asked_.measures()) trial.measured = measured();
+      if (question_.measures()) trial.measured = measured();
       go_on(trial);
     } catch (const machine::ModelFault& fault) {
       trial.answer = Answered::unknown;
@@ -47,25 +47,26 @@ class Watch {
     while (true) {
       if (++looks_ % between_looks == 0 && order_.look) order_.look(0);
       const Ticks before = simulator_.now();
-      const Ticks last = last_moment(simulator_, asked_.bound);
-      const bool notes = asked_.measures() && simulator_.has_hybrid_clocks();
-      Ticks sight = notes ? next_note(simulator_, flow::flow_sample(asked_.bound.ticks_per_unit)) : flow::never;
-      const Ticks reached = first_moment(simulator_, simulation_.program(), asked_.goal, sight);
-      const Ticks lost = first_moment(simulator_, simulation_.program(), asked_.lost, sight);
+      const Ticks last = last_moment(simulator_, question_.bound);
+      const bool notes = question_.measures() && simulator_.has_hybrid_clocks();
+      Ticks lookahead = notes ? next_note(simulator_, flow::flow_sample(question_.bound.ticks_per_unit)) : flow::never;
+      const Ticks reached = first_moment(simulator_, simulation_.program(), question_.goal, lookahead);
+      const Ticks lost = first_moment(simulator_, simulation_.program(), question_.lost, lookahead);
       RunLimits limits;
-      limits.until = std::min(last, sight);
+      limits.until = std::min(last, lookahead);
       if (std::min(reached, lost) <= before || last < before) return decide(trial, reached, lost, last);
       const ClockAtStart clock = clock_at_start();
       const std::optional<Ending> ending = simulator_.step(limits);
       const Ticks now = std::min(simulator_.now(), last);
-      if (asked_.clock > 0) extend(trial, clock, std::min({now, reached, lost}) - before);
+      if (question_.clock > 0) extend(trial, clock, std::min({now, reached, lost}) - before);
       if (std::min(reached, lost) <= now) return decide(trial, reached, lost, last);
       if (ending == Ending::horizon && notes) keep(trial, measured());
       if (ending == Ending::horizon && now < last) continue;  // it was not looked farther ahead
-      if (ending == Ending::horizon && cut_off(simulator_, asked_.bound)) return stop(trial, Ending::end_of_time, now);
+      if (ending == Ending::horizon && cut_off(simulator_, question_.bound))
+        return stop(trial, Ending::end_of_time, now);
       if (ending) return stop(trial, *ending, now);
-      if (++trial.transitions > asked_.bound.steps) return stop(trial, Ending::horizon, now);
-      if (asked_.measures()) keep(trial, measured());
+      if (++trial.transitions > question_.bound.steps) return stop(trial, Ending::horizon, now);
+      if (question_.measures()) keep(trial, measured());
       at_once = now == before ? at_once + 1 : 0;
       if (at_once >= most_steps_at_once) return stop(trial, Ending::zeno, now);
       if (trial.transitions >= order_.most_steps) return stop(trial, Ending::steps, now);
@@ -87,9 +88,9 @@ class Watch {
   }
 
   double measured() {
-    if (asked_.clock > 0) return in_units(simulator_.clocks().value(asked_.clock, simulator_.now()));
-    return simulation_.chances().observed[static_cast<std::size_t>(asked_.observed)].value(simulator_.machine(),
-                                                                                           simulator_.slots());
+    if (question_.clock > 0) return in_units(simulator_.clocks().value(question_.clock, simulator_.now()));
+    return simulation_.chances().observed[static_cast<std::size_t>(question_.observed)].value(simulator_.machine(),
+                                                                                              simulator_.slots());
   }
 
   struct ClockAtStart {
@@ -97,21 +98,21 @@ class Watch {
     bool runs;
   };
   ClockAtStart clock_at_start() const {
-    if (asked_.clock == 0) return {0, false};
-    return {simulator_.clocks().value(asked_.clock, simulator_.now()), simulator_.clocks().runs(asked_.clock)};
+    if (question_.clock == 0) return {0, false};
+    return {simulator_.clocks().value(question_.clock, simulator_.now()), simulator_.clocks().runs(question_.clock)};
   }
   void extend(Trial& trial, const ClockAtStart& clock, Ticks delay) const {
     if (clock.runs) keep(trial, in_units(clock.value + std::max<Ticks>(delay, 0)));
   }
   void keep(Trial& trial, double value) const {
-    trial.measured = asked_.largest ? std::max(trial.measured, value) : std::min(trial.measured, value);
+    trial.measured = question_.largest ? std::max(trial.measured, value) : std::min(trial.measured, value);
   }
   double in_units(Ticks ticks) const {
-    return static_cast<double>(ticks) / static_cast<double>(asked_.bound.ticks_per_unit);
+    return static_cast<double>(ticks) / static_cast<double>(question_.bound.ticks_per_unit);
   }
 
   const Simulation& simulation_;
-  const Asked& asked_;
+  const RunQuestion& question_;
   const TrialOrder& order_;
   Simulator simulator_;
   std::uint64_t looks_ = 0;
@@ -119,20 +120,20 @@ class Watch {
 
 }  // namespace
 
-void check(const Simulation& simulation, const Asked& asked) {
+void check(const Simulation& simulation, const RunQuestion& question) {
   const auto goals = static_cast<std::int64_t>(simulation.program().goals.size());
   const auto numbers = static_cast<std::int64_t>(simulation.chances().observed.size());
   const int clocks = simulation.program().clocks;
-  if (asked.goal >= goals || asked.lost >= goals || asked.observed >= numbers || asked.clock > clocks ||
-      asked.bound.clock > clocks)
+  if (question.goal >= goals || question.lost >= goals || question.observed >= numbers || question.clock > clocks ||
+      question.bound.clock > clocks)
     throw std::invalid_argument("the program has no such goal, number or clock");
 }
 
-std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order) {
-  check(simulation, asked);
+std::vector<Trial> trials(const Simulation& simulation, const RunQuestion& question, const TrialOrder& order) {
+  check(simulation, question);
   std::vector<Trial> result(order.runs);
   share_work(order.threads, order.runs, order.look, [&] {
-    return [&, watch = Watch(simulation, asked, order)](std::uint64_t n) mutable {
+    return [&, watch = Watch(simulation, question, order)](std::uint64_t n) mutable {
       watch.run(order.first + n, result[n]);
     };
   });

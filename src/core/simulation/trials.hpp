@@ -1,4 +1,4 @@
-// Runs that are asked one thing: each ends as soon as that is known.
+// Random trials: each run ends as soon as the answer to its question is known.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace tachk::simulation {
 
-struct Asked {
+struct RunQuestion {
   Bound bound;
   std::int32_t goal = -1;  // of the program: the run ends where it is reached; -1: nothing is to be reached
   std::int32_t lost = -1;  // another one: where this is reached before, the goal counts no more
@@ -50,9 +50,9 @@ struct TrialOrder {
 
 // The runs in the order of their numbers, whatever the number of threads. Throws what `look` throws, and
 // std::invalid_argument for numbers that the program does not have.
-std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order);
+std::vector<Trial> trials(const Simulation& simulation, const RunQuestion& question, const TrialOrder& order);
 
 // Throws std::invalid_argument for numbers that the program does not have.
-void check(const Simulation& simulation, const Asked& asked);
+void check(const Simulation& simulation, const RunQuestion& question);
 
 }  // namespace tachk::simulation

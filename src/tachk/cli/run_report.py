@@ -34,7 +34,7 @@ class RunReporting(Reporting):
         return self.trace or EvidenceChoice.SOME
 
     @property
-    def tells_every_run(self) -> bool:
+    def shows_every_run(self) -> bool:
         return self.every_trace or self.trace is not None
 
 
@@ -42,7 +42,7 @@ class RunReport:
     """Gathers what was found about each model, also about those that cannot be read, for the writer of the format."""
 
     def __init__(self, out: TextIO | None, reporting: RunReporting, display: RunDisplay) -> None:
-        presentation = Presentation(console, reporting.tells_every_run, reporting.evidence.value, display)
+        presentation = Presentation(console, reporting.shows_every_run, reporting.evidence.value, display)
         self._writer = None if out is None else report_writer(reporting.form, out, presentation)
         self._records: list[RunRecord | NotRead] = []
 

@@ -94,8 +94,8 @@ def _check(options: VerifytaOptions) -> ExitStatus:
     else:
         network = model.network
 
-    def verdicts_on(asked: Sequence[tuple[int, Formula]]) -> dict[int, Verdict]:
-        checked = [(number, formula) for number, formula in asked if isinstance(formula, Query)]
+    def verdicts_on(numbered: Sequence[tuple[int, Formula]]) -> dict[int, Verdict]:
+        checked = [(number, formula) for number, formula in numbered if isinstance(formula, Query)]
         queries = tuple(query for _, query in checked)
         found = refused(queries, model.refusals[0]) if model.refusals else _verdicts(network, queries, options)
         others = []

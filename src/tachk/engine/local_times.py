@@ -17,7 +17,7 @@ from tachk.engine.core_search import core_limits, core_options
 from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options
 from tachk.engine.program_image import encode
 
-_FIRST_LOOK = 500
+_SAMPLE = 500
 """The number of states that both searches explore before one is chosen."""
 _STEP = 10
 _MUCH_MEMORY = 256 << 20
@@ -48,16 +48,16 @@ def begin(
     counts_steps = options.shortest or limits.depth is not None
     if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
-    look = options.local_times is LocalTimes.AUTO
-    if look and _first_look(ordinary) is not _core.Status.RUNNING:
+    samples = options.local_times is LocalTimes.AUTO
+    if samples and _explore_sample(ordinary) is not _core.Status.RUNNING:
         return None  # what stops it now stops it again when it goes on
     image = encode(program, goals)
     if obstacle(image) is not None:
         return None
-    if look:
+    if samples:
         if ordinary.has_merged():  # which hides how many orders there are
             ordinary = _core.Explorer(image, core_options(options.off("merging")), core_limits(limits))
-            if _look_beside(ordinary) is not _core.Status.RUNNING:
+            if _explore_sample_beside(ordinary) is not _core.Status.RUNNING:
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:
             return None
@@ -65,8 +65,8 @@ def begin(
         # With LU a state may be covered by others that can do more: it may be stuck where they are not.
         options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
-    if look:
-        status = _look_beside(search)
+    if samples:
+        status = _explore_sample_beside(search)
         if status in _IMPATIENT:
             return None
         if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
@@ -77,12 +77,12 @@ def begin(
 _IMPATIENT = (_core.Status.TIME_LIMIT, _core.Status.MEMORY_LIMIT)
 
 
-def _first_look(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
+def _explore_sample(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
     """The status behind a first look: RUNNING if there is more to explore, MEMORY_LIMIT also if that would take much
     more memory than a search needs as a rule."""
     job = current_job()
     status = _core.Status.RUNNING
-    for _ in range(_FIRST_LOOK // _STEP):
+    for _ in range(_SAMPLE // _STEP):
         status = search.run(_STEP, job.seconds_left, job.check_memory)
         if status is not _core.Status.RUNNING:
             return status
@@ -91,10 +91,10 @@ def _first_look(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
     return status
 
 
-def _look_beside(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
+def _explore_sample_beside(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
     """A first look of a search without which another one goes on, with the memory that this one has taken."""
     try:
-        return _first_look(search)
+        return _explore_sample(search)
     except (MemoryError, OutOfMemoryError):
         return _core.Status.MEMORY_LIMIT
 

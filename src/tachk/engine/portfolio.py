@@ -62,7 +62,7 @@ class SearchStrategy:
     exactness: Exactness
     after: int | None = None
     explored: int | None = None
-    trial: int = 0
+    sample: int = 0
     pays: Callable[[ZoneSearch, int], bool] = lambda search, explored: True
 
     def is_allowed(self, options: Options, limits: Limits) -> bool:
@@ -78,9 +78,9 @@ class SearchStrategy:
         """Runs the search within its budget: its last status, and why that is not FINISHED."""
         if self.explored is None:
             return run_in_slices(search, time.perf_counter())
-        status, reason = run_in_slices(BudgetedSearch(search, explored=self.trial), time.perf_counter())
-        if status is _core.Status.STATE_LIMIT and self.pays(search, self.trial):
-            rest = BudgetedSearch(search, explored=self.explored - self.trial)
+        status, reason = run_in_slices(BudgetedSearch(search, explored=self.sample), time.perf_counter())
+        if status is _core.Status.STATE_LIMIT and self.pays(search, self.sample):
+            rest = BudgetedSearch(search, explored=self.explored - self.sample)
             status, reason = run_in_slices(rest, time.perf_counter())
         return status, reason
 
@@ -179,7 +179,7 @@ PORTFOLIO = (
         Exactness.SAME_STATES,
         after=20_000,
         explored=5_000,
-        trial=256,
+        sample=256,
         pays=_saves_many,
     ),
     # Where fewer states are enough nothing is explored depth first: the runs that are found so are longer.

@@ -361,10 +361,10 @@ class ManyStates:
                         continue
                     joint = conjunction(guard, also)
                     yield from self._receivers(part, place + 1, channel, (*chosen, receiver), joint)
-                    hears = np.zeros(len(self.states), bool)
-                    hears[part] = True
-                    denied = [(all_[hears[all_]], conjunction(out, complemented(also))) for all_, out in staying]
-                    staying = [(all_[~hears[all_]], out) for all_, out in staying] + denied
+                    receives = np.zeros(len(self.states), bool)
+                    receives[part] = True
+                    denied = [(all_[receives[all_]], conjunction(out, complemented(also))) for all_, out in staying]
+                    staying = [(all_[~receives[all_]], out) for all_, out in staying] + denied
                     staying = [(some, out) for some, out in staying if len(some) and out]
         for some, out in staying:
             yield from self._receivers(some, place + 1, channel, chosen, out)

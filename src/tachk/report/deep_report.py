@@ -19,7 +19,7 @@ _ENDS = Ends(4, 8)
 """The steps that are shown of a longer run."""
 
 
-def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
+def print_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
     """Prints the extent of the exploration, a line for each question, and the runs that show findings."""
     statistics = check.statistics
     states = "state" if statistics.states_stored == 1 else "states"

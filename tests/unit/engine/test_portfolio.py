@@ -187,7 +187,7 @@ def test_one_order_is_enough_where_time_cannot_pass(monkeypatch: pytest.MonkeyPa
     assert alarms(limits=Limits(states=1000)).answer is Answer.FAILS
     assert alarms(ALL_STATES.off("attempts"), Limits(states=1000)).answer is Answer.UNKNOWN
     assert alarms(ALL_STATES.off("attempts"), Limits(states=5000)).statistics.states_stored == 2**12
-    with_search_budgets(monkeypatch, "one-order", trial=4, explored=8)
+    with_search_budgets(monkeypatch, "one-order", sample=4, explored=8)
     assert alarms(limits=Limits(states=1000)).answer is Answer.UNKNOWN
 
 

@@ -23,7 +23,7 @@ from tachk.xrce.packets import read_packets
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_framing import FrameReader
 from tachk.xrce.serial_line import SerialReading
-from tachk.xrce.signals.following import VANISHED, Follower
+from tachk.xrce.signals.following import VANISHED, SignalTracker
 from tachk.xrce.traces import arriving
 from tachk.xrce.traces.live import LivePackets
 from tests.unit.xrce.captures import RECORDED, needs_recorded
@@ -126,10 +126,10 @@ def test_clients_that_have_gone_are_forgotten_and_nothing_else_changes(tmp_path:
     whole = open_trace(path, ports=ports).read()
     for name in names:
         assert np.array_equal(np.concatenate([one.columns[name] for one in rows]), whole.columns[name]), name
-    kept = {side.owner.key for side in packets._follower.sides}
+    kept = {side.owner.key for side in packets._tracker.sides}
     assert "00000001" in kept and "0000000A" in kept and "00000003" not in kept
-    assert len(packets._follower._by_endpoints) == len(packets._follower.sides) < 2 * 59
-    assert len(packets._follower._clients) == len(kept)
+    assert len(packets._tracker._by_endpoints) == len(packets._tracker.sides) < 2 * 59
+    assert len(packets._tracker._clients) == len(kept)
 
 
 @needs_recorded
@@ -226,11 +226,11 @@ def test_clients_that_vanish_are_forgotten_after_an_hour(tmp_path: Path):
     packets = live(Line(parts, 0.0), (8888, *range(9001, 9000 + minutes)))
     kept = []
     for _ in packets.blocks(["sleep", "allToAgent"], 9):
-        follower = packets._follower
-        assert len(follower._by_endpoints) == len(follower.sides)
-        kept.append(len(follower.sides))
+        tracker = packets._tracker
+        assert len(tracker._by_endpoints) == len(tracker.sides)
+        kept.append(len(tracker.sides))
     assert 2 * 17 < max(kept) < 2 * 23  # two sides of each, and 18 in an hour
-    assert len(packets._follower._clients) == kept[-1] / 2
+    assert len(packets._tracker._clients) == kept[-1] / 2
 
 
 def test_who_has_vanished_owes_nothing_any_more(tmp_path: Path):
@@ -250,19 +250,19 @@ def test_who_has_vanished_owes_nothing_any_more(tmp_path: Path):
 
 
 def test_nobody_waits_for_a_reader_that_has_vanished(tmp_path: Path):
-    follower, reader = Follower(), Talk().up(0, created("00000001")).capture(tmp_path)
+    tracker, reader = SignalTracker(), Talk().up(0, created("00000001")).capture(tmp_path)
     with reader.open("rb") as stream:
         for found in CaptureReading(stream, (8888,)).pieces():
-            follower.push(found)
-    exchange, owner = follower._exchange, follower.sides[0].owner
+            tracker.push(found)
+    exchange, owner = tracker._exchange, tracker.sides[0].owner
     exchange.new_writer(("other", 1), "numbers")
     exchange.new_reader((owner, 1), "numbers")
     exchange.written(("other", 1), 7)
     assert not exchange.standing().complete
-    follower.wait(follower.latest + VANISHED + 1)
-    follower.forget_gone()
+    tracker.wait(tracker.latest + VANISHED + 1)
+    tracker.forget_gone()
     assert exchange.standing().complete
-    assert follower.sides == []
+    assert tracker.sides == []
 
 
 def serial_parts(name: str) -> list[tuple[float, bytes]]:

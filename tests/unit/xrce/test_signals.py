@@ -143,12 +143,12 @@ def test_repetitions_are_messages_that_were_seen_before():
 
 def test_an_empty_piece_changes_nothing():
     from tachk.xrce.reading import CaptureReading
-    from tachk.xrce.signals.following import Follower
+    from tachk.xrce.signals.following import SignalTracker
 
-    follower = Follower()
+    tracker = SignalTracker()
     for found in CaptureReading(BytesIO(pcap([udp(b"", 1, 2)])), (8888,)).pieces():
-        follower.push(found)
-    assert len(follower.take().times) == 0
+        tracker.push(found)
+    assert len(tracker.take().times) == 0
 
 
 def test_a_packet_without_a_row_counts_in_the_next_row(tmp_path: Path):

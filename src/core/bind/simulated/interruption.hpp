@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <exception>
 
-#include "simulation/crew.hpp"
+#include "simulation/thread_pool.hpp"
 
 namespace tachk::bind {
 

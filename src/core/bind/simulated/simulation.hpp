@@ -4,7 +4,7 @@
 
 namespace tachk::bind {
 
-// Adds the simulator to the module, and what is asked of runs.
+// Adds the simulator and the questions about runs to the module.
 void bind_simulation(nanobind::module_& m);
 void bind_trials(nanobind::module_& m);
 void bind_splitting(nanobind::module_& m);

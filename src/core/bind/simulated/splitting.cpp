@@ -36,18 +36,18 @@ void bind_splitting(nb::module_& m) {
       .def_ro("reached", &Distances::reached);
   m.def(
       "split",
-      [](const simulation::Simulation& simulation, const Distances& levels, const simulation::Asked& asked,
+      [](const simulation::Simulation& simulation, const Distances& levels, const simulation::RunQuestion& question,
          std::uint64_t seed, std::uint64_t first, std::uint64_t replications, std::uint64_t effort, unsigned threads,
          std::uint64_t most_steps, const nb::callable& check) {
         simulation::SplittingOrder order{seed, first, replications, effort, threads, most_steps, {}};
         std::vector<std::tuple<double, std::uint64_t, std::uint64_t>> result;
         interruptibly(order, check, [&] {
-          for (const simulation::Replication& each : simulation::split(simulation, levels.levels, asked, order))
+          for (const simulation::Replication& each : simulation::split(simulation, levels.levels, question, order))
             result.emplace_back(each.probability, each.transitions, each.unknown);
         });
         return result;
       },
-      nb::arg("simulation"), nb::arg("levels"), nb::arg("asked"), nb::kw_only(), nb::arg("seed"), nb::arg("first"),
+      nb::arg("simulation"), nb::arg("levels"), nb::arg("question"), nb::kw_only(), nb::arg("seed"), nb::arg("first"),
       nb::arg("replications"), nb::arg("effort"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("check"),
       "(estimate, transitions, unknown runs) of these replications. Raises what `check` raises.");
 }

@@ -16,7 +16,7 @@
 namespace tachk::bind {
 
 namespace nb = nanobind;
-using simulation::Asked;
+using simulation::RunQuestion;
 using simulation::Trial;
 
 namespace {
@@ -34,10 +34,10 @@ struct Trials {
   }
 };
 
-Trials ask(const simulation::Simulation& simulation, const Asked& asked, simulation::TrialOrder order,
+Trials ask(const simulation::Simulation& simulation, const RunQuestion& question, simulation::TrialOrder order,
            const nb::callable& check) {
   Trials result;
-  interruptibly(order, check, [&] { result.trials = simulation::trials(simulation, asked, order); });
+  interruptibly(order, check, [&] { result.trials = simulation::trials(simulation, question, order); });
   return result;
 }
 
@@ -45,36 +45,36 @@ Trials ask(const simulation::Simulation& simulation, const Asked& asked, simulat
 
 namespace {
 
-void bind_asked(nb::module_& m) {
-  nb::class_<Asked>(m, "Asked", "What runs are asked, with the numbers that the program has for it.")
+void bind_question(nb::module_& m) {
+  nb::class_<RunQuestion>(m, "RunQuestion", "A question about runs, with the numbers that the program has for it.")
       .def(nb::init<>())
       .def_prop_rw(
-          "until", [](const Asked& self) { return self.bound.until; },
-          [](Asked& self, flow::Ticks until) { self.bound.until = until; })
+          "until", [](const RunQuestion& self) { return self.bound.until; },
+          [](RunQuestion& self, flow::Ticks until) { self.bound.until = until; })
       .def_prop_rw(
-          "steps", [](const Asked& self) { return self.bound.steps; },
-          [](Asked& self, std::uint64_t steps) { self.bound.steps = steps; })
+          "steps", [](const RunQuestion& self) { return self.bound.steps; },
+          [](RunQuestion& self, std::uint64_t steps) { self.bound.steps = steps; })
       .def_prop_rw(
-          "bound_clock", [](const Asked& self) { return self.bound.clock; },
-          [](Asked& self, std::uint16_t clock) { self.bound.clock = clock; })
+          "bound_clock", [](const RunQuestion& self) { return self.bound.clock; },
+          [](RunQuestion& self, std::uint16_t clock) { self.bound.clock = clock; })
       .def_prop_rw(
-          "bound_value", [](const Asked& self) { return self.bound.value; },
-          [](Asked& self, flow::Ticks value) { self.bound.value = value; })
+          "bound_value", [](const RunQuestion& self) { return self.bound.value; },
+          [](RunQuestion& self, flow::Ticks value) { self.bound.value = value; })
       .def_prop_rw(
-          "ticks_per_unit", [](const Asked& self) { return self.bound.ticks_per_unit; },
-          [](Asked& self, flow::Ticks ticks) { self.bound.ticks_per_unit = ticks; })
-      .def_rw("goal", &Asked::goal)
-      .def_rw("lost", &Asked::lost)
-      .def_rw("observed", &Asked::observed)
-      .def_rw("clock", &Asked::clock)
-      .def_rw("largest", &Asked::largest);
+          "ticks_per_unit", [](const RunQuestion& self) { return self.bound.ticks_per_unit; },
+          [](RunQuestion& self, flow::Ticks ticks) { self.bound.ticks_per_unit = ticks; })
+      .def_rw("goal", &RunQuestion::goal)
+      .def_rw("lost", &RunQuestion::lost)
+      .def_rw("observed", &RunQuestion::observed)
+      .def_rw("clock", &RunQuestion::clock)
+      .def_rw("largest", &RunQuestion::largest);
 }
 
 }  // namespace
 
 void bind_trials(nb::module_& m) {
-  bind_asked(m);
-  nb::class_<Trials>(m, "Trials", "What came of runs: an array of each property, in the order of the runs.")
+  bind_question(m);
+  nb::class_<Trials>(m, "Trials", "The results of runs: an array of each property, in the order of the runs.")
       .def(
           "answers",
           [](const Trials& self) { return self.column<std::int8_t>([](const Trial& trial) { return trial.answer; }); },
@@ -106,12 +106,12 @@ void bind_trials(nb::module_& m) {
           nb::arg("number"), "(kind, code position) of the run-time error of a run with the ending FAULT.");
   m.def(
       "trials",
-      [](const simulation::Simulation& simulation, const Asked& asked, simulation::Policy policy, std::uint64_t seed,
-         std::uint64_t first, std::uint64_t runs, unsigned threads, std::uint64_t most_steps,
+      [](const simulation::Simulation& simulation, const RunQuestion& question, simulation::Policy policy,
+         std::uint64_t seed, std::uint64_t first, std::uint64_t runs, unsigned threads, std::uint64_t most_steps,
          const nb::callable& check) {
-        return ask(simulation, asked, {seed, first, runs, threads, policy, most_steps, {}}, check);
+        return ask(simulation, question, {seed, first, runs, threads, policy, most_steps, {}}, check);
       },
-      nb::arg("simulation"), nb::arg("asked"), nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"),
+      nb::arg("simulation"), nb::arg("question"), nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"),
       nb::arg("runs"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("check"),
       "The runs of these numbers, in order. Raises what `check` raises.");
 }

@@ -84,7 +84,7 @@ def run_check(
         for path in models:
             checks.append(_within(seconds, path, constants, version, strict_xta, deep))
             if form == "text":
-                _tell(checks[-1], version, len(models) > 1, out)
+                _report(checks[-1], version, len(models) > 1, out)
             if _is_interrupted(checks[-1]):
                 break
         if form != "text":
@@ -158,7 +158,7 @@ def _uncomputed(model: api.Model, strict_xta: bool) -> tuple[Diagnostic, ...]:
     return wrong
 
 
-def _tell(check: Checked, version: UppaalVersion | None, named: bool, out: TextIO) -> None:
+def _report(check: Checked, version: UppaalVersion | None, named: bool, out: TextIO) -> None:
     """The report for people: a line for each model that can be used, and the findings on standard error."""
     print_diagnostics(check.findings)
     if check.deep is not None:
@@ -184,9 +184,9 @@ def _tell(check: Checked, version: UppaalVersion | None, named: bool, out: TextI
         otherwise = len(check.portability) - refused
         print(f"{check.model}: {version.full_name} would refuse {refused}, treat otherwise {otherwise}", file=out)
     if check.deep is not None and check.network is not None:
-        from tachk.report.deep_report import tell_deep_check
+        from tachk.report.deep_report import print_deep_check
 
-        tell_deep_check(check.network, check.deep, out)
+        print_deep_check(check.network, check.deep, out)
 
 
 def _status(check: Checked) -> ExitStatus:

@@ -77,7 +77,7 @@ def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: b
         model = api.load(source)
         print_diagnostics(model.warnings)
         exported = export_model(model.loaded, format_of(output, (".ta",)), Writing(repair_names=fix))
-        _tell([step for step in exported.steps if step.kind == "name"])
+        _report([step for step in exported.steps if step.kind == "name"])
         files = files_of(exported, output)
     if str(output) == "-":
         sys.stdout.write(files[output])
@@ -116,7 +116,7 @@ def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], 
         document = replace(document, items=(*document.items, *properties))
     if fix:
         document, steps = document_repairs(document)
-        _tell(steps)
+        _report(steps)
     document = replace(document, comments=tuple(sorted((*document.comments, *aside), key=lambda c: c.span.start)))
     return {output: print_document(document)} | (
         {} if layout is None else {layout_path(output): layout_to_json(layout)}
@@ -137,7 +137,7 @@ def _wrong_queries(source: Path) -> set[str]:
     return {query.name for query in loaded.unchecked if query.is_wrong and query.name in named}
 
 
-def _tell(steps: list[PlainRewriting]) -> None:
+def _report(steps: list[PlainRewriting]) -> None:
     for step in steps:
         print(step, file=sys.stderr)
 

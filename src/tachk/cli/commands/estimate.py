@@ -198,8 +198,8 @@ def _queries(
             continue
         try:
             with unhurried(_READING):  # the report needs the query also where there was no time to answer it
-                asked_query = reader.read(query)
-            yield asked_query, query.expectation
+                read_query = reader.read(query)
+            yield read_query, query.expectation
         except InputError as error:
             if typed:
                 raise

@@ -105,8 +105,8 @@ def run_proxy(proxying: Proxying) -> ExitStatus:
     decisions = Decisions(rules, proxying.seed)
     with nullcontext() if proxying.record is None else proxying.record.open("wb") as file:
         relay = Relay(plan, decisions, None if file is None else CaptureWriter(file), _RelayLog(rules))
-        asyncio.run(relay.run(lambda: _tell_ready(plan)))
-    return _tell_end(decisions)
+        asyncio.run(relay.run(lambda: _report_ready(plan)))
+    return _report_end(decisions)
 
 
 def _rules(proxying: Proxying, ports: list[int]) -> list[RelayRule]:
@@ -146,12 +146,12 @@ class _RelayLog:
             )
 
 
-def _tell_ready(plan: Plan) -> None:
+def _report_ready(plan: Plan) -> None:
     for each in plan.listening:
         print(f"{each} -> {plan.agent}", flush=True)
 
 
-def _tell_end(decisions: Decisions) -> ExitStatus:
+def _report_end(decisions: Decisions) -> ExitStatus:
     status = ExitStatus.AS_EXPECTED
     for rule, count in zip(decisions.rules, decisions.applied, strict=True):
         print(f"{count:6} x  {rule}")

@@ -34,7 +34,7 @@ from tachk.verify.requirements.analysis import (
 # ---- for people -----------------------------------------------------------------------------------------------------
 
 
-def tell(analysis: RequirementAnalysis, unit: str, scale: int, console: Console) -> None:
+def print_analysis(analysis: RequirementAnalysis, unit: str, scale: int, console: Console) -> None:
     total = len(analysis.requirements)
     console.print(f"{total} requirement{'s' if total != 1 else ''} about {', '.join(analysis.signals) or 'nothing'}")
     for finding in analysis.findings:
@@ -151,7 +151,7 @@ def run_requirements(
             print(json.dumps(to_json(analysis, named, unit, scale), indent=2, ensure_ascii=False), file=out)
         else:
             console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
-            tell(analysis, unit, scale, console)
+            print_analysis(analysis, unit, scale, console)
     if analysis.findings:
         return ExitStatus.NOT_AS_EXPECTED
     return ExitStatus.UNKNOWN if analysis.undecided else ExitStatus.AS_EXPECTED

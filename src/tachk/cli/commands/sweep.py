@@ -307,10 +307,10 @@ def _progress(quiet: bool) -> Iterator[Callable[[Progress], None] | None]:
 
 class _Tenths:
     def __init__(self) -> None:
-        self._told = -1
+        self._shown = -1
 
     def __call__(self, now: Progress) -> None:
         tenth = 10 * now.finished // now.cells
-        if self._told == -1 or tenth > self._told:
-            self._told = tenth
+        if self._shown == -1 or tenth > self._shown:
+            self._shown = tenth
             print(f"{now.finished} of {now.cells} cells", file=sys.stderr, flush=True)

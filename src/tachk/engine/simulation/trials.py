@@ -124,8 +124,8 @@ class Trier:
         )
 
 
-def core_question(question: TrialQuestion) -> _core.Asked:
-    result = _core.Asked()
+def core_question(question: TrialQuestion) -> _core.RunQuestion:
+    result = _core.RunQuestion()
     reach = question.reach
     if reach.until is not None:
         result.until = reach.until

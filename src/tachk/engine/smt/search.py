@@ -48,14 +48,14 @@ def explore(
 
     job = current_job()
 
-    def tell() -> None:
+    def report() -> None:
         if job.progress is not None:
             job.progress(statistics(), job.about)
 
     settings = SolverOptions(
         job.ends,
         None if limits.memory_bytes is None else max(limits.memory_bytes >> 20, 1),
-        tell,
+        report,
     )
     reason, status, fault = "", {}, None
     try:

@@ -94,7 +94,7 @@ def read_edge(reader: TermReader, process: int, edge: Edge, rank: Callable[[Term
         reader.whole(edge.synchronisation.channel, tokens)
     span = edge.spans[0]
     loose = []
-    for updates in _stretches(reader, edge.updates):
+    for updates in _blocks(reader, edge.updates):
         if len(updates) == 1:
             reader.whole(updates[0], tokens)
             continue
@@ -108,21 +108,21 @@ def read_edge(reader: TermReader, process: int, edge: Edge, rank: Callable[[Term
     return TermUnit(process, tuple(tokens), span, tuple(loose))
 
 
-def _stretches(reader: TermReader, updates: Iterable[Expression]) -> Iterator[list[Expression]]:
+def _blocks(reader: TermReader, updates: Iterable[Expression]) -> Iterator[list[Expression]]:
     """Updates one after the other, those together of which it makes no difference which one comes first: each sets a
     variable of its own to a constant that it can hold."""
-    stretch: list[Expression] = []
+    block: list[Expression] = []
     written: set[Variable] = set()
     for update in updates:
         variable = _set_to_constant(reader, update)
-        if stretch and (variable is None or not written or variable in written):
-            yield stretch
-            stretch, written = [], set()
-        stretch.append(update)
+        if block and (variable is None or not written or variable in written):
+            yield block
+            block, written = [], set()
+        block.append(update)
         if variable is not None:
             written.add(variable)
-    if stretch:
-        yield stretch
+    if block:
+        yield block
 
 
 def _set_to_constant(reader: TermReader, update: Expression) -> Variable | None:

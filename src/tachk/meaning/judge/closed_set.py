@@ -84,11 +84,11 @@ class ClosedSet:
         """The transitions that are possible in the states of the set, and as far as it matters in reached ones."""
         states = self.states
         states.explore(states.settle())
-        self.twin = np.full(len(states.states), -1)
+        self.mirrored = np.full(len(states.states), -1)
         if self.begins is not None and self.goal is not None:
             for dead in (True, False):
                 for rows, _ in states.truth(np.flatnonzero(~states.marked), self.begins, dead, widely=True):
-                    self.twin[rows] = states.numbers(np.insert(states.states[rows, :-1], states.width, 1, axis=1))
+                    self.mirrored[rows] = states.numbers(np.insert(states.states[rows, :-1], states.width, 1, axis=1))
         reached = states.settle()
         states.explore(reached if self.asks_deadlock else reached[:0])
         states.settle()
@@ -130,7 +130,7 @@ class ClosedSet:
             if self.goal is None:
                 self._object(met, "some state of the zone is one that must not be reached")
             else:
-                awaited = self._uncovered(replace(met, row=self.twin[met.row]), True)
+                awaited = self._uncovered(replace(met, row=self.mirrored[met.row]), True)
                 self._object(awaited, "it is not shown that the goal is met from here")
         self._check_ends(self.sources.take(self.states.marked[self.sources.row]))
         for move in self.states.moves:

@@ -51,7 +51,7 @@ class _WatchedFormula:
     program: MonitorProgram
     text: str
     story: MonitorRecord | None = None
-    stretch: tuple[int, int] | None = None
+    interval: tuple[int, int] | None = None
     decided: bool = False
 
 
@@ -407,7 +407,7 @@ class Monitor:
             if watched.decided or truth is Truth.UNDETERMINED:
                 continue
             watched.decided = True
-            watched.stretch = self._group.violation(number)
+            watched.interval = self._group.violation(number)
             if truth is Truth.FALSE:
                 watched.story = self._story(watched)
         return self._group.verdict()
@@ -417,7 +417,7 @@ class Monitor:
         named = watched.named
         measured = Truth(group.verdict_of(number))
         at = group.decided_at(number)
-        stretch = watched.stretch
+        interval = watched.interval
         return OnlineVerdict(
             named.name,
             named.title,
@@ -426,7 +426,7 @@ class Monitor:
             measured,
             counted(measured, self._ending) if group.finished(number) else measured,
             None if at is None else self._clock(at),
-            None if stretch is None else (self._clock(stretch[0] // 2), self._clock(stretch[1] // 2)),
+            None if interval is None else (self._clock(interval[0] // 2), self._clock(interval[1] // 2)),
             group.robustness(number) if self._robust else None,
             watched.story,
         )
@@ -464,7 +464,7 @@ class Monitor:
         found = verdict.finding
         if verdict.measured is not Truth.FALSE or found is None:
             return None
-        if not whole and (watched.stretch is None or found.cell + 2 * first != watched.stretch[0]):
+        if not whole and (watched.interval is None or found.cell + 2 * first != watched.interval[0]):
             return None
         return MonitorRecord(trace, "", (verdict,))
 

@@ -130,7 +130,7 @@ class Explainer:
         return replace(finding, decided=self._certain(finding.response, finding.trigger))
 
     def explained(
-        self, node: int, stretch: tuple[int, int], triggered: tuple[int, int] | None, value: Truth
+        self, node: int, interval: tuple[int, int], triggered: tuple[int, int] | None, value: Truth
     ) -> Finding:
         """The reasons why a node is false or undetermined, without the time at which that became certain.
 
@@ -138,7 +138,7 @@ class Explainer:
             stretch: the first and the last cell in which it is so.
             triggered: those in which the trigger is true, if the node has one.
         """
-        cell, last = stretch
+        cell, last = interval
         trigger, response = self._triggered(node, cell)
         cause = None if trigger is None else self.reason(trigger, cell, Truth.TRUE)
         reason = self.reason(node if response is None else response, cell, value)

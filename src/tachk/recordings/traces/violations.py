@@ -99,9 +99,9 @@ class Violations(Sequence[Finding]):
     def _finding(self, number: int) -> Finding:
         for part in self._parts:
             if number < len(part.violated):
-                stretch = int(part.violated.first[number]), int(part.violated.last[number])
-                triggered = None if part.triggers is None else part.triggers.around(stretch[0])
-                return self._explainer.explained(part.node, stretch, triggered, Truth.FALSE)
+                interval = int(part.violated.first[number]), int(part.violated.last[number])
+                triggered = None if part.triggers is None else part.triggers.around(interval[0])
+                return self._explainer.explained(part.node, interval, triggered, Truth.FALSE)
             number -= len(part.violated)
         raise IndexError(number)
 

@@ -56,7 +56,7 @@ class OpenNetwork(Transformation):
     """
 
     inputs: tuple[tuple[Variable, Variable], ...]
-    hears: tuple[tuple[str, int], ...]
+    receives: tuple[tuple[str, int], ...]
     sends: tuple[tuple[str, int], ...]
     nudge: int
 
@@ -80,13 +80,13 @@ def open_network(network: Network, names: Sequence[str]) -> OpenNetwork:
     kept = {v: replace(v, name=SENT + v.name, declared_meta=False) for v in carried}
     copy = tuple(_assign(v, copies[v]) for v in inputs)
     keep = tuple(_assign(kept[v], v) for v in carried)
-    hears = sorted(ours.channels[Direction.RECEIVE].keys() & theirs.channels[Direction.SEND].keys())
+    receives = sorted(ours.channels[Direction.RECEIVE].keys() & theirs.channels[Direction.SEND].keys())
     sends = sorted(ours.channels[Direction.SEND].keys() & theirs.channels[Direction.RECEIVE].keys())
     edges = [
         Edge(0, 0, guard=_never(), updates=(*copy, _reset())),
         Edge(0, 0, guard=_never(), updates=tuple(_assign(copies[v], v) for v in inputs)),
     ]
-    edges += [_edge(ours.channels[Direction.RECEIVE][name], Direction.SEND, _never(), copy) for name in hears]
+    edges += [_edge(ours.channels[Direction.RECEIVE][name], Direction.SEND, _never(), copy) for name in receives]
     edges += [_edge(ours.channels[Direction.SEND][name], Direction.RECEIVE, None, keep) for name in sends]
     return OpenNetwork(
         network,
@@ -98,8 +98,8 @@ def open_network(network: Network, names: Sequence[str]) -> OpenNetwork:
         ),
         Exactness.NOTHING,
         tuple((copies[v], v) for v in inputs),
-        tuple((name, 2 + number) for number, name in enumerate(hears)),
-        tuple((name, 2 + len(hears) + number) for number, name in enumerate(sends)),
+        tuple((name, 2 + number) for number, name in enumerate(receives)),
+        tuple((name, 2 + len(receives) + number) for number, name in enumerate(sends)),
         0,
     )
 

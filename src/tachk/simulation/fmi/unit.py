@@ -136,7 +136,7 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
             *_inputs(opened, program),
             *(
                 UnitVariable(f"{channel}?", Role.RECEIVES, kind, numbers[edge], start=start)
-                for channel, edge in opened.hears
+                for channel, edge in opened.receives
             ),
             *(UnitVariable(f"{channel}!", Role.SENDS, kind, numbers[edge]) for channel, edge in opened.sends),
         ),

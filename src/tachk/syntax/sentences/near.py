@@ -105,16 +105,16 @@ def _resemblances(words: Sequence[str], place: int, phrase: Phrase) -> Iterator[
     for size in range(max(1, length - 1), length + 2):
         if place + size > len(words):
             break
-        stretch = words[place : place + size]
-        if "" in stretch:
+        passage = words[place : place + size]
+        if "" in passage:
             break
-        if stretch[0] in _MODALS and phrase.words[0] == "must":
+        if passage[0] in _MODALS and phrase.words[0] == "must":
             # "shall be true", "has to be true", "is going to" aside.
-            rest = stretch[2:] if len(stretch) > 1 and stretch[1] == "to" else stretch[1:]
+            rest = passage[2:] if len(passage) > 1 and passage[1] == "to" else passage[1:]
             if tuple(rest) == phrase.words[1:]:
                 yield place + size, 1
             continue
-        text = " ".join(stretch)
+        text = " ".join(passage)
         most = _tolerance(target)
         if most and abs(len(text) - len(target)) <= most and _least_distance(text, target) <= most:
             cost = _distance(text, target, most)

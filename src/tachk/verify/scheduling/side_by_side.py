@@ -99,7 +99,7 @@ class SideBySide:
                 while self._running or self._left:
                     self._begin(processes)
                     for pipe in wait([one.pipe for one in self._running], _LONGEST_SLEEP):
-                        self._hear(next(one for one in self._running if one.pipe is pipe))
+                        self._receive(next(one for one in self._running if one.pipe is pipe))
                     if interrupts.take():
                         self._leave_out()
                         for one in self._running:
@@ -114,7 +114,7 @@ class SideBySide:
             search = self._left.popleft()
             self._running.append(_begun(search, self._answer, self._limits(search)))
 
-    def _hear(self, one: _Running) -> None:
+    def _receive(self, one: _Running) -> None:
         message = _received(one)
         if isinstance(message, Statistics):
             progress = current_job().progress
@@ -187,14 +187,14 @@ def _work(pipe: Connection, parent: int, search: Search, answer: Answer, limits:
 
     watched = current_job().progress is not None
 
-    def tell(statistics: Statistics, names: tuple[str, ...]) -> None:
+    def report_progress(statistics: Statistics, names: tuple[str, ...]) -> None:
         if os.getppid() != parent:
             os._exit(1)
         if watched:
             pipe.send(statistics)
 
     try:
-        with followed(tell):
+        with followed(report_progress):
             found: dict[int, Verdict] | Exception = answer(search, limits)
     except KeyboardInterrupt:
         found = none_begun(search.tasks, INTERRUPTED)

@@ -29,7 +29,7 @@ class Bridge:
         """Raises UsageError if the part has no such channels, or those of several clients."""
         self._part = part
         self._clock = clock
-        out, heard = _links(part.sends, "send"), _links(part.hears, "deliver")
+        out, heard = _links(part.sends, "send"), _links(part.receives, "deliver")
         links = out or {link ^ 1 for link in heard}
         if len(links) != 1:
             raise UsageError(
@@ -38,7 +38,7 @@ class Bridge:
             )
         (self._out,) = links
         self.to_agent = self._out % 2 == 0
-        reads = self.to_agent and f"deliver[{self._out + 1}][0]" in part.hears and not _writes(part)
+        reads = self.to_agent and f"deliver[{self._out + 1}][0]" in part.receives and not _writes(part)
         self._session = ClientSession(key, topic, reads) if self.to_agent else AgentSession()
         self._translator = Translator(self.to_agent, self._session.before)
         self._begin: int | None = None
@@ -79,13 +79,13 @@ class Bridge:
         for word in words:
             channel = f"deliver[{self._out ^ 1}][{word.kind}]"
             values = {"number": max(word.number, 0), "detail": word.detail}
-            packets += self._packets(self._part.hear(channel, values))
+            packets += self._packets(self._part.receive(channel, values))
         return packets
 
     def _is_heard(self, word: ProtocolWord) -> bool:
         """Whether the model hears of it: what is older than the session's first message means nothing to it."""
         old = word.detail < 0 if KINDS[word.kind] == "HEARTBEAT" else word.number < 0
-        return not old and f"deliver[{self._out ^ 1}][{word.kind}]" in self._part.hears
+        return not old and f"deliver[{self._out ^ 1}][{word.kind}]" in self._part.receives
 
     def _packets(self, sent: Iterable[SentEvent]) -> list[bytes]:
         return list(self._translated(sent))
@@ -106,4 +106,4 @@ def _links(channels: Iterable[str], row: str) -> set[int]:
 
 def _writes(part: BridgedPart) -> bool:
     """Whether the part hears acknowledgements, as those who write do."""
-    return any(name.endswith(f"[{KINDS.index('ACKNACK')}]") for name in part.hears if name.startswith("deliver"))
+    return any(name.endswith(f"[{KINDS.index('ACKNACK')}]") for name in part.receives if name.startswith("deliver"))

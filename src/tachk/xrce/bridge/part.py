@@ -44,7 +44,7 @@ class BridgedPart:
         self._unit: CoSimulationUnit = open_unit(network, names, "part", clocks=True)
         self._unit_run = _unit_run(self._unit)
         self._places = {variable.name: place for place, variable in enumerate(self._unit.variables)}
-        self.hears = self._channels(Role.RECEIVES)
+        self.receives = self._channels(Role.RECEIVES)
         self.sends = self._channels(Role.SENDS)
         self._payload = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
         self._unit_run.set_number(self._places["seed"], FmiType.NATURAL, seed)
@@ -78,7 +78,7 @@ class BridgedPart:
         if last > self._unit_run.now:
             self._unit_run.wait_until(last)
 
-    def hear(self, channel: str, values: Mapping[str, int]) -> Iterator[SentEvent]:
+    def receive(self, channel: str, values: Mapping[str, int]) -> Iterator[SentEvent]:
         """The outputs at once after an input over a channel. Raises ValueError for values out of range."""
         for name, value in values.items():
             place = self._places.get(OUTSIDE + name)

@@ -94,11 +94,11 @@ def _moments(ours: Sequence[Transmission], from_client: bool, stream: int) -> tu
         for arrival in _arrivals(one, from_client)
     ]
     at_sender.sort(key=lambda pair: (pair[0], pair[1].packet))
-    follower = _StreamFollower(stream)
+    tracker = _StreamTracker(stream)
     return tuple(
         moment
         for time, one in at_sender
-        for moment in (follower.left(time, one) if one.to_agent == from_client else follower.came(time, one))
+        for moment in (tracker.left(time, one) if one.to_agent == from_client else tracker.came(time, one))
     )
 
 
@@ -108,7 +108,7 @@ def _arrivals(one: Transmission, from_client: bool) -> Sequence[int]:
     return [arrival.time for arrival in one.arrivals]
 
 
-class _StreamFollower:
+class _StreamTracker:
     def __init__(self, stream: int) -> None:
         self._stream = stream
         self._sent = 0

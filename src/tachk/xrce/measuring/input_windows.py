@@ -110,7 +110,7 @@ def _differences(stream: Sequence[_SentAcknack | _Heard], size: int) -> int:
             if waiting.popleft().begins:
                 client = _InputStream(size)
         if waiting:
-            client.hear(waiting.popleft())
+            client.receive(waiting.popleft())
             wrong += (each.first, each.missing) != client.acknack()
     return wrong
 
@@ -124,7 +124,7 @@ class _InputStream:
         self._announced = 0
         self._slots: dict[int, bool] = {}
 
-    def hear(self, heard: _Heard) -> None:
+    def receive(self, heard: _Heard) -> None:
         number = near(heard.number, self._handled)
         if heard.is_message and self._handled <= number < self._handled + self._size:
             self._slots.setdefault(number % self._size, heard.is_piece)

@@ -117,12 +117,12 @@ class Relay:
         plan: Plan,
         decisions: Decisions,
         recording: CaptureWriter | None,
-        tell: Callable[[RelayArrival, RelayDecision], None] = lambda _arrival, _answer: None,
+        report: Callable[[RelayArrival, RelayDecision], None] = lambda _arrival, _answer: None,
     ) -> None:
         self._plan = plan
         self._decisions = decisions
         self._recording = None if recording is None else Sorted(recording)
-        self._tell = tell
+        self._report = report
         self._offset = time.time_ns() - time.monotonic_ns()
         self._listening: dict[int, socket.socket] = {}
         self._towards_agent: dict[tuple[int, Endpoint], socket.socket] = {}
@@ -196,7 +196,7 @@ class Relay:
 
     def _arrived(self, arrival: RelayArrival) -> None:
         answer = self._decisions.arrived(arrival)
-        self._tell(arrival, answer)
+        self._report(arrival, answer)
         self._follow(answer)
         if self._plan.idle is not None:
             if self._silence is not None:

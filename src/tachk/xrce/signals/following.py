@@ -110,7 +110,7 @@ class Waited:
     duration: int
 
 
-class Follower:
+class SignalTracker:
     """Takes messages, and gives what they say as `RowBlock`.
 
     Attributes:

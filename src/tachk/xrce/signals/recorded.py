@@ -15,7 +15,7 @@ from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.clients import Side, Way
-from tachk.xrce.signals.following import SITUATION, Follower, RowBlock
+from tachk.xrce.signals.following import SITUATION, RowBlock, SignalTracker
 from tachk.xrce.streams import SIGNALS
 
 
@@ -122,11 +122,11 @@ def read_recorded_serial(stream: BinaryIO, signals: bool = True) -> CaptureSigna
 
 
 def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> CaptureSignals:
-    follower = Follower(streams=signals)
+    tracker = SignalTracker(streams=signals)
     blocks = []
     for found in reading.pieces():
-        follower.push(found)
-        blocks.append(follower.take())
+        tracker.push(found)
+        blocks.append(tracker.take())
     joined = _Joined(blocks)
     ends = reading.endpoints
     streams = tuple(
@@ -137,7 +137,7 @@ def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> Capture
             *way,
             joined.streams.get((side, way), _nothing(len(SIGNALS))),
         )
-        for side in follower.sides
+        for side in tracker.sides
         for way, stream in side.streams.items()
         if stream.begun
     )
@@ -148,14 +148,14 @@ def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> Capture
             side.owner.key,
             joined.sleeps.get(side, _nothing(1)),
         )
-        for side in follower.sides
+        for side in tracker.sides
     )
-    observed = _observed(follower, joined.times)
+    observed = _observed(tracker, joined.times)
     return CaptureSignals(joined.times, joined.packets, joined.situation, streams, clients, observed, reading.problem)
 
 
-def _observed(follower: Follower, times: Numbers) -> LongestWaits:
-    waiting, waited = follower.waiting(), follower.longest
+def _observed(tracker: SignalTracker, times: Numbers) -> LongestWaits:
+    waiting, waited = tracker.waiting(), tracker.longest
     if waiting is not None and (waited is None or int(times[-1]) - waiting.time >= waited.duration):
         waited = None
     return LongestWaits(

@@ -24,7 +24,7 @@ from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import Peeked, SerialReading
 from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.clients import Side, Way
-from tachk.xrce.signals.following import GONE, SITUATION, Follower, RowBlock
+from tachk.xrce.signals.following import GONE, SITUATION, RowBlock, SignalTracker
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
 from tachk.xrce.traces.trace_packets import PROPERTIES
@@ -95,7 +95,7 @@ class LivePackets:
     """
 
     unit = "s"
-    _follower: Follower
+    _tracker: SignalTracker
 
     def __init__(self, name: str, stream: Arriving, ports: Sequence[int], clock: Callable[[], int]) -> None:
         """Args:
@@ -121,26 +121,26 @@ class LivePackets:
         wanted = {name: _column(name) for name in columns or ()}
         if decimals < _DECIMALS:
             raise UsageError("the times of captures have nine decimals", "leave out --decimals")
-        self._follower = Follower(streams=any(column.way is not None for column in wanted.values()))
+        self._tracker = SignalTracker(streams=any(column.way is not None for column in wanted.values()))
         packets, read_at = 0, self._clock()
         try:
             self._reading = reading = self._opened()
             for found in reading.pieces():
                 now = self._clock()
-                self._follower.push(found)
+                self._tracker.push(found)
                 if reading.packets > packets:
                     packets, read_at = reading.packets, now
                 elif self._start is not None:
-                    self._follower.wait(reading.time + now - read_at - LATENESS)
-                block = self._follower.take()
-                waited = self._follower.latest
+                    self._tracker.wait(reading.time + now - read_at - LATENESS)
+                block = self._tracker.take()
+                waited = self._tracker.latest
                 if self._start is None and len(block.times):
                     self._start = int(block.times[0])
                 if self._start is not None and (len(block.times) or waited > self._reported):
                     yield self._rows(block, wanted, waited)
                 if waited >= self._looked + GONE:
                     self._looked = waited
-                    self._follower.forget_gone()
+                    self._tracker.forget_gone()
             if self._start is None and isinstance(reading, SerialReading):
                 raise CaptureError("this is neither a pcap nor a pcapng capture, nor has it a message of a serial line")
         except (CaptureError, TooManyUnread) as error:

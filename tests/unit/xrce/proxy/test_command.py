@@ -86,7 +86,7 @@ def test_the_end_tells_how_often_each_rule_applied(
 
     async def one_packet(relay: Relay, ready: object) -> None:
         arrival = RelayArrival(19001, Endpoint("127.0.0.1", 5), PacketDirection.TO_AGENT, write_data(7), 0)
-        relay._tell(arrival, relay._decisions.arrived(arrival))
+        relay._report(arrival, relay._decisions.arrived(arrival))
 
     monkeypatch.setattr(Relay, "run", one_packet)
     found, out, _ = run(capsys, "--listen", "19001", "--to", "127.0.0.1:8888", "--rule", rule)

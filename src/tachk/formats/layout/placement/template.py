@@ -220,7 +220,7 @@ def place_template(template: ast.Template) -> TemplateLayout:
     if not drawings:
         return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
     _, drawing = min(drawings, key=lambda found: _ugliness(outline, *found))
-    if len(outline.nodes) > _LONG and _stretch(drawing) > _TOO_STRETCHED:
+    if len(outline.nodes) > _LONG and _aspect_ratio(drawing) > _TOO_STRETCHED:
         return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
     if len(outline.edges) <= _FEW:
         drawing = clear_texts(outline, redraw_loops(outline, drawing))
@@ -262,7 +262,7 @@ def _ugliness(outline: Sketch, direction: FlowDirection, drawing: TemplateDrawin
     return size + 90 * crossings + 8 * nails
 
 
-def _stretch(drawing: TemplateDrawing) -> float:
+def _aspect_ratio(drawing: TemplateDrawing) -> float:
     """The ratio of the longer side of the picture to the other."""
     extent = _extent(drawing)
     width, height = extent.right - extent.left, extent.bottom - extent.top
