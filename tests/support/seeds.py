@@ -1,4 +1,4 @@
-"""Seeds of random examples: a quarter of them are the same at each run, the others are drawn from the commit.
+"""Seeds of random examples: a quarter of the named ones at each run, and some that are drawn from the commit.
 
 A failure with a fresh seed is repeated by ``pytest --seed NUMBER``, with the number that the report names, whichever
 commit is checked out. ``--seed 0`` draws nothing: all seeds are those that the tests name.
@@ -42,10 +42,13 @@ def number() -> int:
 
 
 def seeds(named: Sequence[int]) -> list[int]:
-    """A quarter of some seeds, and fresh ones in place of the others."""
-    kept = -(-len(named) // 4) if number() else len(named)
+    """A quarter of some seeds, and fresh ones in place of half of the others: no commit tries the same ones again."""
+    if not number():
+        return list(named)
+    kept = -(-len(named) // 4)
+    replaced = named[kept : kept + -(-(len(named) - kept) // 2)]
     turns = range(number(), number() + Draw.times)
-    return [*named[:kept], *(seed + STRIDE * turn for turn in turns for seed in named[kept:])]
+    return [*named[:kept], *(seed + STRIDE * turn for turn in turns for seed in replaced)]
 
 
 def some(things: Sequence[T], count: int) -> list[T]:
