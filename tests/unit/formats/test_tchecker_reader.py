@@ -270,3 +270,10 @@ def test_random_vectors_of_three_events_lead_where_they_do_by_hand(seed: int) ->
     report = model.verify(*(f"E<> P.l{p} && Q.l{q} && R.l{r} && i == {i}" for p, q, r, i in states), trace=False)
     found = {state for state, verdict in zip(states, report, strict=True) if verdict.answer.value == "holds"}
     assert found == reached_by_hand(edges, vectors)
+
+
+@pytest.mark.parametrize("low", [-(2**31) - 1, -(2**32)])
+def test_numbers_fit_into_32_bits(low: int) -> None:
+    text = f"system:s\nint:1:{low}:5:0:i\nprocess:P\nlocation:P:l{{initial:}}\n"
+    with pytest.raises(InputError, match="does not fit 32 bits"):
+        load_model(Source("m.tck", text))

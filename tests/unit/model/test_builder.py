@@ -94,3 +94,9 @@ def test_an_edge_cannot_send_and_receive() -> None:
     a = process.location("A")
     with pytest.raises(ValueError, match="not both"):
         process.edge(a, a, send=c, receive=c)
+
+
+@pytest.mark.parametrize(("low", "high"), [(-(2**31) - 1, 0), (0, 2**31), (1, 0)])
+def test_a_range_fits_into_32_bits(low: int, high: int) -> None:
+    with pytest.raises(ValueError, match="n is empty, or does not fit into 32 bits"):
+        NetworkBuilder().integer("n", low, high)

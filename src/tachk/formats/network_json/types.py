@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -64,7 +65,10 @@ def type_from_json(value: Json) -> Type:
     if isinstance(value, str):
         found = _RANGE.fullmatch(value)
         if found is not None:
-            return IntType(int(found[1]), int(found[2]))
+            low, high = int(found[1]), int(found[2])
+            if not CONSTANT_LOW <= low <= high <= CONSTANT_HIGH:
+                raise ValueError(f"the range [{low}, {high}] is empty, or does not fit into 32 bits")
+            return IntType(low, high)
         return _WORDS[value]
     ((kind, parts),) = value.items()
     match kind:

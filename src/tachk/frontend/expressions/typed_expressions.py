@@ -10,7 +10,7 @@ import math
 from typing import assert_never
 
 from tachk.base.job import check_job
-from tachk.base.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
+from tachk.base.operators import CONNECTIVES, CONSTANT_HIGH, CONSTANT_LOW, PrefixOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import is_dropped, refuse_call, refuse_reference, refuse_use
@@ -127,8 +127,9 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
         case ast.NameExpression():
             return named(node, scope, context)
         case ast.IntegerLiteral(span, value):
-            if value > CONSTANT_HIGH:
-                context.error("E0605", span, f"{value} does not fit 32 bits", f"the largest integer is {CONSTANT_HIGH}")
+            if not CONSTANT_LOW <= value <= CONSTANT_HIGH:
+                limit = f"the largest integer is {CONSTANT_HIGH}, the least one {CONSTANT_LOW}"
+                context.error("E0605", span, f"{value} does not fit 32 bits", limit)
                 return None
             return Constant(value, INT if value <= INT.high else WIDE, span)
         case ast.BooleanLiteral(span, truth):
