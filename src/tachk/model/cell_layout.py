@@ -12,7 +12,19 @@ from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.base.records import dataclass
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
-from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
+from tachk.model.types import (
+    ArrayType,
+    BoolType,
+    ChannelType,
+    ClockType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    VoidType,
+    bounds,
+    leaves,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +124,15 @@ def default_value(leaf: Type) -> int:
 
 def default_cells(type_: Type) -> tuple[int, ...]:
     """The content of an uninitialised variable; clocks and channels get 0 as a placeholder."""
-    return tuple(default_value(leaf) for _, leaf in leaves(type_))
+    match type_:
+        case ArrayType():
+            return default_cells(type_.element) * type_.size
+        case RecordType():
+            return tuple(cell for _, field in type_.fields for cell in default_cells(field))
+        case VoidType():
+            return ()
+        case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():
+            return (default_value(type_),)
 
 
 def cell_range(type_: Type) -> tuple[int, int]:

@@ -19,7 +19,7 @@ from tachk.model.types import (
     ScalarType,
     Type,
     VoidType,
-    leaves,
+    kinds_of_cells,
 )
 
 WIDE = IntType(CONSTANT_LOW, CONSTANT_HIGH)
@@ -39,7 +39,7 @@ def is_bounded(type_: Type) -> TypeGuard[IntType | BoolType | ScalarType]:
 def is_data(type_: Type) -> bool:
     """Whether values of the type can be copied and compared: no clocks, channels or void inside."""
     return not isinstance(type_, VoidType) and not any(
-        isinstance(leaf, ClockType | ChannelType) for _, leaf in leaves(type_)
+        isinstance(leaf, ClockType | ChannelType) for leaf in kinds_of_cells(type_)
     )
 
 
