@@ -89,8 +89,8 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
         bounded.until = std::min(limits.until, next_note(simulator, between_rows(limits.until, order.ticks_per_unit)));
       ending = simulator.step(bounded);
       if (ending == Ending::horizon && notes) {
-        if (order.recording.actions) record.sizes.push_back(0);
         keep_values(simulator, order, record);
+        if (order.recording.actions) record.sizes.push_back(0);
         if (simulator.now() == limits.until) break;
         ending.reset();
         continue;
@@ -106,6 +106,8 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
     record.ending = Ending::fault;
     record.fault = fault.kind;
     record.position = fault.position;
+    if (order.recording.observed)  // a row is kept whole or not at all
+      record.observed.resize(record.times.size() * chances_.observed.size());
     simulator.retreat();
   }
   record.end = simulator.now();
@@ -120,18 +122,16 @@ std::size_t Simulation::cells_of_row(const Recording& recording) const {
 void Simulation::keep(Simulator& simulator, const Order& order, RunRecord& record) const {
   const Recording& recording = order.recording;
   if (!recording.actions && !recording.observed && !recording.clocks) return;
+  keep_values(simulator, order, record);
   if (recording.actions) {
     make_room(record.sizes, 1, order.look);
     record.sizes.push_back(static_cast<std::uint32_t>(simulator.edges().size()));
     make_room(record.edges, simulator.edges().size(), order.look);
     record.edges.insert(record.edges.end(), simulator.edges().begin(), simulator.edges().end());
   }
-  keep_values(simulator, order, record);
 }
 
 void Simulation::keep_values(Simulator& simulator, const Order& order, RunRecord& record) const {
-  make_room(record.times, 1, order.look);
-  record.times.push_back(simulator.now());
   if (order.recording.observed) {
     make_room(record.observed, chances_.observed.size(), order.look);
     for (const flow::Number& number : chances_.observed) {
@@ -140,6 +140,8 @@ void Simulation::keep_values(Simulator& simulator, const Order& order, RunRecord
                                                  : std::bit_cast<std::int64_t>(value));
     }
   }
+  make_room(record.times, 1, order.look);
+  record.times.push_back(simulator.now());
   if (order.recording.clocks) {
     make_room(record.clocks, static_cast<std::size_t>(program_.dimension()), order.look);
     for (int clock = 1; clock < program_.dimension(); ++clock)

@@ -15,7 +15,7 @@ from tachk.engine.options import Limits
 from tachk.formats.written_reports import validator
 from tachk.report.statistics.verifyta import statistical_lines
 from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical
-from tachk.simulation.statistics.estimate import Settings
+from tachk.simulation.statistics.estimate import DrawnRuns, Settings
 
 ROOT = Path(__file__).parents[4]
 MODEL = """
@@ -55,6 +55,24 @@ def test_what_is_not_as_expected(query: str, met: bool | None, last: str) -> Non
     assert report.estimates["p"].met is met
     assert report.met is met
     assert report.to_text().splitlines()[-1] == last
+
+
+@pytest.mark.parametrize(("divisor", "last"), [(5, 4), (3, 2), (1, None)])
+def test_a_recorded_run_ends_before_the_state_that_cannot_be_evaluated(divisor: int, last: int | None) -> None:
+    """A state is recorded with all its values or not at all, the initial one too."""
+    model = tachk.loads(
+        "int[0, 100] n = 1;\n"
+        "process P() { clock x; init location a { invariant x <= 2; to a { guard x >= 1; assign n++, x = 0; } } }\n"
+        f"system P; property p : simulate [<=20; 1] {{n, 10 / (n - {divisor}), n}};"
+    )
+    report = model.verify()
+    found = report.estimates["p"].found
+    assert isinstance(found, DrawnRuns)
+    (run,) = found.runs
+    assert run.ending.value == "run-time error"
+    first, _, third = (list(line.values) for line in run.lines)
+    assert first == third
+    assert (first[-1] if first else None) == last
 
 
 def test_a_run_time_error_is_never_as_expected() -> None:
