@@ -159,7 +159,7 @@ def help_text(program: str) -> str:
         "the command line and the output of UPPAAL's verifyta. The answers are tachk's.",
         "",
         "Exit status: 0 every query has an answer; 2 wrong input, 3 a query or the model is not supported, 20 a",
-        "search stopped at a limit. The status of `tachk verify` tells the answers too.",
+        "search stopped at a limit. The status of `tachk verify` also gives the answers.",
         "",
         "Options:",
     ]

@@ -62,7 +62,7 @@ from tachk.xrce.proxy.recording import CaptureWriter
 )
 @click.option("record", "--record", metavar="FILE", type=options.type_of_file, help="Write the packets to a capture.")
 def command(**given: Any) -> None:
-    """Let processes of a model take part in a real session of DDS-XRCE by UDP, as time passes.
+    """Run processes of a model as a client or an Agent in a real session of DDS-XRCE, over UDP.
 
     \b
     tachk bridge publication.ta --process application --process publisher --to 127.0.0.1:8888

@@ -65,7 +65,7 @@ from tachk.xrce.transmissions import read_transmissions
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Draw who sent what to whom, and what was lost.
+    """Draw a sequence chart: who sent which message to whom, and which were lost.
 
     FILE is a pcap or pcapng capture of DDS-XRCE, or a report with runs: tachk verify MODEL --trace some --format json.
     """

@@ -1,4 +1,4 @@
-"""`tachk conform`: ask whether recordings are runs of a model."""
+"""`tachk conform`: check if recordings are runs of a model."""
 
 from __future__ import annotations
 
@@ -71,12 +71,12 @@ from tachk.report.conformance.text import conformance_to_text, coverage_to_text
     help="How much to explain about a recording that does not conform. none: nothing; short: where it leaves the model,"
     " and an edit that would make it a run if one is found in a few seconds; full: try all edits near that place.",
 )
-@click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
+@click.option("--coverage", is_flag=True, help="Also report which edges of the model the runs that were found take.")
 @options.max_states()
 @options.max_seconds()
 @options.report("text", "json")
 def command(seconds: float | None, **given: Any) -> None:
-    """Ask whether recordings of the real system are runs of a model.
+    """Check if recordings of the real system are runs of a model.
 
     Exit status: 0 all are, 10 one is not, 20 one is undecided because a limit was hit, 2 bad input.
     """

@@ -43,7 +43,7 @@ from tachk.recordings.traces.conventions import TraceEnding
     type=options.Choice(TraceEnding),
     default=TraceEnding.UNDETERMINED.value,
     show_default=True,
-    help="With strong, what is open at the end of a trace counts as violated, else as satisfied.",
+    help="With strong, an obligation open at the end of a trace counts as violated, else as satisfied.",
 )
 @options.max_seconds()
 @options.report("text", "json")

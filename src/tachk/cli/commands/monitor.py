@@ -127,7 +127,7 @@ def _reader() -> Callable[[int], bytes | None]:
     is_flag=True,
     help="Also compute how far each column can at least be shifted in time without changing a verdict.",
 )
-@click.option("--all-violations", is_flag=True, help="Tell all violations, not only the first of each formula.")
+@click.option("--all-violations", is_flag=True, help="Report all violations, not only the first of each formula.")
 @click.option(
     "--signals",
     metavar="FILE",

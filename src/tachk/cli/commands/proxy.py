@@ -63,9 +63,9 @@ def command(**given: Any) -> None:
 
     A rule says drop, delay or duplicate, which packets, and how long: drop the 2nd ACKNACK agent->client;
     delay DATA 5 by 500 ms; delay ACKNACK 8 until ACKNACK 9; duplicate CREATE_CLIENT after 1 s; drop 20 % of packets.
-    docs/real_system.md tells all forms.
+    docs/real_system.md lists all forms.
 
-    Ends with Ctrl-C, SIGTERM or --idle, and then tells how often each rule applied. The exit status is 10 if a rule
+    Ends with Ctrl-C, SIGTERM or --idle, and then prints how often each rule applied. The exit status is 10 if a rule
     never did, unless it has a share.
     """
 

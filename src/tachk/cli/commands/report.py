@@ -46,7 +46,7 @@ from tachk.verify.verdict import Answer
     help="Check only this property; several can be given.",
 )
 @options.definitions
-@click.option("title", "--title", metavar="TEXT", help="The title; without it the name of what is named first.")
+@click.option("title", "--title", metavar="TEXT", help="The title; without it the name of the first file.")
 @click.option(
     "output", "-o", "--output", metavar="FILE.html", type=options.type_of_file, required=True, help="The page."
 )
@@ -54,7 +54,7 @@ from tachk.verify.verdict import Answer
 @options.max_memory
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Write one HTML file about a model and about results, which needs no other file and no network.
+    """Write one HTML file with verdicts, runs and pictures, which needs no other file and no network.
 
     MODEL is checked. The page has every answer with the run behind it, as a chart, in words, and to step through with
     the automata beside it, and what is needed to repeat it. Exit status: as of `tachk verify`.

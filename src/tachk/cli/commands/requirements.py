@@ -119,7 +119,7 @@ def to_json(analysis: RequirementAnalysis, named: tuple[NamedFormula, ...], unit
 @options.max_seconds("Stop each search after this time; what it was to find out is then not known.")
 def command(file: str, form: str, output: Path | None, seconds: float | None, definitions: tuple[str, ...]) -> None:
     """Examine requirements before there is a model: can all be satisfied, can two deadlines collide, does one follow
-    from others, does what one speaks of never happen?
+    from others, is a trigger impossible?
 
     Exit status: 0 nothing was found, 10 something was, 20 a question has no answer.
     """

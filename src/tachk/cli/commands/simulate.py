@@ -139,7 +139,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Draw random runs of a model: every process draws how long it waits, and the first one acts.
+    """Draw random runs of a model: each process draws its waiting time, and the first one acts.
 
     Exit status: 0 the runs were drawn and violate no formula, 10 some do or end with a run-time error, 20 some formula
     is undetermined and none is false, 2 bad input, 3 something that is not simulated.

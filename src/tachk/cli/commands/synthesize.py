@@ -59,7 +59,7 @@ from tachk.verify.verdict import Answer
 )
 @click.option("every_corner", "--all-corners", is_flag=True, help="List every corner of the border.")
 @options.max_states("; its values are unknown then")
-@options.max_seconds("Stop after this time, which all searches share. What is not known by then is unknown.")
+@options.max_seconds("Stop after this time, which all searches share. Cells without an answer by then are unknown.")
 @options.max_memory
 @click.option(
     "infer",

@@ -160,7 +160,7 @@ _DEFAULT = Options()
     type=options.Choice(LocalTimes),
     default=_DEFAULT.local_times.value,
     show_default=True,
-    help="Let each process have a time of its own, so that independent transitions need not be told apart by their "
+    help="Let each process have a time of its own, so that independent transitions need not be put in an "
     "order, where that is sound. auto: where it seems to save many states. No effect with --trace shortest or "
     "--max-depth.",
 )
