@@ -91,7 +91,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
-    """Loads what is asked for when it is first needed, so that ``tachk --version`` need not wait for it."""
+    """Loads a name of the package when it is first used, so that ``tachk --version`` need not wait for it."""
     if name in __all__:
         return getattr(import_module(_HOMES.get(name, "tachk.api.model")), name)
     raise AttributeError(f"module 'tachk' has no attribute {name!r}")

@@ -39,6 +39,6 @@ def separate_plugin(use: str) -> Any:
 
 
 def load_object(row: str) -> Any:
-    """What a row names, such as ``tachk.formats.dot:to_dot``."""
+    """The object that a row names, such as ``tachk.formats.dot:to_dot``."""
     module, _, name = row.partition(":")
     return getattr(import_module(module), name)

@@ -19,7 +19,7 @@ from tachk.report.run_formats import Presentation, report_writer
 
 @dataclass(frozen=True, slots=True)
 class RunReporting(Reporting):
-    """How answers are reported.
+    """Options for the report of answers.
 
     Attributes:
         trace: the runs that are given as evidence; None: some, of unexpected answers only.

@@ -36,7 +36,7 @@ class VerifytaOptions:
     epsilon: half the width of the interval of a probability.
     below, above: how far from the probability of a test the region in which both answers are right begins and ends.
     bar_width, bar_count: of the histograms of statistical queries.
-    notes: what was asked for and has no effect.
+    notes: options that were given and have no effect.
     """
 
     model: str = ""

@@ -21,7 +21,7 @@ ZONES_IN_A_BLOCK = 4096
 _TURN = 256
 """The number of states that a search explores before it is the turn of the other one."""
 _AGAIN = 2
-"""When one search has ended, the other one may go on until it has explored this many times as many states, or stores
+"""After one search has ended, the other one may go on until it has explored this many times as many states, or stores
 this many times as many zones as the cover that was found."""
 _SHORT = 10_000
 """So many states a search may explore in any case."""

@@ -194,7 +194,7 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """When to give up; None means no limit.
+    """The limits of a search; None means no limit.
 
     Attributes:
         states: stored states.

@@ -313,7 +313,7 @@ def _check_all(
 def _written(
     request: VerifyArguments, model: api.Model, record: RunRecord, options: Options, limits: Limits
 ) -> Iterable[ExitStatus]:
-    """Writes the chart and the proofs that were asked for."""
+    """Writes the requested chart and proofs."""
     if request.chart is not None:
         from tachk.cli.run_chart import write_run_chart
 

@@ -49,8 +49,8 @@ class Side:
         owner: whose packets they are.
         session: as the client says in the headers of its messages; None before it has said one.
         heard: when the client sent something last.
-        asked: since when it owes an answer to what was sent to it; None if to nothing. While it is awake it is noted
-            only where arrivals are seen.
+        owing_since: the time since which it owes an answer to a message; None: it owes none. While it is awake it is
+            noted only where arrivals are seen.
         asked_by: the packet that did so.
         asleep: the client has been silent for long, or has owed an answer for long.
         disturbed: something was sent to it while asleep, and it has not answered.
