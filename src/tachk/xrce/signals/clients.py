@@ -51,7 +51,7 @@ class Side:
         heard: when the client sent something last.
         owing_since: the time since which it owes an answer to a message; None: it owes none. While it is awake it is
             noted only where arrivals are seen.
-        asked_by: the packet that did so.
+        owing_packet: the number of the packet to answer.
         asleep: the client has been silent for long, or has owed an answer for long.
         disturbed: something was sent to it while asleep, and it has not answered.
         ended: it has closed its session.
