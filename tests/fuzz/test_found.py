@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
+from tachk.base.awaited_pipe import GrowingFile
 from tachk.base.job import OutOfTimeError, limited
 from tachk.cli.main import app
 from tachk.meaning.judge.certificate import MAGIC, encoded
 from tachk.recordings.traces.trace_header import read_header
-from tachk.xrce.traces.arriving import GrowingFile
 from tests.fuzz.samples import DIMMER, LAMP, RULES, SMALL
 from tests.unit.xrce.proxy.test_counterexample import STALE
 

@@ -1,13 +1,18 @@
-"""Pipes that are read without waiting for longer than a moment, so that limits on time hold while nothing comes."""
+"""Pipes and growing files, read without waiting for longer than a moment: limits on time hold while nothing comes."""
 
 from __future__ import annotations
 
 import os
 import select
 import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
 from queue import Empty, Queue
 from threading import Thread
 from typing import Final, Protocol
+
+from tachk.base.job import check_job
 
 PATIENCE: Final = 0.2
 """Seconds after which nothing has come for a while."""
@@ -68,3 +73,68 @@ class PipeByThread:
             except OSError:
                 piece = b""
             self._pieces.put(piece)
+
+
+class GrowingFile:
+    """A file to which somebody writes; it has no end."""
+
+    def __init__(self, path: Path, sleep: Callable[[float], None] = lambda seconds: time.sleep(seconds)) -> None:
+        self._stream = path.open("rb")
+        self._sleep = sleep
+
+    def read1(self, size: int, /) -> bytes | None:
+        """The bytes that have come; None if nothing has come for a while."""
+        check_job()
+        octets = self._stream.read(size)
+        if not octets:
+            self._sleep(PATIENCE)
+        return octets or None
+
+    def close(self) -> None:
+        self._stream.close()
+
+
+class AwaitedStream:
+    """The bytes of what is read without waiting for long. Reading waits, and raises OutOfTimeError where nothing comes
+    before the time is over."""
+
+    def __init__(self, read1: Callable[[int], bytes | None], close: Callable[[], None] = lambda: None) -> None:
+        self._read1 = read1
+        self.close = close
+        self._come = b""
+        self._at = 0
+        self._ended = False
+
+    def begins_dump(self) -> bool:
+        """Whether it begins as a value change dump does, with a keyword such as ``$date``."""
+        while not self._come.strip() and self._take():
+            pass
+        return self._come.lstrip().startswith(b"$")
+
+    def readline(self, size: int = -1, /) -> bytes:
+        pieces = []
+        room = size if size >= 0 else sys.maxsize
+        while room > 0 and (self._at < len(self._come) or self._take()):
+            end = self._come.find(b"\n", self._at, self._at + room) + 1
+            pieces.append(self.read1(end - self._at if end else room))
+            room -= len(pieces[-1])
+            if end:
+                break
+        return b"".join(pieces)
+
+    def read1(self, size: int = -1, /) -> bytes:
+        if self._at == len(self._come):
+            self._take()
+        start, self._at = self._at, len(self._come) if size < 0 else min(self._at + size, len(self._come))
+        return self._come[start : self._at]
+
+    def _take(self) -> bool:
+        """Adds what comes next; False at the end."""
+        while not self._ended:
+            check_job()
+            piece = self._read1(_PIECE)
+            if piece is not None:
+                self._come, self._at = self._come[self._at :] + piece, 0
+                self._ended = not piece
+                return not self._ended
+        return False

@@ -11,9 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TextIO
 
-from tachk.base.awaited_pipe import PATIENCE
+from tachk.base.awaited_pipe import AwaitedStream, GrowingFile
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.job import StoppedError, check_job
+from tachk.base.job import StoppedError
 from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting, ViolationReporting
@@ -33,7 +33,7 @@ from tachk.recordings.traces.trace_csv import CsvRecording, PushedBack, open_csv
 from tachk.recordings.traces.trace_files import JSON_LINES, is_csv
 from tachk.report.monitor.event_lines import end_event, verdict_event, violation_event
 from tachk.report.monitor.online_report import decided_to_text, online_to_json, online_to_text, violation_to_text
-from tachk.xrce.traces.arriving import GrowingFile, Pipe
+from tachk.xrce.traces.arriving import Pipe
 from tachk.xrce.traces.live import LivePackets, needs_hindsight
 
 
@@ -155,34 +155,6 @@ _ONLINE_REPORTS = {"text": TextOnlineReport, "json": JsonOnlineReport, "jsonl": 
 """By the formats of reports that can be written while a trace is recorded."""
 
 
-class _AwaitedFile:
-    """A file read beyond its end: whoever reads waits for more, until the time is over."""
-
-    def __init__(self, path: Path) -> None:
-        self._stream = path.open("rb")
-        self._line = b""
-
-    def readline(self, size: int = -1, /) -> bytes:
-        while True:
-            self._line += self._stream.readline(size)
-            if self._line.endswith(b"\n"):
-                line, self._line = self._line, b""
-                return line
-            check_job()
-            time.sleep(PATIENCE)
-
-    def read1(self, size: int = -1, /) -> bytes:
-        while True:
-            piece = self._stream.read1(size)
-            if piece:
-                return piece
-            check_job()
-            time.sleep(PATIENCE)
-
-    def close(self) -> None:
-        self._stream.close()
-
-
 def run_online(
     arguments: TraceArguments,
     formulas: tuple[NamedFormula, ...],
@@ -268,9 +240,14 @@ def _open(
     if rows.follow and is_compressed(path):
         raise UsageError(f"{path}: a compressed file cannot be followed", "leave out --follow")
     if not lines:
-        return open_csv_stream(_AwaitedFile(path), str(path), arguments.time, arguments.unit)
-    growing: ByteStream = _AwaitedFile(path) if rows.follow else open_bytes(path)
+        return open_csv_stream(_followed(path), str(path), arguments.time, arguments.unit)
+    growing: ByteStream = _followed(path) if rows.follow else open_bytes(path)
     return JsonStream(str(path), growing, arguments.time, arguments.unit, growing.readline())
+
+
+def _followed(path: Path) -> AwaitedStream:
+    file = GrowingFile(path)
+    return AwaitedStream(file.read1, file.close)
 
 
 def _fed(

@@ -24,7 +24,6 @@ from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_framing import FrameReader
 from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.signals.following import VANISHED, SignalTracker
-from tachk.xrce.traces import arriving
 from tachk.xrce.traces.live import LivePackets
 from tests.unit.xrce.captures import RECORDED, needs_recorded
 from tests.unit.xrce.test_properties_on_packets import BOTH_SIDES, QUERIES, Talk, acknack, created, data, write
@@ -180,8 +179,8 @@ def test_a_growing_file_has_nothing_for_a_while(tmp_path: Path):
     path = tmp_path / "growing.pcap"
     path.write_bytes(b"ab")
     waited: list[float] = []
-    stream = arriving.GrowingFile(path, waited.append)
-    assert (stream.read1(10), stream.read1(10), waited) == (b"ab", None, [arriving.PATIENCE])
+    stream = awaited_pipe.GrowingFile(path, waited.append)
+    assert (stream.read1(10), stream.read1(10), waited) == (b"ab", None, [awaited_pipe.PATIENCE])
     with path.open("ab") as more:
         more.write(b"c")
     assert stream.read1(10) == b"c"

@@ -13,9 +13,8 @@ from typing import Any
 
 import click
 
-from tachk.base.awaited_pipe import awaited_pipe
+from tachk.base.awaited_pipe import AwaitedStream, awaited_pipe
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.job import check_job
 from tachk.base.whole_files import whole_text
 from tachk.cli import options, trace_options
 from tachk.cli.destination import destination
@@ -30,62 +29,9 @@ from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.report.monitor.formats import MONITOR_FORMATS, write_monitor
 
-_PIECE = 1 << 16
-
-
-class StandardInput:
-    """A stream of bytes. Reading raises OutOfTimeError where nothing comes before the time is over."""
-
-    def __init__(self) -> None:
-        self._read1 = _reader()
-        self._waiting = b""
-        self._ended = False
-
-    def begins_dump(self) -> bool:
-        """Whether it begins as a value change dump does, with a keyword such as ``$date``."""
-        while not self._waiting.strip() and self._take():
-            pass
-        return self._waiting.lstrip().startswith(b"$")
-
-    def readline(self, size: int = -1, /) -> bytes:
-        pieces = [self._waiting]
-        length = len(self._waiting)
-        while b"\n" not in pieces[-1] and not 0 <= size <= length:
-            self._waiting = b""
-            if not self._take():
-                break
-            pieces.append(self._waiting)
-            length += len(self._waiting)
-        whole = b"".join(pieces)
-        end = whole.find(b"\n") + 1 or len(whole)
-        end = min(end, size) if size >= 0 else end
-        line, self._waiting = whole[:end], whole[end:]
-        return line
-
-    def read1(self, size: int = -1, /) -> bytes:
-        if not self._waiting:
-            self._take()
-        size = size if size >= 0 else len(self._waiting)
-        piece, self._waiting = self._waiting[:size], self._waiting[size:]
-        return piece
-
-    def close(self) -> None:
-        """It belongs to the program."""
-
-    def _take(self) -> bool:
-        """Adds what comes next; False at the end."""
-        while not self._ended:
-            check_job()
-            piece = self._read1(_PIECE)
-            if piece is not None:
-                self._waiting += piece
-                self._ended = not piece
-                return not self._ended
-        return False
-
 
 @contextmanager
-def dump_in_a_file(stream: StandardInput) -> Iterator[str]:
+def dump_in_a_file(stream: AwaitedStream) -> Iterator[str]:
     """Reads standard input to its end; gives the path of a file that has it, as long as it is used."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "standard_input.vcd"
@@ -160,7 +106,7 @@ def run_monitor(
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = arguments.formulas()
-    stream = StandardInput() if arguments.trace == "-" and not arguments.others and not rows.live else None
+    stream = AwaitedStream(_reader()) if arguments.trace == "-" and not arguments.others and not rows.live else None
     if stream is not None and stream.begins_dump():
         with dump_in_a_file(stream) as path:
             return run_monitor(

@@ -1,12 +1,8 @@
-"""Bytes of a capture as they come, until the time is over: from a pipe, or from a file that grows."""
+"""Bytes of a capture as they come through a pipe, until the time is over."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from pathlib import Path
-
-from tachk.base.awaited_pipe import PATIENCE, awaited_pipe
+from tachk.base.awaited_pipe import awaited_pipe
 from tachk.base.job import check_job
 
 
@@ -23,22 +19,3 @@ class Pipe:
 
     def close(self) -> None:
         """It belongs to whoever opened it."""
-
-
-class GrowingFile:
-    """A file to which somebody writes; it has no end."""
-
-    def __init__(self, path: Path, sleep: Callable[[float], None] = time.sleep) -> None:
-        self._stream = path.open("rb")
-        self._sleep = sleep
-
-    def read1(self, size: int, /) -> bytes | None:
-        """The bytes that have come; None if nothing has come for a while."""
-        check_job()
-        octets = self._stream.read(size)
-        if not octets:
-            self._sleep(PATIENCE)
-        return octets or None
-
-    def close(self) -> None:
-        self._stream.close()
