@@ -9,7 +9,7 @@ import pytest
 
 import tachk
 from tachk.engine.compiler.lower import lower
-from tachk.engine.options import LocalTimes, Options, SearchOrder
+from tachk.engine.options import Options, SearchOrder
 from tachk.engine.outcome import Status
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
@@ -24,8 +24,8 @@ from tests.support.seeds import enough, seeds
 
 EFFORT = Effort(reference=300, sampled=0, unrolled=8)
 VARIANTS = (
-    Options(partial_order=True, local_times=LocalTimes.NEVER),
-    Options(partial_order=True, local_times=LocalTimes.NEVER, order=SearchOrder.DFS, subsumption=False),
+    Options(partial_order=True).off("local-times"),
+    Options(partial_order=True, order=SearchOrder.DFS, subsumption=False).off("local-times"),
 )
 SHAPES = (
     Shape(hurried=0.8, clocks=1, deadlocks=False),
@@ -84,7 +84,7 @@ def without(name: str) -> Options:
         "subsumption": replace(BY_DEFAULT, subsumption=False),
         "alu": BY_DEFAULT.off("alu"),
         "merging": BY_DEFAULT.off("merging"),
-        "local times": replace(BY_DEFAULT, local_times=LocalTimes.NEVER),
+        "local times": BY_DEFAULT.off("local-times"),
         "cone of influence": BY_DEFAULT.off("cone"),
         "without what only blocks": BY_DEFAULT.off("unblocked", "sliced"),
         "symmetry": BY_DEFAULT.off("symmetry"),

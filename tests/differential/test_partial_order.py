@@ -9,14 +9,14 @@ import pytest
 
 import tachk
 from tachk.engine.compiler.lower import lower
-from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import Outcome, Status
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.oracles import reference
 from tests.support.seeds import seeds
 
-ON = Options(partial_order=True, local_times=LocalTimes.NEVER)
+ON = Options(partial_order=True).off("local-times")
 SHAPES = (
     Shape(groups=2, hurried=0.6, clocks=2, processes=2, locations=3, deadlocks=False),
     Shape(groups=3, hurried=0.7, clocks=1, processes=1, deadlocks=False),

@@ -8,13 +8,13 @@ from random import Random
 import tachk
 from tachk.base.resources import data_root
 from tachk.engine.compiler.lower import lower
-from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.engine.outcome import Outcome
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.seeds import enough, seeds
 
-WHOLE = Options(rows_after=2**32 - 1, local_times=LocalTimes.NEVER)
+WHOLE = Options(rows_after=2**32 - 1).off("local-times")
 SHAPES = (
     Shape(groups=2, clocks=3, processes=3, locations=4),
     Shape(groups=2, clocks=2, processes=2, locations=4, diagonals=True),
@@ -50,7 +50,7 @@ def test_random_networks() -> None:
 
 def bytes_a_state(model: str, query: str, size: int, options: Options) -> float:
     loaded = tachk.load(data_root() / "models" / "classics" / model, N=size)
-    (verdict,) = loaded.verify(query, options=replace(options.off("symmetry"), local_times=LocalTimes.NEVER))
+    (verdict,) = loaded.verify(query, options=options.off("symmetry", "local-times"))
     return verdict.statistics.peak_bytes / verdict.statistics.states_stored
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import ProgramEdge
-from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.zone import explore, leads_to
 from tachk.model.expressions import Expression
@@ -45,7 +45,7 @@ def explore_along(
     statistics = Statistics()
     reason = ""
     for order in _ORDERS:
-        searching = replace(options, order=order, local_times=LocalTimes.NEVER)
+        searching = replace(options.off("local-times"), order=order)
         outcome = explore(program, goals, searching, limits)
         statistics = statistics.then(outcome.statistics)
         reason = outcome.reason

@@ -46,7 +46,7 @@ def begin(
         ordinary: a search of the same that has not run; it may have explored some states behind this.
     """
     counts_steps = options.shortest or limits.depth is not None
-    if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
+    if counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
     samples = options.local_times is LocalTimes.AUTO
     if samples and _explore_sample(ordinary) is not _core.Status.RUNNING:

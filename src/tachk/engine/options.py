@@ -75,7 +75,6 @@ class LocalTimes(StrEnum):
     AUTO = "auto"
     """If the first states show that it saves many."""
     ALWAYS = "always"
-    NEVER = "never"
 
 
 LARGEST_SEED = 2**32 - 1

@@ -221,7 +221,10 @@ def _found(strategy: Strategy, problem: Problem) -> Findings:
             found = strategy.run(problem)
     except StoppedError as stopped:
         found = Findings(none_begun(problem.tasks, stopped.reason))
-    named = {number: replace(verdict, strategy=strategy.name) for number, verdict in found.verdicts.items()}
+    named = {
+        number: verdict if verdict.answer is Answer.UNKNOWN else replace(verdict, strategy=strategy.name)
+        for number, verdict in found.verdicts.items()
+    }
     return replace(found, verdicts=named)
 
 

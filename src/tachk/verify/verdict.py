@@ -77,7 +77,7 @@ class Verdict:
     notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
     moves: what the observer of a temporal property did along the trace, which is that of the model alone.
     path: the transitions of the run with those of the observer, where there is a trace.
-    strategy: the name of the one that decided it (`tachk.verify.strategies`); empty where none did.
+    strategy: the name of the one that decided it (`tachk.verify.strategies`); empty where none did, as for UNKNOWN.
     """
 
     query: Query

@@ -30,15 +30,15 @@ from tests.support.symmetric.counted import random_counted_case
 from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
 
-NO_REDUCTION = Options(order=SearchOrder.BFS, subsumption=False, local_times=LocalTimes.NEVER).off(
-    "unblocked", "sliced", "alu", "merging", "cone", "symmetry", "attempts"
+NO_REDUCTION = Options(order=SearchOrder.BFS, subsumption=False).off(
+    "local-times", "unblocked", "sliced", "alu", "merging", "cone", "symmetry", "attempts"
 )
 BY_DEFAULT = Options()
 ALONE: Mapping[str, Options] = {
     "subsumption": replace(NO_REDUCTION, subsumption=True),
     "alu": replace(NO_REDUCTION.on("alu"), subsumption=True),
     "merging": replace(NO_REDUCTION.on("merging"), subsumption=True),
-    "local times": replace(NO_REDUCTION, local_times=LocalTimes.ALWAYS),
+    "local times": replace(NO_REDUCTION.on("local-times"), local_times=LocalTimes.ALWAYS),
     "partial order": replace(NO_REDUCTION, partial_order=True),
     "cone of influence": NO_REDUCTION.on("cone"),
     "without what only blocks": NO_REDUCTION.on("unblocked", "sliced"),

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 import tachk
 from tachk.base.resources import data_root
-from tachk.engine.options import Extrapolation, LocalTimes, Options
+from tachk.engine.options import Extrapolation, Options
 from tests.support.strategies import switched
 
 MODEL = data_root() / "models" / "classics" / "single_sign_on.ta"
 
 
 def stored(query: str, alu: bool, options: Options = Options()) -> tuple[str, int]:
-    chosen = replace(switched(options.off("merging", "symmetry"), alu, "alu"), local_times=LocalTimes.NEVER)
+    chosen = switched(options.off("merging", "symmetry", "local-times"), alu, "alu")
     (verdict,) = tachk.load(MODEL).verify(query, options=chosen, trace=False).record.verdicts
     return verdict.answer.value, verdict.statistics.states_stored
 

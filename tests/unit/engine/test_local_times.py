@@ -12,7 +12,8 @@ from tachk.engine.options import LocalTimes, Options
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer
 
-ALWAYS, NEVER = (Options(local_times=each).off("unblocked", "sliced") for each in (LocalTimes.ALWAYS, LocalTimes.NEVER))
+ALWAYS = Options(local_times=LocalTimes.ALWAYS).off("unblocked", "sliced")
+NEVER = Options().off("unblocked", "sliced", "local-times")
 
 LATE = "process Q() {{ clock y; init location A {{ invariant y <= 5; to B {{ guard y >= 4; {} }} }} location B {{}} }}"
 """A process that does something at time 4 or 5."""

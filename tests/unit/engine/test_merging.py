@@ -9,7 +9,7 @@ import pytest
 
 import tachk
 from tachk.base.resources import data_root
-from tachk.engine.options import Extrapolation, LocalTimes, Options, SearchOrder
+from tachk.engine.options import Extrapolation, Options, SearchOrder
 from tachk.verify.verdict import Verdict
 from tests.support.strategies import switched
 
@@ -46,7 +46,7 @@ def verdict(model: tachk.Model, query: str, options: Options) -> Verdict:
 
 
 def options(merging: bool, order: SearchOrder = SearchOrder.AUTO) -> Options:
-    return switched(Options(order=order, local_times=LocalTimes.NEVER).off("symmetry"), merging, "merging")
+    return switched(Options(order=order).off("symmetry", "local-times"), merging, "merging")
 
 
 @pytest.fixture

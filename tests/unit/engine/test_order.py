@@ -7,14 +7,14 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.resources import data_root
-from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import Statistics
 
 
 def searched(model: str, name: str, order: SearchOrder, limits: Limits | None = None, **constants: int) -> Statistics:
     report = tachk.load(data_root() / "models" / "classics" / model, **constants).verify(
         property=name,
-        options=Options(order=order, local_times=LocalTimes.NEVER).off("symmetry"),
+        options=Options(order=order).off("symmetry", "local-times"),
         limits=limits,
         trace=False,
     )

@@ -13,7 +13,7 @@ import tachk
 from tachk import _core
 from tachk.engine import portfolio
 from tachk.engine.compiler.program import Goal, Program
-from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.portfolio import SearchProblem
 from tachk.engine.program_image import encode
@@ -40,7 +40,7 @@ STORED = 20_000
 """So many states are stored before the first attempt."""
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
-ALL_STATES = Options(local_times=LocalTimes.NEVER).off("unblocked", "sliced", "symmetry")
+ALL_STATES = Options().off("unblocked", "sliced", "symmetry", "local-times")
 
 
 def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = None) -> Verdict:
@@ -237,5 +237,5 @@ def test_each_search_can_be_switched_off(name: str, monkeypatch: pytest.MonkeyPa
     with_search_budgets(monkeypatch, after=100)
     for strategy in portfolio.PORTFOLIO:
         with_search_budgets(monkeypatch, strategy.name, begin=lambda problem, own=strategy.name: begun.append(own))
-    assert verdict(REACHED, replace(ALL_STATES, local_times=LocalTimes.AUTO).off(name), Limits(states=300)).reason
+    assert verdict(REACHED, Options().off("unblocked", "sliced", "symmetry", name), Limits(states=300)).reason
     assert begun == [other for other in ("local-times", "one-order", "probe") if other != name]

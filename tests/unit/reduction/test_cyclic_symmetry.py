@@ -126,7 +126,7 @@ def test_a_ring_of_a_prime_number_divides_what_is_stored() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "dining_philosophers.ta", N=5)
     stored = []
     for symmetry in (True, False):
-        options = switched(Options(local_times=LocalTimes.NEVER).off("merging"), symmetry, "symmetry")
+        options = switched(Options().off("merging", "local-times"), symmetry, "symmetry")
         (verdict,) = model.verify(property="neighbours", options=options)
         assert verdict.answer.value == "holds"
         stored.append(verdict.statistics.states_stored)
@@ -187,7 +187,7 @@ def test_clocks_of_two_neighbours_keep_their_places_over_local_times() -> None:
     model = tachk.loads(text)
     assert ring_sizes(text=text) == [3]
     (local,) = model.verify(options=Options(local_times=LocalTimes.ALWAYS))
-    (plain,) = model.verify(options=Options(local_times=LocalTimes.NEVER).off("symmetry"))
+    (plain,) = model.verify(options=Options().off("symmetry", "local-times"))
     assert local.answer == plain.answer
     assert local.statistics.local_times
     assert not plain.statistics.local_times

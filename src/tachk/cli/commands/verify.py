@@ -160,9 +160,9 @@ _DEFAULT = Options()
     type=options.Choice(LocalTimes),
     default=_DEFAULT.local_times.value,
     show_default=True,
-    help="Let each process have a time of its own, so that independent transitions need not be put in an "
-    "order, where that is sound. auto: where it seems to save many states. No effect with --trace shortest or "
-    "--max-depth.",
+    help="Let each process have a time of its own, so that independent transitions need not be put in an order, where "
+    "that is sound. auto: where it seems to save many states; --without local-times: nowhere. No effect with "
+    "--trace shortest or --max-depth.",
 )
 @click.option(
     "--partial-order",
