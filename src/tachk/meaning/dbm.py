@@ -233,14 +233,14 @@ def free(zone: Zone, clock: int) -> Zone:
 
 def undo_assign(zone: Zone, values: ClockValues) -> Zone | None:
     """The valuations that are in the zone after clocks are set."""
-    n = zone.dimension
-    become = _become(n, values)
-    bounds = list(universe(n).bounds)
-    for i, j, raw in zone.constraints():
-        (of_i, more), (of_j, less) = become[i], become[j]
-        here = of_i * n + of_j
-        bounds[here] = min(bounds[here], add(raw, raw_bound(less - more, strict=False)))
-    return close(n, bounds)
+    become = _become(zone.dimension, values)
+
+    def before() -> Iterator[Constraint]:
+        for i, j, raw in zone.constraints():
+            (of_i, more), (of_j, less) = become[i], become[j]
+            yield of_i, of_j, add(raw, raw_bound(less - more, strict=False))
+
+    return constrain_all(universe(zone.dimension), before())
 
 
 def includes(outer: Zone, inner: Zone) -> bool:
