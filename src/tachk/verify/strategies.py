@@ -7,68 +7,50 @@ answers, if the limits allow it; those before save states.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
-from types import ModuleType
-from typing import assert_never
+from typing import assert_never, cast
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import closest
 from tachk.base.job import StoppedError, current_job, limited
+from tachk.base.plugins import load_object
 from tachk.engine.options import REDUCTIONS, Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.portfolio import PORTFOLIO
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.transform.observed import observed
 from tachk.transform.transformation import Exactness
-from tachk.verify.over_approximations import abstracted, symmetrised, unblocked
 from tachk.verify.plan import Search
-from tachk.verify.reachability import along_path, depth_first, equal_parts, explored, few_states, first_states
+from tachk.verify.reachability import equal_parts
 from tachk.verify.strategy import Findings, Problem, Strategy, agreed, decided
 from tachk.verify.verdict import Answer, Verdict, none_begun
 
 _FEW, _FEW_DIVERGING, _SOME, _MANY = 1_000, 2_000, 20_000, 1_000_000
 
 
-def _later(
-    load: Callable[[], ModuleType], function: Callable[[ModuleType], Callable[[Problem], Findings]]
-) -> Callable[[Problem], Findings]:
-    """A function of a module that is loaded when the function is called first."""
-    return lambda problem: function(load())(problem)
-
-
-def _smt() -> ModuleType:
-    from tachk.verify import smt
-
-    return smt
-
-
-def _liveness() -> ModuleType:
-    from tachk.verify import liveness
-
-    return liveness
-
-
-def _extremes() -> ModuleType:
-    from tachk.verify import extremes
-
-    return extremes
+def _named(row: str) -> Callable[[Problem], Findings]:
+    """A function, ``module:function``, whose module is loaded when the strategy is tried first."""
+    return lambda problem: cast("Findings", load_object(row)(problem))
 
 
 REACHABILITY = (
     Strategy(
         "unblocked",
         "search without the processes that can only block others",
-        unblocked,
+        _named("tachk.verify.over_approximations:unblocked"),
         Exactness.UNREACHABLE,
         states=_MANY,
         share=0.5,
     ),
     Strategy(
-        "along-path", "search along the path that was found without these processes", along_path, Exactness.REACHABLE
+        "along-path",
+        "search along the path that was found without these processes",
+        _named("tachk.verify.reachability:along_path"),
+        Exactness.REACHABLE,
     ),
     Strategy(
         "few-states",
         "search for few states with the symmetrised query, about all interchangeable processes",
-        few_states,
+        _named("tachk.verify.reachability:few_states"),
         states=_FEW,
         preliminary=True,
         plain=True,
@@ -76,7 +58,7 @@ REACHABILITY = (
     Strategy(
         "symmetrised",
         "ask the question of all interchangeable processes",
-        symmetrised,
+        _named("tachk.verify.over_approximations:symmetrised"),
         Exactness.UNREACHABLE,
         states=_MANY,
         share=0.5,
@@ -84,7 +66,7 @@ REACHABILITY = (
     Strategy(
         "first-states",
         "search for some states where variables can be abstracted",
-        first_states,
+        _named("tachk.verify.reachability:first_states"),
         states=_SOME,
         preliminary=True,
         plain=True,
@@ -93,7 +75,7 @@ REACHABILITY = (
     Strategy(
         "abstracted",
         "search an abstraction of the variables that break the symmetry of processes",
-        abstracted,
+        _named("tachk.verify.over_approximations:abstracted"),
         Exactness.UNREACHABLE,
         states=_MANY,
         share=0.5,
@@ -102,13 +84,13 @@ REACHABILITY = (
     Strategy(
         "depth-first",
         "search depth first for some states where variables can be abstracted",
-        depth_first,
+        _named("tachk.verify.reachability:depth_first"),
         Exactness.SAME_STATES,
         states=_SOME,
         preliminary=True,
         parts=equal_parts,
     ),
-    Strategy("zones", "search all states", explored, plain=True, parts=equal_parts),
+    Strategy("zones", "search all states", _named("tachk.verify.reachability:explored"), plain=True, parts=equal_parts),
 )
 """For reachability of a set of states: `E<>`, `A[]`, and formulas with deadlines by their observers."""
 
@@ -117,12 +99,12 @@ SMT = (
     Strategy(
         "smt",
         "unroll runs step after step, and prove by induction what no longer one does",
-        _later(_smt, lambda smt: smt.induction),
+        _named("tachk.verify.smt:induction"),
     ),
     Strategy(
         "bounded",
         "unroll runs step after step (bounded model checking)",
-        _later(_smt, lambda smt: smt.bounded),
+        _named("tachk.verify.smt:bounded"),
         Exactness.REACHABLE | Exactness.ERRORS,
     ),
 )
@@ -132,24 +114,24 @@ LIVENESS = (
     Strategy(
         "sliced",
         "search without what changes no run that goes on for ever",
-        _later(_liveness, lambda liveness: liveness.sliced),
+        _named("tachk.verify.liveness:sliced"),
         Exactness.NO_RUN | Exactness.ERRORS,
     ),
     Strategy(
         "any-run",
         "search for any run that avoids the goal, also one that does not count",
-        _later(_liveness, lambda liveness: liveness.any_run),
+        _named("tachk.verify.liveness:any_run"),
         plain=True,
     ),
     Strategy(
         "recurring",
         "search for runs that meet something again and again",
-        _later(_liveness, lambda liveness: liveness.recurring),
+        _named("tachk.verify.liveness:recurring"),
     ),
     Strategy(
         "short-delays",
         "search few states for runs in which a time unit passes again and again",
-        _later(_liveness, lambda liveness: liveness.short_delays),
+        _named("tachk.verify.liveness:short_delays"),
         states=_FEW_DIVERGING,
         preliminary=True,
         plain=True,
@@ -157,26 +139,24 @@ LIVENESS = (
     Strategy(
         "long-delays",
         "search for runs in which the longest waiting time passes again and again",
-        _later(_liveness, lambda liveness: liveness.long_delays),
+        _named("tachk.verify.liveness:long_delays"),
         plain=True,
     ),
 )
 """For runs that avoid a predicate for ever: `A<>`, `E[]`, `-->`, and formulas without deadlines."""
 
 EXTREMES = (
-    Strategy(
-        "measured", "measure integers in all states", _later(_extremes, lambda extremes: extremes.measured), plain=True
-    ),
+    Strategy("measured", "measure integers in all states", _named("tachk.verify.extremes:measured"), plain=True),
     Strategy(
         "time-bound",
         "measure clocks up to a time bound, which is doubled until their values are below",
-        _later(_extremes, lambda extremes: extremes.time_bound),
+        _named("tachk.verify.extremes:time_bound"),
         plain=True,
     ),
     Strategy(
         "bisection",
         "search for states with a value beyond a number, and bisect",
-        _later(_extremes, lambda extremes: extremes.bisection),
+        _named("tachk.verify.extremes:bisection"),
         plain=True,
     ),
 )
