@@ -52,8 +52,8 @@ class SearchStrategy:
         exactness: what can be believed of its outcome.
         after: how many states the ordinary search stores before; None: it comes before that.
         explored: its budget, in states that are explored. Where it is hit, the search has decided nothing.
-        trial: after how many of them it is looked at whether the search pays.
-        pays: whether it goes on after the trial.
+        sample: after how many of them it is looked at whether the search pays.
+        pays: whether it goes on after the sample.
     """
 
     name: str
