@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
+from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.trace import changed_trace
@@ -153,7 +154,8 @@ class Explainer:
         return TruthReason(node, program_node.text, program_node.kind, cell, value, window, tuple(parts), operands)
 
     def columns(self, reason: TruthReason) -> tuple[str, ...]:
-        """The columns that the atoms within a subformula read."""
+        """The columns that the atoms within a subformula read, without those that count arrivals: their numbers are of
+        the monitor's making."""
         seen: dict[str, None] = {}
         pending = [reason.node]
         while pending:
@@ -163,7 +165,9 @@ class Explainer:
                 atom = self.program.atoms[node.atom]
                 for instruction in (*atom.left, *atom.right):
                     if instruction.operator is ValueOperator.COLUMN:
-                        seen[self.program.columns[int(instruction.operand)]] = None
+                        column = self.program.columns[int(instruction.operand)]
+                        if topic_of(column) is None:
+                            seen[column] = None
         return tuple(seen)
 
     # ---- the shape of the whole ----

@@ -171,3 +171,12 @@ def test_a_trace_in_memory_has_values_only() -> None:
     with pytest.raises(UsageError, match="does not tell when `x` arrives") as error:
         tachk.monitor("F arrived(x)", trace)
     assert "`change(x)`" in str(error.value.help)
+
+
+def test_what_is_seen_has_no_counts_of_arrivals(tmp_path: Path) -> None:
+    """The monitor counts arrivals; the number says nothing to a reader."""
+    (tmp_path / "log.csv").write_text("time,hb,cmd\n0,1,\n1,2,\n5,,2\n6,3,\n", encoding="utf-8")
+    told = tachk.monitor("G (arrived(cmd) -> F[0,0.5] (arrived(hb) && hb > 0))", tmp_path / "log.csv").to_text()
+    assert "seen at 5.5: hb = 2\n" in told
+    alone = tachk.monitor("G F[0,2] arrived(hb)", tmp_path / "log.csv").to_text()
+    assert "`arrived(hb)` is never true" in alone and "seen at" not in alone
