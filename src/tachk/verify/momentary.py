@@ -5,7 +5,8 @@ always be true may lapse for no time, and a property may hold because of that. T
 happens is a question of reachability about a network in which each edge that begins a transition notes whether the
 condition was false when the chain began and has been true since. It is no part of the property: where it takes more
 states than it may, the verdict says that it is not known. Invariants and urgent channels that stop time are not looked
-at.
+at. What is so where a run ends in a committed or urgent location does not last either: a formula without deadline
+counts it, every other one gets a note.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from tachk.model.expressions import (
     Binary,
     Conditional,
     Constant,
+    Deadlock,
     Expression,
     LocationTest,
     Reference,
@@ -98,10 +100,11 @@ def with_momentary_triggers(
     ends = _ends_by_channel(network) if conditions else {}
     chains = {of: _left_in_chains(network, ends, condition) for of, condition in conditions.items()}
     goals = {of: both(left, conditions[of]) for of, left in chains.items() if left and cannot_fail(conditions[of])}
+    bounded = limits.of_states(max(FEWEST_STATES, stored))
+    verdicts = _with_stuck_conditions(network, verdicts, bounded, decide)
     if not goals:
         return tuple(verdicts)
     # First whether it is so in a chain at all: that looks at fewer processes.
-    bounded = limits.of_states(max(FEWEST_STATES, stored))
     found = _reached(network, goals, bounded, decide)
     in_chains = {of: conditions[of] for of in goals if found[of].answer is Answer.HOLDS}
     watched, momentary = _watched(network, stopped, ends, in_chains)
@@ -109,6 +112,52 @@ def with_momentary_triggers(
     notes = {of: _not_known(of, where, found[of]) for of in goals if found[of].answer is Answer.UNKNOWN}
     notes |= {of: _note(of, where, answer) for of, answer in _reached(watched, momentary, bounded, decide).items()}
     return tuple(_noted(verdict, notes) for verdict in verdicts)
+
+
+def _with_stuck_conditions(
+    network: Network, verdicts: Sequence[Verdict], bounded: Limits, decide: Deciding
+) -> Sequence[Verdict]:
+    """The verdicts, those that hold with a note for each condition that counts only where it lasts, and that a run ends
+    with in a committed or urgent location."""
+    ends = _some_stops_time(network, _perhaps_last_places(network))
+    conditions: dict[_MomentaryCondition, Expression] = {}
+    for verdict in verdicts:
+        if ends is not None and _needs_time(verdict):
+            conditions |= _moments(verdict.query.observer)
+    goals = {of: both(ends, condition) for of, condition in conditions.items() if cannot_fail(condition)}
+    # First whether it is so in such a location at all: to look for deadlocks takes more states.
+    there = _reached(network, goals, bounded, decide)
+    stuck = {of: both(goals[of], Deadlock()) for of, found in there.items() if found.answer is Answer.HOLDS}
+    where = _kinds_of_locations(network)
+    notes = {
+        of: f"{of.shown} is also {of.value} where runs end in {where}; that does not count"
+        for of, found in _reached(network, stuck, bounded, decide).items()
+        if found.answer is Answer.HOLDS
+    }
+    return [_noted(verdict, notes) if _needs_time(verdict) else verdict for verdict in verdicts]
+
+
+def _needs_time(verdict: Verdict) -> bool:
+    """Whether the last values of a run count only if time passes: the formula asks nothing of runs without end."""
+    return _may_be_noted(verdict) and verdict.query.observer is not None and not verdict.query.observer.endings
+
+
+def _perhaps_last_places(network: Network) -> Iterator[tuple[int, int]]:
+    """The locations that are not left by an edge that is always possible."""
+    for number, process in enumerate(network.processes):
+        free = {edge.source for edge in process.edges if _is_always_possible(network, number, edge)}
+        yield from ((number, place) for place, _ in enumerate(process.locations) if place not in free)
+
+
+def _is_always_possible(network: Network, process: int, edge: Edge) -> bool:
+    """Whether an edge waits for nothing: no guard, no partner, no invariant behind it, no edge that goes before it."""
+    return (
+        edge.guard is None
+        and edge.synchronisation is None
+        and not edge.selects
+        and network.processes[process].locations[edge.target].invariant is None
+        and not network.has_priorities
+    )
 
 
 def _stops_time(location: Location) -> bool:

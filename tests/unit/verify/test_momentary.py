@@ -103,7 +103,33 @@ def test_others_may_act_while_a_process_is_in_an_urgent_location(
 def test_both_kinds_of_locations_are_named() -> None:
     mixed = LEFT_IN_A_CHAIN.replace("location Occ;", "location Occ { to End; } urgent location End;")
     (verdict,) = tachk.loads(mixed).verify("G (Train.Appr -> F[0, 20] Train.Cross)")
-    assert verdict.notes == (MOMENTARY.replace("committed", "committed or urgent"),)
+    where = "committed or urgent locations; that does not count"
+    assert verdict.notes == (
+        f"`Train.Appr` is also true where runs end in {where}",  # End is never left, and Appr not yet
+        f"`Train.Appr` is also true for no time, in {where}",
+    )
+
+
+@pytest.mark.parametrize(
+    ("exits", "formula", "answer", "noted"),
+    [
+        ("", "G !P.d", Answer.HOLDS, True),
+        ("", "G (P.d -> F[0, 5] P.a)", Answer.HOLDS, True),
+        ("to a { guard x >= 1; }", "G !P.d", Answer.HOLDS, True),
+        ("to a { guard x <= 5; }", "G !P.d", Answer.HOLDS, False),
+        ("to a;", "G !P.d", Answer.HOLDS, False),
+        ("", "G (P.d -> F P.a)", Answer.FAILS, False),  # where a run can go no further its last values count
+        ("", "G !P.a", Answer.FAILS, False),
+    ],
+)
+def test_what_is_so_where_a_run_ends(exits: str, formula: str, answer: Answer, noted: bool) -> None:
+    model = tachk.loads(
+        "clock x; process P() { init location a { invariant x <= 3; to c { guard x >= 3; assign x = 0; } } "
+        f"committed location c {{ to a; to d; }} committed location d {{ {exits} }} }} system P;"
+    )
+    (verdict,) = model.verify(formula)
+    assert verdict.answer is answer
+    assert any("where runs end in committed locations; that does not count" in n for n in verdict.notes) is noted
 
 
 def test_what_the_property_says_of_committed_states_needs_no_note() -> None:
