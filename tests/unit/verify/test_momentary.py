@@ -11,11 +11,13 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.base.words import QueryKind
 from tachk.engine.options import Limits
 from tachk.engine.outcome import Statistics
 from tachk.meaning.discrete import prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
-from tachk.model.expressions import LocationTest
+from tachk.model.connectives import both
+from tachk.model.expressions import BOOL, Constant, Deadlock, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import TimedState
@@ -211,3 +213,44 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
             assert (answer.answer is tachk.Answer.HOLDS) == expected, f"seed {seed}"
             found[expected] += 1
     assert enough(found[True] > 0 and found[False] > 10), found
+
+
+def ended_with(network: Network, condition: LocationTest, most: int = 4000) -> bool | None:
+    """By the reference semantics, as `visited`: whether a run ends with the condition in a location that stops time."""
+    model = prepare(network)
+    pending = [initial_state(model)]
+    seen = set()
+    while pending:
+        state = pending.pop()
+        key = (state.discrete, tuple(min(value, 5) for value in state.clocks))
+        if key in seen:
+            continue
+        if len(seen) > most:
+            return None
+        seen.add(key)
+        following = [after for _, after in successors(model, state)]
+        if any(location.committed or location.urgent for location in model.current(state.discrete)):
+            if not following and satisfies(model, state, condition):
+                return True
+        else:
+            with suppress(StepError):
+                following.append(delay(model, state, Fraction(1, 2)))
+        pending += following
+    return False
+
+
+def test_on_random_networks_runs_end_where_the_definition_says() -> None:
+    found = {True: 0, False: 0}
+    for seed in seeds(range(100)):
+        random = Random(seed)
+        case = random_case(random, Shape(deadlocks=False, clocks=1, processes=2, locations=3, constant=3))
+        number = random.randrange(len(case.network.processes[0].locations))
+        condition = LocationTest(0, number)
+        ends = momentary._some_stops_time(case.network, momentary._perhaps_last_places(case.network))
+        goal = Constant(0, BOOL) if ends is None else both(both(ends, condition), Deadlock())
+        (verdict,) = _decided_plainly(case.network, [Query("it", QueryKind.POSSIBLY, goal)], Limits(states=5000))
+        expected = ended_with(case.network, condition)
+        if expected is not None and verdict.answer is not Answer.UNKNOWN:
+            assert (verdict.answer is Answer.HOLDS) == expected, f"seed {seed}"
+            found[expected] += 1
+    assert enough(found[True] > 3 and found[False] > 10), found
