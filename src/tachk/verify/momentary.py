@@ -143,9 +143,14 @@ def _needs_time(verdict: Verdict) -> bool:
 
 
 def _perhaps_last_places(network: Network) -> Iterator[tuple[int, int]]:
-    """The locations that are not left by an edge that is always possible."""
+    """The locations that are not left by an edge that is always possible: updates may break an invariant anywhere."""
+    bounded = any(location.invariant is not None for process in network.processes for location in process.locations)
     for number, process in enumerate(network.processes):
-        free = {edge.source for edge in process.edges if _is_always_possible(network, number, edge)}
+        free = {
+            edge.source
+            for edge in process.edges
+            if not (bounded and edge.updates) and _is_always_possible(network, number, edge)
+        }
         yield from ((number, place) for place, _ in enumerate(process.locations) if place not in free)
 
 

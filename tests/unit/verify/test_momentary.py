@@ -134,6 +134,18 @@ def test_what_is_so_where_a_run_ends(exits: str, formula: str, answer: Answer, n
     assert any("where runs end in committed locations; that does not count" in n for n in verdict.notes) is noted
 
 
+def test_an_update_may_break_the_invariant_of_another_process() -> None:
+    model = tachk.loads(
+        "int[0, 1] n; process P() { init location a { to d; } committed location d { to a { assign n = 1; } } }\n"
+        "process Q() { init location b { invariant n == 0; } } system P, Q;"
+    )
+    (verdict,) = model.verify("G !P.d")
+    assert verdict.answer is Answer.HOLDS
+    assert [note.partition(" is also ")[2] for note in verdict.notes] == [
+        "false where runs end in committed locations; that does not count"
+    ]
+
+
 def test_what_the_property_says_of_committed_states_needs_no_note() -> None:
     report = tachk.loads(LEFT_IN_A_CHAIN).verify(
         "A[] (Train.Appr imply Train.x <= 20)", "Train.Appr -->[<= 120] Train.Cross"
