@@ -101,7 +101,7 @@ def with_momentary_triggers(
     chains = {of: _left_in_chains(network, ends, condition) for of, condition in conditions.items()}
     goals = {of: both(left, conditions[of]) for of, left in chains.items() if left and cannot_fail(conditions[of])}
     bounded = limits.of_states(max(FEWEST_STATES, stored))
-    verdicts = _with_stuck_conditions(network, verdicts, bounded, decide)
+    verdicts = _with_stuck_conditions(network, verdicts, limits.of_states(FEWEST_STATES), decide)
     if not goals:
         return tuple(verdicts)
     # First whether it is so in a chain at all: that looks at fewer processes.
@@ -118,7 +118,7 @@ def _with_stuck_conditions(
     network: Network, verdicts: Sequence[Verdict], bounded: Limits, decide: Deciding
 ) -> Sequence[Verdict]:
     """The verdicts, those that hold with a note for each condition that counts only where it lasts, and that a run ends
-    with in a committed or urgent location."""
+    with in a committed or urgent location, as far as the states that may be stored show it."""
     ends = _some_stops_time(network, _perhaps_last_places(network))
     conditions: dict[_MomentaryCondition, Expression] = {}
     for verdict in verdicts:
