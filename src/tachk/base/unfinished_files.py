@@ -1,6 +1,6 @@
 """Files that a program has begun to write, so that one that ends without unwinding can remove them.
 
-Imports nothing: each start of the program pays for it.
+Imports nothing heavy: each start of the program pays for it.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, OperandGroup, UnaryOperator
+from tachk.base.operators import BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.words import Direction
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
@@ -51,6 +51,7 @@ from tachk.model.types import (
     RecordType,
     ScalarLike,
     Type,
+    integer_range,
 )
 
 
@@ -230,9 +231,7 @@ class _Declarations:
 
     def integer(self, name: str, low: int, high: int, initial: int | None = None, meta: bool = False) -> Term:
         """An integer with the range ``[low, high]``. Raises ValueError if that does not fit into 32 bits."""
-        if not CONSTANT_LOW <= low <= high <= CONSTANT_HIGH:
-            raise ValueError(f"the range [{low}, {high}] of {name} is empty, or does not fit into 32 bits")
-        return self.declare(name, IntType(low, high), initial, meta)
+        return self.declare(name, integer_range(low, high, name), initial, meta)
 
     def boolean(self, name: str, initial: bool = False) -> Term:
         return self.declare(name, BoolType(), int(initial))

@@ -11,6 +11,7 @@ from tachk.base.records import dataclass
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import Direction
 from tachk.model.expressions import Expression, Variable
+from tachk.model.types import ChannelType
 
 DEFAULT_PRIORITY = 0
 
@@ -100,6 +101,12 @@ class Edge:
     def begins(self) -> bool:
         """Whether a transition begins with the edge, which sends or is internal: its updates come before all others."""
         return self.synchronisation is None or self.synchronisation.direction is Direction.SEND
+
+    @property
+    def is_urgent(self) -> bool:
+        """Whether the edge synchronises over an urgent channel."""
+        channel = None if self.synchronisation is None else self.synchronisation.channel.type
+        return isinstance(channel, ChannelType) and channel.urgent
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import field
 from typing import TypeGuard
 
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.base.records import dataclass
 
 DEFAULT_INT_LOW, DEFAULT_INT_HIGH = -32768, 32767
@@ -22,6 +23,15 @@ class IntType:
 
     low: int = DEFAULT_INT_LOW
     high: int = DEFAULT_INT_HIGH
+
+
+def integer_range(low: int, high: int, name: str = "") -> IntType:
+    """The type of the integers in a range, perhaps of a variable of this name. Raises ValueError if the range is empty,
+    or does not fit into 32 bits."""
+    if not CONSTANT_LOW <= low <= high <= CONSTANT_HIGH:
+        of = f" of {name}" if name else ""
+        raise ValueError(f"the range [{low}, {high}]{of} is empty, or does not fit into 32 bits")
+    return IntType(low, high)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from tachk.model.connectives import both, either, is_set
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Network, Process
 from tachk.model.run import Participant, Transition
-from tachk.model.types import ChannelType, ClockType, IntType
+from tachk.model.types import ClockType, IntType
 from tachk.transform.extension import Extension
 from tachk.transform.transformation import Exactness
 
@@ -61,7 +61,7 @@ def strongly_non_zeno(network: Network, length: int = 1) -> DoubledNetwork:
 
     def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
         plain = replace(edge, updates=(*edge.updates, _set(late_action, 0)))
-        if _is_urgent(edge):
+        if edge.is_urgent:
             return plain, None
         early = both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), limit, BOOL))
         late = both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), limit, BOOL))
@@ -87,11 +87,11 @@ def with_guessed_suffix(network: Network, lasting: Collection[tuple[int, int]]) 
     def edges_for(process: int, number: int, edge: Edge) -> tuple[Edge, Edge | None]:
         if (process, number) not in lasting:
             # To leave out what others wait for, or what time waits for, would make more possible.
-            hinders = network.has_priorities or _is_urgent(edge)
+            hinders = network.has_priorities or edge.is_urgent
             return edge if hinders else replace(edge, guard=both(edge.guard, before)), None
         copy = replace(edge, guard=both(edge.guard, before), updates=(*edge.updates, _set(since, 0), _set(started, 1)))
         # No time passes while an action over an urgent channel is possible, and clocks may not decide whether it is.
-        return (edge if _is_urgent(edge) else replace(edge, guard=both(edge.guard, either(before, soon)))), copy
+        return (edge if edge.is_urgent else replace(edge, guard=both(edge.guard, either(before, soon)))), copy
 
     exactness = Exactness.NOTHING if network.has_priorities else Exactness.SAME_STATES
     return _doubled(network, edges_for, since, started, exactness)
@@ -149,10 +149,3 @@ def _flag(name: str) -> Variable:
 
 def _set(variable: Variable, value: int) -> Expression:
     return Assign(Reference(variable), Constant(value), variable.type)
-
-
-def _is_urgent(edge: Edge) -> bool:
-    if edge.synchronisation is None:
-        return False
-    channel = edge.synchronisation.channel.type
-    return isinstance(channel, ChannelType) and channel.urgent

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -19,6 +18,7 @@ from tachk.model.types import (
     ScalarType,
     Type,
     VoidType,
+    integer_range,
 )
 
 Json = Any
@@ -65,10 +65,7 @@ def type_from_json(value: Json) -> Type:
     if isinstance(value, str):
         found = _RANGE.fullmatch(value)
         if found is not None:
-            low, high = int(found[1]), int(found[2])
-            if not CONSTANT_LOW <= low <= high <= CONSTANT_HIGH:
-                raise ValueError(f"the range [{low}, {high}] is empty, or does not fit into 32 bits")
-            return IntType(low, high)
+            return integer_range(int(found[1]), int(found[2]))
         return _WORDS[value]
     ((kind, parts),) = value.items()
     match kind:

@@ -15,9 +15,8 @@ from tachk.meaning.step import StepError, delay
 from tachk.model.connectives import both, either, negation
 from tachk.model.evaluate import evaluate
 from tachk.model.expressions import BOOL, Constant, Deadlock, Expression, LocationTest
-from tachk.model.network import Edge, Network
+from tachk.model.network import Network
 from tachk.model.run import TimedTrace
-from tachk.model.types import ChannelType
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +116,7 @@ def urgent_lock_finding(network: Network, run: TimedTrace) -> Diagnostic:
             edge.spans[0]
             for process, place in zip(network.processes, state.locations, strict=True)
             for edge in process.edges
-            if edge.source == place and edge.begins and _is_urgent(edge)
+            if edge.source == place and edge.begins and edge.is_urgent
         ),
         here[0].span,
     )
@@ -128,11 +127,6 @@ def urgent_lock_finding(network: Network, run: TimedTrace) -> Diagnostic:
         span,
         "let the guard of the edge say what the invariant of its target demands",
     )
-
-
-def _is_urgent(edge: Edge) -> bool:
-    channel = None if edge.synchronisation is None else edge.synchronisation.channel.type
-    return isinstance(channel, ChannelType) and channel.urgent
 
 
 def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
