@@ -68,12 +68,14 @@ def test_the_graph_has_what_the_engine_reaches(seed: int) -> None:
     network = random_case(Random(seed)).network
     model = tachk.Model(network)
     graph = model.zone_graph(limit=3000)
-    assert graph.graph["reason"] == ""
+    assert graph.graph["reason"] in ("", "state limit")
+    whole = not graph.graph["reason"]
     seen = {place for state in graph for place in state.locations}
     for process in network.processes:
         for location in process.locations:
             reached = model.verify(f"E<> {process.name}.{location.name}")[0].answer is tachk.Answer.HOLDS
-            assert reached is ((process.name, location.name) in seen)
+            found = (process.name, location.name) in seen
+            assert reached is found if whole else reached or not found
 
 
 @pytest.mark.parametrize("seed", seeds(range(40)))
