@@ -159,7 +159,7 @@ def elaborate(
     # Without a system line no process has a name that a property could mention.
     properties = (i for i in items if isinstance(i, ast.PropertyDeclaration) and line is not None)
     queries, unchecked = elaborate_properties(properties, scope, context)
-    recording = elaborate_recording(items, instances.processes, globals_, context)
+    recording = elaborate_recording(items, instances.processes, scope, context)
     network = Network(
         tuple(instances.processes),
         (*declared.variables, *channels.hidden_variables()),

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.span import Span
 from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import is_integral
-from tachk.frontend.scope import Scope, ValueSymbol
-from tachk.model.expressions import Constant, Expression, Reference, Variable, VariableKind
+from tachk.frontend.scope import ProcessSymbol, Scope, ValueSymbol
+from tachk.model.expressions import (
+    Conditional,
+    Constant,
+    Expression,
+    LocationTest,
+    Reference,
+    Variable,
+    VariableKind,
+)
 from tachk.model.network import Process
 from tachk.model.recording import RecordedModel, RecordingMap, VisibleEvents
-from tachk.model.types import ArrayType, ChannelType, element_type
+from tachk.model.traversal import asks_deadlock, walk
+from tachk.model.types import ArrayType, ChannelType, IntType, element_type
 from tachk.syntax import ast
 
 
@@ -53,6 +64,19 @@ def _name(channel: ast.Expression) -> str:
     return channel.name if isinstance(channel, ast.NameExpression) else ""
 
 
+def _written(column: ast.RecordedColumn) -> ast.Expression:
+    return column.expression or ast.NameExpression(column.name.span, column.name.name)
+
+
+def _process(column: ast.Expression, names: Scope) -> int | None:
+    """The number of the process that a column names; None where it names none."""
+    symbol = names.lookup(column.name) if isinstance(column, ast.NameExpression) else None
+    return symbol.number if isinstance(symbol, ProcessSymbol) else None
+
+
+_Column = tuple[str, Expression]
+
+
 class _RecordingClauseReader:
     def __init__(self, processes: Sequence[Process], scope: Scope, context: Context) -> None:
         self.processes = processes
@@ -87,9 +111,11 @@ class _RecordingClauseReader:
             )
         if None in visible or None in hidden:
             return None
+        events = tuple(each for each in visible if each is not None)
+        self._check_left(events, replaced)
         return RecordingMap(
             frozenset(replaced),
-            tuple(each for each in visible if each is not None),
+            events,
             tuple(each for each in hidden if each is not None),
             allowances.get("tolerance", Fraction(0)),
             allowances.get("late"),
@@ -192,6 +218,7 @@ class _RecordingClauseReader:
             tuple(v for v in per if v is not None),
             clause.direction,
             clause.span,
+            self._words(clause.columns, names),
         )
 
     def _index(self, node: ast.Expression, type_: ArrayType, names: Scope) -> Constant | Variable | None:
@@ -216,12 +243,54 @@ class _RecordingClauseReader:
         self.context.error("E0454", name.span, f"`{name.name}` is no index of this channel", help_)
         return None
 
-    def _column(self, node: ast.RecordedColumn, names: Scope) -> tuple[str, Expression] | None:
-        written = node.expression or ast.NameExpression(node.name.span, node.name.name)
-        value = expression(written, names, self.context)
+    def _column(self, node: ast.RecordedColumn, names: Scope) -> _Column | None:
+        written = _written(node)
+        process = _process(written, names)
+        if process is not None:
+            return node.name.name, self._location(process, written.span)
+        value = expression(written, names, replace(self.context, in_query=True))
         if value is None:
+            return None
+        if asks_deadlock(value):
+            self.context.error("E0501", written.span, "`deadlock` can only be used in queries")
             return None
         if not is_integral(value.type):
             self.context.error("E0301", written.span, "a column tells a number or a truth value", None)
             return None
         return (node.name.name, value) if self.context.require_pure(value, "a column") else None
+
+    def _location(self, process: int, span: Span) -> Expression:
+        """The number of the location in which a process is."""
+        locations = self.processes[process].locations
+        type_ = IntType(0, len(locations) - 1)
+        value: Expression = Constant(0, type_, span)
+        for number in reversed(range(len(locations))):
+            here = LocationTest(process, number, span=span)
+            value = Conditional(here, Constant(number, type_, span), value, type_, span)
+        return value
+
+    def _words(self, columns: Iterable[ast.RecordedColumn], names: Scope) -> dict[str, dict[str, int]]:
+        """Of columns that tell in which location a process is: the numbers of the locations, by name."""
+        found: dict[str, dict[str, int]] = {}
+        for node in columns:
+            process = _process(_written(node), names)
+            if process is not None:
+                locations = self.processes[process].locations
+                found[node.name.name] = {location.name: n for n, location in enumerate(locations)}
+        return found
+
+    def _check_left(self, visible: Iterable[VisibleEvents], replaced: Collection[int]) -> None:
+        """Reports columns that tell of processes whose place the recording takes."""
+        gone = {variable: number for number in replaced for variable in self.processes[number].variables}
+        for _, column in (each for clause in visible for each in clause.columns):
+            for node in walk(column):
+                number = None
+                if isinstance(node, LocationTest):
+                    number = node.process if node.process in replaced else None
+                elif isinstance(node, Reference):
+                    number = gone.get(node.variable)
+                if number is not None:
+                    name = self.processes[number].name
+                    message = f"the recording takes the place of `{name}`, so no event can tell of its inside"
+                    self.context.error("E0456", node.span, message, f"leave out the column, or do not replace `{name}`")
+                    break

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import field
 from fractions import Fraction
 
 from tachk.base.records import dataclass
@@ -18,11 +20,12 @@ class VisibleEvents:
         channel: the channel, or the array of channels.
         indices: for each dimension of the array a constant, or a variable that stands for what the recording says.
         event: the name of these events in the recording.
-        columns: what a recorded event says, by name: an expression of the indices, and of what variables hold at the
-            end of the step.
+        columns: what a recorded event says, by name: an expression of the indices, and of what variables hold and where
+            processes are at the end of the step.
         per: the indices that the events of a queue have in common. The events of a queue happen in their recorded
             order, those of different queues as their times allow.
         direction: whether the model sends or receives; None: as the processes show that are left.
+        words: of columns that tell in which location a process is: the values that stand for its locations, by name.
     """
 
     channel: Expression
@@ -32,6 +35,7 @@ class VisibleEvents:
     per: tuple[Variable, ...] = ()
     direction: Direction | None = None
     span: Span = NOWHERE
+    words: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

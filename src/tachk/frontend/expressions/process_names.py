@@ -114,7 +114,7 @@ def _outside_query(node: ast.Expression, context: Context) -> None:
     context.error(
         "E0206",
         node.span,
-        "the inside of a process can only be seen by queries, signals and properties",
+        "the inside of a process can only be seen by queries, signals, properties and recordings",
         "share a global variable instead",
     )
 

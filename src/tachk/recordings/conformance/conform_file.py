@@ -22,6 +22,7 @@ from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
+from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.recordings.conformance.nearest_log import SHORT_WORK, smallest_edit
 from tachk.recordings.conformance.question import ExplanationDetail, Question
 
@@ -153,12 +154,12 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, question: Quest
 
 
 def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Question, limits: Limits) -> Conformance:
-    network, mapping = loaded.network, loaded.recording
-    if mapping is None:
+    if loaded.recording is None:
         raise UsageError(
             f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
         )
 
+    network, mapping = with_location_variables(loaded.network, loaded.recording)
     events = _read(Path(recording), question)
     constants = constants_of(loaded)
     for reader in capture_readers():

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from tachk.base.exact_numbers import is_whole
 from tachk.base.records import dataclass
-from tachk.recordings.conformance.events import EventLog, RecordedEvent
+from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.rejection import PossibleEvent
 
 _NEAR = 6
@@ -36,7 +36,7 @@ class Edit:
     what: str
     by: int = 0
     name: str = ""
-    cells: tuple[tuple[str, int], ...] = ()
+    cells: tuple[tuple[str, Cell], ...] = ()
     arrives: bool = False
 
 
@@ -107,7 +107,7 @@ def _added(recording: EventLog, edit: Edit, time: Fraction) -> Iterator[tuple[in
         yield number + 1, RecordedEvent(later, arrival.name, dict(edit.cells), "put in", number)
 
 
-def _like(recording: EventLog, event: int, name: str, cells: tuple[tuple[str, int], ...]) -> int | None:
+def _like(recording: EventLog, event: int, name: str, cells: tuple[tuple[str, Cell], ...]) -> int | None:
     """The number of an event near this one that arrived and is most like one that is put in; None if there is none."""
     arrived = {e.after for e in recording.events if e.after is not None}
     like = [n for n in arrived if recording.events[n].name == name]
@@ -118,7 +118,7 @@ def _like(recording: EventLog, event: int, name: str, cells: tuple[tuple[str, in
     return max(like, key=lambda n: (same(n), -abs(n - event)), default=None)
 
 
-def _says(recording: EventLog, event: RecordedEvent, cells: tuple[tuple[str, int], ...]) -> bool:
+def _says(recording: EventLog, event: RecordedEvent, cells: tuple[tuple[str, Cell], ...]) -> bool:
     return all(_value(recording, name, event.cells.get(name)) == cell for name, cell in cells)
 
 
@@ -130,7 +130,7 @@ def _value(recording: EventLog, column: str, cell: object) -> object:
     return words.index(cell) if cell in words else int(cell) if is_whole(cell.removeprefix("-")) else cell
 
 
-def _saying(event: RecordedEvent, cells: tuple[tuple[str, int], ...]) -> RecordedEvent:
+def _saying(event: RecordedEvent, cells: tuple[tuple[str, Cell], ...]) -> RecordedEvent:
     return replace(event, cells={**event.cells, **dict(cells)})
 
 

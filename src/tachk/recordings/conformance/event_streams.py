@@ -331,13 +331,14 @@ class _ColumnClause:
 
 @dataclass(frozen=True, slots=True)
 class _RecordingClause:
-    """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, and the
-    places of those that tell what a stream has in common."""
+    """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, the
+    places of those that tell what a stream has in common, and the words for locations by column."""
 
     number: int
     names: tuple[str, ...]
     limited: tuple[tuple[int, _ColumnClause], ...]
     per: tuple[int, ...]
+    words: Mapping[str, Mapping[str, int]]
 
 
 def _clause_of(number: int, visible: VisibleEvents) -> _RecordingClause:
@@ -352,7 +353,8 @@ def _clause_of(number: int, visible: VisibleEvents) -> _RecordingClause:
                 pass
     place_of = {column.index: place for place, column in limited}
     names = tuple(name for name, _ in visible.columns)
-    return _RecordingClause(number, names, tuple(limited), tuple(place_of[variable] for variable in visible.per))
+    per = tuple(place_of[variable] for variable in visible.per)
+    return _RecordingClause(number, names, tuple(limited), per, visible.words)
 
 
 class _EventStreamReader:
@@ -388,7 +390,7 @@ class _EventStreamReader:
         """The clause that the event belongs to, and what its columns say."""
         misses: list[str] = []
         for clause in clauses:
-            values = tuple([self._value(event, name) for name in clause.names])
+            values = tuple([self._value(event, name, clause) for name in clause.names])
             for place, column in clause.limited:
                 miss = column.miss(event, values[place])
                 if miss is not None:
@@ -398,14 +400,27 @@ class _EventStreamReader:
                 return clause, values
         raise UsageError(f"{self.recording.source}, {event.place}: {misses[0]}")
 
-    def _value(self, event: RecordedEvent, name: str) -> int | None:
+    def _value(self, event: RecordedEvent, name: str, clause: _RecordingClause) -> int | None:
         cell = event.cells.get(name, "")
+        if name in clause.words:
+            return self._location(event, name, str(cell).strip(), clause.words[name])
         if isinstance(cell, int):
             return self._bounded(event, name, int(cell))
         known = (name, cell)
         if known not in self.read:
             self.read[known] = self._bounded(event, name, self._number(event, name, cell.strip()))
         return self.read[known]
+
+    def _location(self, event: RecordedEvent, name: str, text: str, words: Mapping[str, int]) -> int | None:
+        if not text:
+            return None
+        if text not in words:
+            place = f"{self.recording.source}, {event.place}"
+            raise UsageError(
+                f"{place}: {name} is `{_begun(text)}`, which is no location of the process",
+                f"its locations are {', '.join(words)}",
+            )
+        return words[text]
 
     def _bounded(self, event: RecordedEvent, name: str, value: int | None) -> int | None:
         if value is None or CONSTANT_LOW <= value <= CONSTANT_HIGH:

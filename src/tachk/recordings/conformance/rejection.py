@@ -6,7 +6,7 @@ event that it could do is enabled, whether it was recorded or not, with the time
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isqrt
 
@@ -21,10 +21,11 @@ from tachk.meaning.dbm import INFINITY, Zone
 from tachk.meaning.discrete import PreparedNetwork, execute_updates, may_delay, prepare
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
-from tachk.model.recording import RecordingMap
+from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.run import DiscreteState, Transition
 from tachk.model.types import cell_count
 from tachk.recordings.conformance.event_streams import EventStreams, around
+from tachk.recordings.conformance.events import Cell
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 _STATES = 200
@@ -43,7 +44,7 @@ class PossibleEvent:
     """
 
     name: str
-    cells: tuple[tuple[str, int], ...]
+    cells: tuple[tuple[str, Cell], ...]
     earliest: int
     latest: int | None
 
@@ -163,7 +164,7 @@ def enabled_events(
                 before = found.get(key, window)
                 found[key] = (min(window[0], before[0]), max(window[1], before[1]))
     allowed = tuple(
-        PossibleEvent(streams.streams[n].visible.event, cells, low, None if raw == INFINITY else dbm.bound_value(raw))
+        _possible(streams.streams[n].visible, cells, low, raw)
         for (n, cells), (low, raw) in sorted(found.items(), key=lambda item: item[1][0])
     )
     return AllowedEvents(allowed, whole and not pending)
@@ -173,7 +174,7 @@ def state_text(product: TraceProduct, end: FinalState) -> str:
     """The locations of the processes of the model."""
     processes = zip(product.network.processes, end.locations, strict=True)
     named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
-    return ", ".join(named[-len(product.kept) :] if product.kept else [])
+    return ", ".join(named[place] for place in product.places_of_kept)
 
 
 def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteState, list[Zone]]:
@@ -206,6 +207,13 @@ def _start(model: PreparedNetwork, product: TraceProduct, happened: Sequence[int
     for position, count in zip(product.positions, happened, strict=True):
         values[model.layout.first[position]] = min(count, 1)
     return DiscreteState(end.locations, tuple(values))
+
+
+def _possible(visible: VisibleEvents, cells: Iterable[tuple[str, int]], low: int, raw: int) -> PossibleEvent:
+    """The event with locations by their names, and its latest time from a raw bound."""
+    names = {column: {value: word for word, value in words.items()} for column, words in visible.words.items()}
+    said = tuple((column, names[column][value] if column in names else value) for column, value in cells)
+    return PossibleEvent(visible.event, said, low, None if raw == INFINITY else dbm.bound_value(raw))
 
 
 def _cells(

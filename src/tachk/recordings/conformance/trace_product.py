@@ -36,12 +36,14 @@ _ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 @dataclass(frozen=True, slots=True)
 class TraceProduct(Transformation):
     """The product of a part of a model with a recording. Its processes are one for hidden events, if there are any, the
-    trace automata, and the processes of the model that are left, in their order. The search tries the steps of the last
-    processes first.
+    trace automata of what comes from outside, the processes of the model that are left, in their order, and the trace
+    automata of what comes from the model: these receive last, so they see what variables hold at the end of a step. The
+    search tries the steps of the last processes first.
 
     Attributes:
         kept: the numbers in the model of the processes that are left.
-        first: the number of the first trace automaton.
+        first_kept: the number of the first of them.
+        automata: for each stream the number of its trace automaton.
         now: the clock that nothing resets.
         positions: for each stream, how many of its events have happened.
         tables: the constant arrays that hold the recording.
@@ -49,7 +51,8 @@ class TraceProduct(Transformation):
     """
 
     kept: tuple[int, ...]
-    first: int
+    first_kept: int
+    automata: tuple[int, ...]
     now: Variable
     positions: tuple[Variable, ...]
     tables: frozenset[Variable]
@@ -58,13 +61,17 @@ class TraceProduct(Transformation):
 
     def lift_transition(self, transition: Transition) -> Transition | None:
         """The part of the transition that processes of the model take; None if none takes part."""
-        behind = len(self.network.processes) - len(self.kept)
         own = tuple(
-            replace(participant, process=self.kept[participant.process - behind])
+            replace(participant, process=self.kept[participant.process - self.first_kept])
             for participant in transition.participants
-            if participant.process >= behind
+            if participant.process in self.places_of_kept
         )
         return Transition(own) if own else None
+
+    @property
+    def places_of_kept(self) -> range:
+        """The numbers of the processes of the model."""
+        return range(self.first_kept, self.first_kept + len(self.kept))
 
     def _acts(self, process: int) -> bool:
         return process in self.kept
@@ -72,9 +79,8 @@ class TraceProduct(Transformation):
     def stream_of(self, transition: Transition) -> int | None:
         """The stream whose event the transition is; None if it is an internal transition of the model."""
         for participant in transition.participants:
-            number = participant.process - self.first
-            if 0 <= number < len(self.positions):
-                return number
+            if participant.process in self.automata:
+                return self.automata.index(participant.process)
         return None
 
     def lenient(self, streams: EventStreams) -> tuple[Network, tuple[tuple[tuple[str, Variable], ...], ...]]:
@@ -89,7 +95,7 @@ class TraceProduct(Transformation):
                 for name, _ in stream.visible.columns
             )
             said.append(own)
-            place = self.first + number
+            place = self.automata[number]
             if stream.outputs:
                 processes[place] = with_any_output(processes[place], stream, dict(own))
                 variables += [variable for _, variable in own]
@@ -119,7 +125,6 @@ def trace_product(
     positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(streams.streams)]
     _check_hearable(streams, processes)
     product = [TraceAutomaton(builder, streams, n, now, positions) for n in range(len(streams.streams))]
-    automata = [each.build() for each in product]
     hidden = _outsider(builder, mapping, processes)
     released = _released(mapping, streams, processes)
     done = now >= (streams.horizon - 1 if to_the_end else streams.quiet_until)
@@ -127,10 +132,12 @@ def trace_product(
     for position, stream, each in zip(positions, streams.streams, product, strict=True):
         done = done & (position == len(stream.events) if each.ended is None else each.ended)
         progress = position + progress
-    made = [*hidden, *automata]
+    order, places = _receiving_last(streams, len(hidden), len(processes))
+    made = [*hidden, *(each.build() for each in product)]
+    unordered = [*hidden, *processes, *made[len(hidden) :]]
     whole = replace(
         network,
-        processes=tuple(_with_channels(p, released) for p in (*made, *processes)),
+        processes=tuple(_with_channels(p, released) for p in (unordered[n] for n in order)),
         variables=(*(released.get(v, v) for v in _mentioned(network, processes, streams)), *builder.variables),
         signals=(),
         hidden=(*network.hidden, *(p.name for p in made)),
@@ -139,9 +146,29 @@ def trace_product(
     total = progress.expression if isinstance(progress, Term) else Constant(0)
     assert isinstance(now.expression, Reference)
     tables = frozenset(v for v in builder.variables if isinstance(v.type, ArrayType))
-    clock = now.expression.variable
-    nothing = Exactness.NOTHING
-    return TraceProduct(network, whole, nothing, kept, len(hidden), clock, variables, tables, done.expression, total)
+    return TraceProduct(
+        network,
+        whole,
+        Exactness.NOTHING,
+        kept,
+        order.index(len(hidden)) if processes else 0,
+        places,
+        now.expression.variable,
+        variables,
+        tables,
+        done.expression,
+        total,
+    )
+
+
+def _receiving_last(streams: EventStreams, hidden: int, kept: int) -> tuple[list[int], tuple[int, ...]]:
+    """The order of hidden processes, those that are kept and one for each stream, as numbers in that list: whoever
+    receives what the model sends comes last. And the place of the process of each stream in that order."""
+    first = hidden + kept
+    outputs = [first + number for number, stream in enumerate(streams.streams) if stream.outputs]
+    inputs = [first + number for number, stream in enumerate(streams.streams) if not stream.outputs]
+    order = [*range(hidden), *inputs, *range(hidden, first), *outputs]
+    return order, tuple(order.index(first + number) for number in range(len(streams.streams)))
 
 
 def _mentioned(network: Network, processes: Sequence[Process], streams: EventStreams) -> Iterator[Variable]:

@@ -9,7 +9,7 @@ from tachk.model.quantity import grouped
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.coverage import Covered
 from tachk.recordings.conformance.edits import Edit
-from tachk.recordings.conformance.events import RecordedEvent
+from tachk.recordings.conformance.events import Cell, RecordedEvent
 from tachk.recordings.conformance.rejection import PossibleEvent
 
 
@@ -36,9 +36,10 @@ def enabled_event_text(found: Conformance, enabled_event: PossibleEvent) -> str:
     return _said(found, enabled_event.name, enabled_event.cells)
 
 
-def _said(found: Conformance, event: str, cells: Iterable[tuple[str, int]]) -> str:
+def _said(found: Conformance, event: str, cells: Iterable[tuple[str, Cell]]) -> str:
     names = found.streams.names
-    return f"{event}({', '.join(f'{name}={names.get(name, {}).get(value, value)}' for name, value in cells)})"
+    said = ((name, names.get(name, {}).get(cell, cell) if isinstance(cell, int) else cell) for name, cell in cells)
+    return f"{event}({', '.join(f'{name}={value}' for name, value in said)})"
 
 
 def edit_text(found: Conformance, edit: Edit) -> str:
