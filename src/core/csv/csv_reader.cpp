@@ -353,7 +353,8 @@ const char* CsvReader::read_text(CsvColumn& column, const char* begin, const cha
   const char* p = past_blanks(begin, separator_);
   std::string text;
   const char* rest = p;
-  if (*p == '"') {
+  const bool quoted = *p == '"';
+  if (quoted) {
     for (++rest; *rest != '"' || rest[1] == '"'; ++rest) {
       if (*rest == '\n') return fail(CsvFaultKind::open_quote, begin, line, cell);
       if (*rest == '"') ++rest;  // two quotes stand for one
@@ -367,10 +368,10 @@ const char* CsvReader::read_text(CsvColumn& column, const char* begin, const cha
     while (end != p && is_blank(end[-1])) --end;
     text.assign(p, end);
   }
-  held_ = text.empty();
+  held_ = text.empty() && !quoted;  // between quotation marks it is the empty text
   if (column.is_unread) {
-    held_ = held_ || is_missing(text);
-  } else if (!text.empty()) {
+    held_ = text.empty() || is_missing(text);
+  } else if (!held_) {
     const auto [place, is_new] = column.places.try_emplace(text, static_cast<double>(column.labels.size()));
     if (is_new) column.labels.push_back(text);
     column.last = place->second;

@@ -30,6 +30,7 @@ from tachk.recordings.monitors.candidates import (
     value_at,
     values_within,
 )
+from tachk.recordings.monitors.column_kinds import read_columns
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.given_constants import constants_by_name
 from tachk.recordings.monitors.locations import located
@@ -47,9 +48,7 @@ from tachk.recordings.monitors.offline import (
 )
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
-from tachk.recordings.monitors.texts import text_columns
 from tachk.recordings.traces.conventions import TraceEnding
-from tachk.recordings.traces.logs.joined import with_texts
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace, TraceSource
@@ -117,7 +116,7 @@ def _loaded(recording: TraceSource, named: NamedFormula, name: str) -> Trace:
     of_rows = row_columns([named], recording.columns)
     own = {*recording.columns, *(name for name in of_rows if name != TIME)}
     wanted = set(named.columns).intersection(own)
-    trace = with_texts(recording, text_columns(named.formula) & wanted).read(wanted)
+    trace = read_columns(recording, [named.formula], wanted)
     return with_row_columns(trace, [TIME] if TIME in of_rows else [])
 
 

@@ -12,8 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
-from tachk.recordings.monitors.compiler import changed_columns, ticks_needed
+from tachk.recordings.monitors.column_kinds import read_columns
 from tachk.recordings.monitors.compiler import compile as compile_formula
+from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.conditions import condition_findings
 from tachk.recordings.monitors.formulas import (
     NamedFormula,
@@ -28,12 +29,11 @@ from tachk.recordings.monitors.locations import located, with_named_values
 from tachk.recordings.monitors.reading import TraceSemantics, reading_of
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, TimeRobustness
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
-from tachk.recordings.monitors.texts import Texts, text_columns, unmet_texts
+from tachk.recordings.monitors.texts import Texts, unmet_texts
 from tachk.recordings.traces.certainty import is_certainly_false
 from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.core_monitor import RobustnessResult
 from tachk.recordings.traces.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
-from tachk.recordings.traces.logs.joined import with_texts
 from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace, TraceSource
@@ -116,13 +116,11 @@ def prepare(
             found += error.diagnostics
     if found:
         raise InputError(found)
-    texts = frozenset(name for formula, _ in resolved for name in text_columns(formula))
-    changing = changed_columns([formula for formula, _ in resolved]) & wanted
-    read = with_texts(recording, texts & wanted, changing).read(wanted - {TIME} if TIME in of_rows else wanted)
+    formulas_in_units = [formula for formula, _ in resolved]
+    read = read_columns(recording, formulas_in_units, wanted - {TIME} if TIME in of_rows else wanted)
     trace = with_row_columns(read, of_rows).refined(math.lcm(*(ticks for _, ticks in resolved)))
     trace = replace(trace, interpolation=interpolation)
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
-    formulas_in_units = [formula for formula, _ in resolved]
     labels = Texts(trace.texts, trace.labels)
     unmet = tuple(dict.fromkeys(each for formula in formulas_in_units for each in unmet_texts(formula, trace)))
     trace = replace(trace, warnings=(*trace.warnings, *hidden, *unmet)) if hidden or unmet else trace

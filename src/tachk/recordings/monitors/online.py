@@ -29,11 +29,12 @@ from tachk.recordings.monitors.row_names import TIME, RowNames
 from tachk.recordings.monitors.texts import TextNumbers, Texts, text_columns, texts_of
 from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.location_names import location_names, locations_in, locations_in_columns
+from tachk.recordings.traces.logs.cell_texts import plain_cell
 from tachk.recordings.traces.monitor_group import RowFault, open_group
 from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Ticks, Trace, Values
-from tachk.recordings.traces.trace_arrays import held_values
+from tachk.recordings.traces.trace_arrays import cells_of, held_values
 from tachk.recordings.traces.trace_header import known_unit
 from tachk.recordings.traces.violation_watch import ViolationWatch
 from tachk.syntax.formula import Formula
@@ -161,6 +162,9 @@ class Monitor:
         if self._texts.columns:
             values, more = self._texts.in_row({**(values or {}), **more}, self.rows), {}
         truth = self._update(time, values, more)
+        if truth is None and self._group.fault()[0] == RowFault.NOT_A_VALUE:
+            values, more = {name: plain_cell(value) for name, value in {**(values or {}), **more}.items()}, {}
+            truth = self._update(time, values, more)
         if truth is None:
             self._refuse(
                 time, lambda name: more.get(name) if values is None else dict(values).get(name, more.get(name))
@@ -343,7 +347,7 @@ class Monitor:
         for number, column in enumerate(self.columns):
             if column not in columns:
                 raise UsageError(f"{name}: there is no column {column!r}", "many rows at once give every column")
-            values = held_values(columns[column], column, name, self._group.held(number))
+            values = held_values(_plain_cells(columns[column]), column, name, self._group.held(number))
             if len(values) != count:
                 raise UsageError(f"{name}: column {column!r} has {len(values)} values for {count} times")
             held[column] = values
@@ -467,6 +471,16 @@ class Monitor:
         if not whole and (watched.interval is None or found.cell + 2 * first != watched.interval[0]):
             return None
         return MonitorRecord(trace, "", (verdict,))
+
+
+def _plain_cells(values: Any) -> Any:
+    """The cells of a column with numbers in place of texts that say some."""
+    array = cells_of(values)
+    if array.dtype.kind not in "OUT":
+        return values
+    plain = np.empty(len(array), dtype=object)
+    plain[:] = [plain_cell(value) for value in array.tolist()]
+    return plain
 
 
 def _exact_tick(scale: int, time: Any) -> int:

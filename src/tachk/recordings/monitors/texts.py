@@ -33,8 +33,12 @@ class Texts:
     labels: tuple[str, ...]
 
 
-def text_columns(formula: Formula) -> frozenset[str]:
-    """The columns that a formula compares with texts, or with such columns."""
+def text_columns(formula: Formula, known: frozenset[str] = frozenset()) -> frozenset[str]:
+    """The columns that a formula compares with texts, or with such columns.
+
+    Args:
+        known: columns that hold texts in any case.
+    """
     pairs = [
         (comparison.left, comparison.right)
         for comparison in nodes_of_kind(formula, ast.BinaryExpression)
@@ -47,7 +51,10 @@ def text_columns(formula: Formula) -> frozenset[str]:
             for pair in pairs
             for side, other in (pair, pair[::-1])
             if isinstance(side, _NAMES)
-            and (isinstance(other, ast.StringLiteral) or (isinstance(other, _NAMES) and _name(other) in found))
+            and (
+                isinstance(other, ast.StringLiteral)
+                or (isinstance(other, _NAMES) and (_name(other) in found or _name(other) in known))
+            )
         }
         if more <= found:
             return frozenset(found)

@@ -17,7 +17,8 @@ from tachk import _core
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.decimal_times import USUAL_DECIMALS
-from tachk.recordings.traces.logs.labels import Labels, texts_in
+from tachk.recordings.traces.logs.cell_texts import mixed_column
+from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.trace import FloatTimes, Ticks, Trace, Values, later_beginning, rounding_note
 from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, known_unit, read_header
 
@@ -86,7 +87,7 @@ class TableRecording:
         texts = Labels()
         for name, place in places.items():
             cells = _behind(self.cells[place], known[name])
-            if (words := texts_in(cells)) is not None:
+            if (words := _texts_in(cells)) is not None:
                 held[name] = texts.codes(words, name, self.name, known[name])[begin - known[name] :]
                 continue
             supposed = _supposed_values(cells) if supposing else None
@@ -297,7 +298,7 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
 
     Raises UsageError.
     """
-    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+    array = cells_of(values)
     if array.ndim != 1:
         raise UsageError(f"{name}: column {column!r} is not a one-dimensional array")
     if array.dtype.kind == "b":
@@ -305,7 +306,10 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
     known: NDArray[np.bool_] | None = None
     if array.dtype.kind == "O":
         known = np.array([not is_missing(value) for value in array], dtype=bool)
-        if len(array) and known.any() and all(isinstance(value, (bool, np.bool_)) for value in array[known]):
+        truths = [isinstance(value, (bool, np.bool_)) for value in array[known]]
+        if any(truths) and not all(truths):
+            _check_kinds(array[known], column, name)
+        if len(truths) and all(truths):
             if before in (None, 0, 1):
                 flags = np.zeros(len(array), dtype=np.uint8)
                 flags[known] = array[known].astype(np.uint8)
@@ -320,16 +324,27 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
             f"{name}: column {column!r} has an integer that is larger than any number of 64 bits"
         ) from None
     except (TypeError, ValueError):
-        raise _no_numbers(column, name) from None
+        raise _no_numbers(column, name, array) from None
     if known is not None or not _core.all_finite(numbers):
         known = ~np.isnan(numbers) if known is None else known & ~np.isnan(numbers)
         numbers = np.asarray(_hold(numbers, known, column, name, before), dtype=np.float64)
     return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
 
 
+def cells_of(values: Any) -> NDArray[Any]:
+    """The cells of a column as an array, in which those of a list are of the kinds that they have there."""
+    if hasattr(values, "to_numpy"):
+        return np.asarray(values.to_numpy())
+    if isinstance(values, (list, tuple)) and len(kinds := set(map(type, values))) > 1 and kinds & {bool, np.bool_, str}:
+        array = np.empty(len(values), dtype=object)
+        array[:] = values
+        return array
+    return np.asarray(values)
+
+
 def present(values: Any) -> NDArray[np.uint8]:
     """1 for each cell of a column that has a value, else 0."""
-    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+    array = cells_of(values)
     if array.dtype.kind == "O":
         return np.array([not is_missing(value) for value in array], dtype=np.uint8)
     if array.dtype.kind in "fmM":
@@ -356,6 +371,17 @@ def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str, befo
         )
     last: NDArray[np.int64] = np.maximum.accumulate(np.where(known, np.arange(len(values)), 0))
     return values[last]
+
+
+def _texts_in(values: Any) -> Sequence[Any] | None:
+    """The cells of a column whose first value is a text."""
+    if getattr(getattr(values, "dtype", None), "kind", "O") not in "OUT":
+        return None
+    array = cells_of(values)
+    if array.ndim != 1 or array.dtype.kind not in "OUT":
+        return None
+    first = next((value for value in array if isinstance(value, str) or (value is not None and value == value)), None)
+    return array.tolist() if isinstance(first, str) else None
 
 
 def _first_known(values: Any) -> int | None:
@@ -391,7 +417,20 @@ def is_missing(value: object) -> bool:
     return value is None or (isinstance(value, float) and math.isnan(value)) or type(value).__name__ == "NAType"
 
 
-def _no_numbers(column: str, name: str) -> UsageError:
+def _check_kinds(values: NDArray[Any], column: str, name: str) -> None:
+    """Raises UsageError for a number beside truth values that is not 0 or 1."""
+    for value in values:
+        if not isinstance(value, (bool, np.bool_, str)) and value not in (0, 1):
+            raise mixed_column(name, column, value)
+
+
+def _no_numbers(column: str, name: str, values: NDArray[Any] | None = None) -> UsageError:
+    text = next((value for value in (() if values is None else values) if isinstance(value, str)), None)
+    if text is not None:
+        return UsageError(
+            f"{name}: column {column!r} has numbers or truth values, and the text {text!r}",
+            "a column has values of one kind",
+        )
     return UsageError(
         f"{name}: column {column!r} holds neither numbers nor truth values",
         "columns that no formula reads may hold anything",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import closest
@@ -101,6 +102,12 @@ def name_and_unit(cell: str) -> tuple[str, str]:
     name, unit = inner[: opening.start()].rstrip(), inner[opening.end() :].strip()
     attached = not inner[len(name) :].startswith((" ", "\t")) and name.lower() not in TIME_NAMES
     return (text, "") if not name or attached else (name, unit)
+
+
+@lru_cache(maxsize=4096)
+def without_unit(name: str) -> str:
+    """The name of a column, or of a part of it, without the unit behind it."""
+    return name_and_unit(name)[0]
 
 
 def _time_column(names: tuple[str, ...], cells: tuple[str, ...], time: str | None, trace: str) -> int:

@@ -13,7 +13,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.trace import Trace, Values, cut_off_warning
-from tachk.recordings.traces.trace_arrays import trace_of, whole_times
+from tachk.recordings.traces.trace_arrays import held_values, trace_of, whole_times
 from tachk.recordings.traces.trace_header import known_unit, no_such_column
 from tachk.recordings.traces.vcd_rows import VcdRows, VcdVariable, fault_at
 from tachk.recordings.traces.vcd_stream import VcdStream
@@ -88,7 +88,7 @@ class VcdRecording:
             if any(isinstance(value, str) for value in values):
                 held[variable.name] = texts.codes(values, variable.name, self.name)
             else:
-                held[variable.name] = _values(variable, [float(value) for value in values])
+                held[variable.name] = held_values(np.array(values, dtype=np.float64), variable.name, self.name)
         for name in stated:
             held[name] = np.array([name in arrived for arrived in rows.arrived], dtype=np.uint8)
         times = np.array(rows.times, dtype=np.int64) * self.magnitude
@@ -168,9 +168,3 @@ def _variable(token: Token, scopes: list[str]) -> VcdVariable:
     index = f"[{declared.bit_index}]" if isinstance(declared.bit_index, int) else ""
     name = ".".join((*(scope for scope in scopes if scope), declared.reference + index))
     return VcdVariable(name, declared.id_code, declared.size, declared.type_)
-
-
-def _values(variable: VcdVariable, values: list[float]) -> Values:
-    if variable.size == 1 and set(values) <= {0.0, 1.0}:
-        return np.array(values, dtype=np.uint8)
-    return np.array(values, dtype=np.float64)

@@ -181,29 +181,36 @@ def _rounding(recording: TraceSource, decimals: int) -> TraceSource:
             return recording
 
 
-def with_texts(
-    recording: TraceSource, columns: Collection[str], changing: Collection[str] = frozenset()
-) -> TraceSource:
-    """A recording that reads some columns as texts. Most see for themselves what holds texts; a cell of CSV could be
-    anything.
+def worded(recording: TraceSource) -> frozenset[str]:
+    """The columns of CSV files whose first cells are no numbers."""
+    match recording:
+        case CsvRecording():
+            return recording.worded
+        case RoundedRecording(recording=exact):
+            return worded(exact)
+        case JoinedRecording(places=places, recordings=recordings):
+            own = [worded(part) for part in recordings]
+            return frozenset(name for name, (number, column) in places.items() if column in own[number])
+        case _:
+            return frozenset()
 
-    Args:
-        changing: columns that are read as texts where their first cells are none of numbers.
-    """
-    if not columns and not changing:
+
+def with_texts(recording: TraceSource, columns: Collection[str]) -> TraceSource:
+    """A recording that reads some columns as texts. Most see for themselves what holds texts; a cell of CSV could be
+    anything."""
+    if not columns:
         return recording
     match recording:
         case CsvRecording():
-            return replace(recording, texts=recording.texts.union(columns, recording.worded.intersection(changing)))
+            return replace(recording, texts=recording.texts.union(columns))
         case RoundedRecording(recording=exact):
-            return replace(recording, recording=with_texts(exact, columns, changing))
+            return replace(recording, recording=with_texts(exact, columns))
         case JoinedRecording(places=places, recordings=recordings):
 
-            def own(names: Collection[str], place: int) -> list[str]:
-                return [places[name][1] for name in names if name in places and places[name][0] == place]
+            def own(place: int) -> list[str]:
+                return [places[name][1] for name in columns if name in places and places[name][0] == place]
 
-            parts = (with_texts(part, own(columns, n), own(changing, n)) for n, part in enumerate(recordings))
-            return replace(recording, recordings=tuple(parts))
+            return replace(recording, recordings=tuple(with_texts(part, own(n)) for n, part in enumerate(recordings)))
         case _:
             return recording
 

@@ -65,14 +65,3 @@ class Labels:
     def on(self, trace: Trace) -> Trace:
         """A trace that knows them."""
         return replace(trace, texts=frozenset(self._columns), labels=self.known) if self._columns else trace
-
-
-def texts_in(values: Any) -> Sequence[Any] | None:
-    """The cells of a column whose first value is a text."""
-    if getattr(getattr(values, "dtype", None), "kind", "O") not in "OUT":
-        return None
-    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
-    if array.ndim != 1 or array.dtype.kind not in "OUT":
-        return None
-    first = next((value for value in array if isinstance(value, str) or (value is not None and value == value)), None)
-    return array.tolist() if isinstance(first, str) else None

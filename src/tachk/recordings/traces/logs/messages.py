@@ -23,7 +23,7 @@ from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.logs.dates import seconds_of
 from tachk.recordings.traces.logs.sparse import sparse
 from tachk.recordings.traces.trace import Trace
-from tachk.recordings.traces.trace_header import no_such_column
+from tachk.recordings.traces.trace_header import no_such_column, without_unit
 
 LOG_TIME = "log_time"
 """The time when a message was recorded, in place of the name of a field that holds the time."""
@@ -203,7 +203,7 @@ def flattened(name: str, value: Any) -> Iterator[tuple[str, Any]]:
     """The numbers, truth values and texts within a message, with their names; of long arrays none."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from flattened(f"{name}.{key}", inner)
+            yield from flattened(f"{name}.{without_unit(str(key))}", inner)
     elif hasattr(value, "__dataclass_fields__"):
         for key in value.__dataclass_fields__:
             if not key.startswith("_"):
@@ -254,7 +254,16 @@ def _part(value: Any, step: str | int) -> Any:
     if isinstance(step, int):
         inside = isinstance(value, (list, tuple, np.ndarray)) and step < len(value)
         return value[step] if inside else None
-    return value.get(step) if isinstance(value, Mapping) else getattr(value, step, None)
+    if not isinstance(value, Mapping):
+        return getattr(value, step, None)
+    found = value.get(step)
+    if found is None:
+        behind = f"{step} "
+        named = [key for key in value if str(key).startswith(behind) and without_unit(str(key)) == step]
+        if len(named) > 1:
+            raise UsageError(f"a message has two fields {step!r}, {named[0]!r} and {named[1]!r}", "rename one of them")
+        found = value[named[0]] if named else None
+    return found
 
 
 def _plain(value: Any) -> Any:

@@ -22,7 +22,15 @@ from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.messages import MOST_ELEMENTS
 from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
-from tachk.recordings.traces.trace_header import TIME_NAMES, TraceHeader, agreed_unit, known_unit, no_such_column
+from tachk.recordings.traces.trace_header import (
+    TIME_NAMES,
+    TraceHeader,
+    agreed_unit,
+    known_unit,
+    name_and_unit,
+    no_such_column,
+    without_unit,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +117,15 @@ def _tables(
     sets = {key: item for key, item in group.items() if hasattr(item, "shape") and item.shape}
     places: dict[str, tuple[_DataSetPlace, int]] = {}
     for key, item in sets.items():
-        places |= {f"{prefix}{column}": (place, item.shape[0]) for column, place in _places(key, item)}
+        for column, place in _places(key, item):
+            if f"{prefix}{column}" in places:
+                raise UsageError(f"{name} has two columns {prefix + column!r}", "rename one of them")
+            places[f"{prefix}{column}"] = place, item.shape[0]
     clock, chosen = above, None
     for column, (place, length) in places.items():
         last = column.rpartition(".")[2]
         if (last.lower() in TIME_NAMES) if time is None else time in (column, last, place.path.lstrip("/")):
-            clock, chosen = (place, length, _unit_of(group.file[place.path])), column
+            clock, chosen = (place, length, _unit_of(group.file[place.path], place)), column
             break
     if clock is not None:
         own = agreed_unit(known_unit(clock[2]), unit, name)
@@ -123,20 +134,25 @@ def _tables(
             yield Hdf5Table(name, own, clock[0], columns)
     for key, item in group.items():
         if not hasattr(item, "shape"):
-            yield from _tables(item, f"{prefix}{key}.", clock, time, unit, name)
+            yield from _tables(item, f"{prefix}{without_unit(key)}.", clock, time, unit, name)
 
 
 def _places(key: str, item: Any) -> Iterator[tuple[str, _DataSetPlace]]:
+    name = without_unit(key)
     if item.ndim == 1 and item.dtype.names:
-        yield from ((f"{key}.{part}", _DataSetPlace(item.name, part)) for part in item.dtype.names)
+        yield from ((f"{name}.{without_unit(part)}", _DataSetPlace(item.name, part)) for part in item.dtype.names)
     elif item.ndim == 1:
-        yield key, _DataSetPlace(item.name)
+        yield name, _DataSetPlace(item.name)
     elif item.ndim == 2 and item.shape[1] <= MOST_ELEMENTS:
-        yield from ((f"{key}[{number}]", _DataSetPlace(item.name, number)) for number in range(item.shape[1]))
+        yield from ((f"{name}[{number}]", _DataSetPlace(item.name, number)) for number in range(item.shape[1]))
 
 
-def _unit_of(item: Any) -> str:
-    """The unit and origin in an attribute of a time: ``ms``, or ``seconds since 1970-01-01`` of netCDF."""
+def _unit_of(item: Any, place: _DataSetPlace) -> str:
+    """The unit of a time in its name, ``time [ms]``, or in an attribute: ``ms``, or ``seconds since 1970-01-01`` of
+    netCDF."""
+    named = place.part if isinstance(place.part, str) else item.name.rpartition("/")[2]
+    if own := name_and_unit(named)[1]:
+        return own
     stated = next((item.attrs[key] for key in ("units", "unit", "Units", "Unit") if key in item.attrs), "")
     text = stated.decode("utf-8", "replace") if isinstance(stated, bytes) else str(stated)
     return text.partition(" since ")[0].strip()

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import codecs
 import json
+import re
 import sys
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
@@ -38,6 +40,10 @@ from tachk.recordings.traces.trace_header import TIME_NAMES, agreed_unit, known_
 LARGEST_NUMBER: Final = int(sys.float_info.max)
 LARGEST_TIME: Final = 2**62
 """In ticks."""
+
+
+_UNIT: Final = re.compile(r"(?<=[^\s.])[ \t]+(\[[^\[\]()]*\]|\([^\[\]()]*\))(?=$|[.\[])")
+"""A unit behind the name of a value, of an object or of a list in a flat name, see `trace_header.name_and_unit`."""
 
 
 class _Number(str):
@@ -290,7 +296,11 @@ class JsonLines:
         instant, dated = _time(written, place)
         unit = agreed_unit("s" if dated else "", self._unit or None, self._name)
         binary = isinstance(written, str) and not dated and is_binary(written)
-        values = {column: _value(value, column, place) for column, value in given.items()}
+        values = {_bare(column): _value(value, column, place) for column, value in given.items()}
+        if len(values) < len(given) or _bare(self._key) in values:
+            names = Counter(map(_bare, (self._key, *given)))
+            twice = next(name for name, count in names.items() if count > 1)
+            raise _wrong(place, f"this line has two values {twice!r}", "rename one of them")
         short = shortest(written, instant) if isinstance(written, str) and not dated else (instant, False)
         return _Event(instant, unit, dated, binary, short, values)
 
@@ -337,6 +347,11 @@ def _flatten(value: Any, name: str, flat: dict[str, Any]) -> None:
                 _flatten(inner, f"{name}[{number}]", flat)
         case _:
             flat[name] = value
+
+
+def _bare(column: str) -> str:
+    """The name without units: ``speeds [m/s][0]`` is ``speeds[0]``."""
+    return _UNIT.sub("", column) if " " in column or "\t" in column else column
 
 
 def _value(value: Any, column: str, place: Span) -> Any:

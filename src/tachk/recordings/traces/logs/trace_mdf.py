@@ -18,7 +18,7 @@ from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.trace_hdf5 import plain_texts
 from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
-from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, no_such_column
+from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, no_such_column, without_unit
 
 _LARGEST_RATIO: Final = 1100
 """No byte of deflate stands for more bytes than this."""
@@ -87,7 +87,8 @@ def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
         for number, group in enumerate(file.groups):
             for index, channel in enumerate(group.channels):
                 if index != file.masters_db.get(number):
-                    name = channel.name if channel.name not in channels else f"{channel.name}_{number}"
+                    name = without_unit(channel.name)
+                    name = name if name not in channels else f"{name}_{number}"
                     channels[name] = number, index
     if not channels:
         raise UsageError(f"{path} has no channels with values")
