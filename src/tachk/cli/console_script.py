@@ -15,7 +15,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import end_by, prepare_streams
 from tachk.cli.termination import Termination
 
-RARELY = (50_000, 20, 20)
+RARELY = (100_000, 20, 20)
 """The thresholds of the garbage collector: by default it runs every few hundred objects, a tenth of a start."""
 
 

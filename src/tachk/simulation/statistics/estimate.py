@@ -30,10 +30,9 @@ from tachk.model.statistical import (
 from tachk.model.types import ClockType
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.statistics.deciding import Decision, Errors, RatioTest, comparison_test, threshold_test
-from tachk.simulation.statistics.judged import sampler_of
 from tachk.simulation.statistics.means import asymptotic_mean, bounded_mean
 from tachk.simulation.statistics.rare import Rare, Splitting, split
-from tachk.simulation.statistics.sampling import RunSource, SampledRuns, Sampler, value_sampler
+from tachk.simulation.statistics.sampling import RunSource, SampledRuns, Sampler, sampler_of, value_sampler
 from tachk.simulation.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
 from tachk.simulation.statistics.trajectories import Trajectory, picked, trajectories
 

@@ -17,7 +17,7 @@ from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.run_formulas import RunFormula, RunOperator
-from tachk.model.statistical import FormulaPath, Path, PathProperty
+from tachk.model.statistical import FormulaPath
 from tachk.recordings.traces.certainty import is_certainly_false
 from tachk.recordings.traces.core_monitor import monitor_truth
 from tachk.recordings.traces.monitor_program import (
@@ -34,18 +34,14 @@ from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
-from tachk.simulation.statistics.sampling import RunSource, Sampler, path_sampler, reach_of
+from tachk.simulation.statistics.sampling import RunSource, Sampler, reach_of
 
 _ANSWERS = {Truth.TRUE: TrialAnswer.YES, Truth.FALSE: TrialAnswer.NO, Truth.UNDETERMINED: TrialAnswer.UNKNOWN}
 
 
-def sampler_of(network: Network, path: PathProperty, source: RunSource) -> Sampler:
-    """The runs on which a path property is evaluated. Raises UnsupportedError for a network that cannot be simulated,
-    and InputError for a wrong initial value."""
-    return path_sampler(network, path, source) if isinstance(path, Path) else _formula_sampler(network, path, source)
-
-
-def _formula_sampler(network: Network, path: FormulaPath, source: RunSource) -> Sampler:
+def formula_sampler(network: Network, path: FormulaPath, source: RunSource) -> Sampler:
+    """The runs that a monitor evaluates. Raises UnsupportedError for a network that cannot be simulated, and InputError
+    for a wrong initial value."""
     conditions = tuple(dict.fromkeys(_conditions(path.formula)))
     columns = [
         Column(str(number), condition, floating=condition.type == DOUBLE) for number, condition in enumerate(conditions)

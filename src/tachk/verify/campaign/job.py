@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from hashlib import sha256
 from time import monotonic
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import StoppedError, limited
@@ -33,10 +33,12 @@ from tachk.simulation.statistics.estimate import (
     estimate,
 )
 from tachk.verify.answering import answers
-from tachk.verify.campaign.judged_runs import FormulaCounts, JudgedRuns
 from tachk.verify.fault_explanation import diagnostic_of
 from tachk.verify.questions import Questions, checked
 from tachk.verify.verdict import Answer, Verdict
+
+if TYPE_CHECKING:  # monitors take a third of the start of a sweep that has no formula
+    from tachk.verify.campaign.judged_runs import FormulaCounts, JudgedRuns
 
 Row = Mapping[str, str | int | float | None]
 """One line of the table: the name of a column and what stands in it."""
