@@ -5,7 +5,7 @@ Networks are compared by identity: to compare their contents would cost as much 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from functools import wraps
 from typing import Any, TypeVar, TypeVarTuple
 
@@ -27,18 +27,18 @@ def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[N
 
     The results are shared: nobody may change them. Exceptions are not cached.
     """
-    known: dict[Hashable, tuple[Network, Any]] = {}
+    known: dict[int, tuple[Network, tuple[Any, ...], Any]] = {}
 
     @wraps(function)
     def remembered(network: Network, /, *arguments: *Arguments) -> Result:
-        key = (id(network), *arguments)
+        key = hash((id(network), *arguments))  # a dictionary with the arguments as keys would hash them again and again
         entry = known.get(key)
-        if entry is None:
-            entry = network, function(network, *arguments)  # the network is kept, so that no other gets its identity
+        if entry is None or entry[0] is not network or entry[1] != arguments:
+            entry = network, arguments, function(network, *arguments)
             while len(known) >= MOST_RESULTS:
                 known.pop(next(iter(known)), None)
             known[key] = entry
-        found: Result = entry[1]
+        found: Result = entry[2]
         return found
 
     return remembered

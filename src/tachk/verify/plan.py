@@ -46,6 +46,9 @@ class Task:
     number: int
     query: Query
 
+    def __hash__(self) -> int:
+        return self.number  # no other task has it, and a query is long
+
     @property
     def target(self) -> Expression:
         """The states whose reachability decides the query. Raises ValueError where reachability does not."""

@@ -133,6 +133,8 @@ class Problem:
 
     def knowing(self, found: Findings) -> Problem:
         """The problem, with what a strategy has found about it."""
+        if not found.reached and not found.partial:
+            return self
         return replace(self, reached={**self.reached, **found.reached}, partial={**self.partial, **found.partial})
 
     def about(self, numbers: Collection[int]) -> Problem:
@@ -195,7 +197,8 @@ def decided(problem: Problem, strategies: Iterable[Strategy]) -> dict[int, Verdi
                     open_[number] = verdict
             if any(verdict.reason == INTERRUPTED for verdict in found.verdicts.values()):
                 return none_begun(problem.tasks, INTERRUPTED) | settled
-        problem = problem.without(settled)
+        if settled:
+            problem = problem.without(settled)
     return none_begun(problem.tasks, NO_STRATEGY) | open_ | settled
 
 

@@ -108,9 +108,10 @@ class NetworkTerms:
         return with_predicates
 
     def atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
+        find = self.index_types.find
         for token in tokens:
             if isinstance(token, IndexValue):
-                root, shift = self.index_types.find(token.node)
+                root, shift = find(token.node)
                 yield root, token.value - shift
             elif isinstance(token, Variable | ProcessNumber):
                 yield token
@@ -120,9 +121,10 @@ class NetworkTerms:
     def image(self, tokens: Iterable[Token], renaming: Renaming) -> tuple[Hashable, ...]:
         """Renamed tokens, without the index types of numbers."""
         image: list[Hashable] = []
+        index_types = self.index_types
         for token in tokens:
             if isinstance(token, IndexValue):
-                image.append(renaming.value(self.index_types, token.node, token.value))
+                image.append(renaming.value(index_types, token.node, token.value))
             elif isinstance(token, Variable):
                 image.append(renaming.variables.get(token, token))
             elif isinstance(token, ProcessNumber):

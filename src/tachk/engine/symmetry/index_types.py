@@ -98,6 +98,9 @@ class IndexTypes:
 
     def find(self, node: int) -> tuple[int, int]:
         """The node that stands for the index type, and by how much numbers at this node are larger than there."""
+        above = self._parent[node]
+        if self._parent[above] == above:  # nearly always
+            return above, self._shift[node]
         shift = 0
         path = []
         while self._parent[node] != node:

@@ -153,5 +153,6 @@ class _Matching:
             return token
         if not isinstance(token, IndexValue):
             return None
-        root, shift = self.terms.index_types.find(token.node)
-        return (root, token.value - shift) if self.terms.index_types.plain(root) is None else None
+        index_types = self.terms.index_types
+        root, shift = index_types.find(token.node)
+        return (root, token.value - shift) if index_types.plain(root) is None else None
