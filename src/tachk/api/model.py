@@ -487,13 +487,16 @@ class Model(Estimable):
         from tachk.model.grid import grid_of_values
         from tachk.report.campaign.table import Sweep
         from tachk.verify.campaign.job import verification
-        from tachk.verify.campaign.judged_runs import judged_runs
         from tachk.verify.campaign.run import GridPart, computing, run_campaign
 
         named = (property,) if isinstance(property, str) else tuple(property)
         questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
         grid = grid_of_values(over)
-        judge = judged_runs(monitor, str(until), runs, seed)
+        judge = None
+        if monitor is not None:
+            from tachk.verify.campaign.judged_runs import judged_runs
+
+            judge = judged_runs(monitor, str(until), runs, seed)
         common = options or Options(), limits or Limits(), settings, judge
         job, compute = verification(self._written, grid.names, questions, *common), computing(processes, dask)
         return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, GridPart(*part), merge))

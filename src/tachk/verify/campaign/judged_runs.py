@@ -86,9 +86,9 @@ class JudgedRuns:
             yield FormulaCounts(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
 
 
-def judged_runs(given: str | os.PathLike[str] | None, until: str, runs: int, seed: int) -> JudgedRuns | None:
-    """The formulas that are evaluated in each cell, if there are any.
+def judged_runs(given: str | os.PathLike[str], until: str, runs: int, seed: int) -> JudgedRuns:
+    """The formulas that are evaluated in each cell.
 
     Raises InputError and UsageError for what cannot be read.
     """
-    return None if given is None else JudgedRuns(formula_source(given), until, runs, seed)
+    return JudgedRuns(formula_source(given), until, runs, seed)
