@@ -82,8 +82,8 @@ def prepare(warming: Iterable[Case] = ()) -> None:
         main.load_command(name)
     for name in (
         *_HEAVY,
+        *(f"tachk.cli.actions.{name}" for name in main.COMMANDS),
         "tachk.api.model",
-        "tachk.cli.commands.monitor",
         "tachk.cli.monitor_online",
         "tachk.recordings.monitors",
     ):

@@ -76,8 +76,17 @@ def test_start_loads_nothing_heavy(argument: str) -> None:
     assert not any(name.startswith("tachk.cli.commands.") for name in loaded)
 
 
-def test_the_help_of_verify_loads_no_library() -> None:
-    assert not modules_after("verify", "--help") & LIBRARIES
+def test_options_and_help_of_commands_load_nothing_that_only_their_actions_need() -> None:
+    program = (
+        "import json, sys\nfrom tachk.cli import main\n"
+        "for name in main.COMMANDS: main.load_command(name)\n"
+        "print(json.dumps([*sys.modules]))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    loaded = set(json.loads(done.stdout))
+    assert not loaded & LIBRARIES
+    assert not loaded & {f"tachk.{name}" for name in HEAVY}
+    assert not any(name.startswith("tachk.cli.actions.") for name in loaded)
 
 
 def test_importing_tachk_is_light() -> None:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from tachk.cli.commands.chart import write_chart
+from tachk.cli.actions.chart import write_chart
 from tachk.report.json_report import run_to_json
 from tachk.report.record import RunRecord
 from tachk.report.sequence.of_run import chart_of_run

@@ -16,7 +16,7 @@ from tachk.base import awaited_pipe, job
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.job import limited
 from tachk.cli import monitor_online
-from tachk.cli.commands.monitor import run_monitor
+from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
 from tachk.cli.reporting import Reporting, ViolationReporting

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from tachk.api.model import Model
 from tachk.base.job import OutOfTimeError
-from tachk.cli.commands import estimate as estimating
+from tachk.cli.actions import estimate as estimating
 from tachk.cli.main import app
 from tachk.simulation.runs import Runs
 from tachk.simulation.statistics.estimate import estimate

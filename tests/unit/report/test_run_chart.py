@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.cli.commands.chart import write_chart
+from tachk.cli.actions.chart import write_chart
 from tachk.cli.main import app
 from tachk.report.drawing.sequence.chart import Chart, Note
 from tachk.report.json_report import runs_to_json

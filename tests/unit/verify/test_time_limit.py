@@ -14,7 +14,7 @@ from tachk.base import job as module
 from tachk.base.job import OutOfTimeError, check_job, current_job, limited
 from tachk.base.resources import data_root
 from tachk.base.span import Source
-from tachk.cli.commands.verify import VerifyArguments, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.run_report import RunReporting
 from tachk.engine import core_search, liveness, measuring, zone

@@ -19,6 +19,7 @@ from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.statistical import (
     ExpectedValue,
+    Path,
     PathProperty,
     Probability,
     ProbabilityComparison,
@@ -32,7 +33,7 @@ from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.statistics.deciding import Decision, Errors, RatioTest, comparison_test, threshold_test
 from tachk.simulation.statistics.means import asymptotic_mean, bounded_mean
 from tachk.simulation.statistics.rare import Rare, Splitting, split
-from tachk.simulation.statistics.sampling import RunSource, SampledRuns, Sampler, sampler_of, value_sampler
+from tachk.simulation.statistics.sampling import RunSource, SampledRuns, Sampler, path_sampler, value_sampler
 from tachk.simulation.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
 from tachk.simulation.statistics.trajectories import Trajectory, picked, trajectories
 
@@ -192,7 +193,7 @@ def _frequency(sample: SampledRuns, always: bool) -> float:
 
 
 def _probability(network: Network, query: StatisticalQuery, path: PathProperty, settings: Settings) -> Estimated:
-    sampler = sampler_of(network, path, settings.source)
+    sampler = _sampler_of(network, path, settings.source)
     runs = settings.runs or path.runs
     if runs is None:
         rule = StoppingRule(settings.confidence, settings.half_width)
@@ -236,7 +237,7 @@ def _threshold(network: Network, query: StatisticalQuery, wanted: Threshold, set
         at_least = _decided(found.low, found.high, wanted.probability)
         decision = at_least if wanted.at_least else _at_most(found, wanted.probability)
         return Decided(query, decision, (found.sample,), (found.frequency,), (found.low, found.high))
-    sampler = sampler_of(network, path, settings.source)
+    sampler = _sampler_of(network, path, settings.source)
     readings = {as_hit: threshold_test(wanted.probability, settings.errors) for as_hit in (False, True)}
     decision = Decision.UNKNOWN
     while decision is Decision.UNKNOWN and sampler.sample.runs < settings.most_runs:
@@ -292,7 +293,7 @@ def _comparison(
 ) -> Decided:
     source = settings.source
     other = RunSource(source.seed, source.first + _SECOND, source.threads, source.most_steps)
-    samplers = sampler_of(network, paths[0], source), sampler_of(network, paths[1], other)
+    samplers = _sampler_of(network, paths[0], source), _sampler_of(network, paths[1], other)
     readings = {as_hit: comparison_test(settings.errors) for as_hit in (False, True)}
     most = settings.runs or paths[0].runs or settings.most_runs
     decision = Decision.UNKNOWN
@@ -375,3 +376,13 @@ def _clocks_count_time(network: Network) -> bool:
     except UnsupportedError:
         return False
     return True
+
+
+def _sampler_of(network: Network, path: PathProperty, source: RunSource) -> Sampler:
+    """The runs on which a path property is evaluated. Raises UnsupportedError for a network that cannot be simulated,
+    and InputError for a wrong initial value."""
+    if isinstance(path, Path):
+        return path_sampler(network, path, source)
+    from tachk.simulation.statistics.judged import formula_sampler  # loads the monitors
+
+    return formula_sampler(network, path, source)

@@ -34,7 +34,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Network
-from tachk.model.statistical import ExpectedValue, Path, PathProperty, RunBound, Scale
+from tachk.model.statistical import ExpectedValue, Path, RunBound, Scale
 from tachk.model.types import ClockType
 
 _BATCH = 4096
@@ -128,7 +128,7 @@ class Sampler:
         return self.sample
 
 
-def _program_sampler(program: Program, chances: Chances, question: TrialQuestion, source: RunSource) -> Sampler:
+def _sampler_of(program: Program, chances: Chances, question: TrialQuestion, source: RunSource) -> Sampler:
     trier = Trier(program, chances)
 
     def trials(numbers: range) -> Trials:
@@ -137,22 +137,12 @@ def _program_sampler(program: Program, chances: Chances, question: TrialQuestion
     return Sampler(trials, source.first, question.reach.ticks_per_unit)
 
 
-def sampler_of(network: Network, path: PathProperty, source: RunSource) -> Sampler:
-    """The runs on which a path property is evaluated. Raises UnsupportedError for a network that cannot be simulated,
-    and InputError for a wrong initial value."""
-    if isinstance(path, Path):
-        return path_sampler(network, path, source)
-    from tachk.simulation.statistics.judged import formula_sampler  # loads the monitors
-
-    return formula_sampler(network, path, source)
-
-
 def path_sampler(network: Network, path: Path, source: RunSource) -> Sampler:
     """The runs on which ``<> p`` or ``p U q`` is evaluated; for ``[] p`` a hit is that p becomes false. Raises as
     `lowered_path`."""
     network, path = with_elapsed_time(network, path)
     program, chances = lowered_path(network, path)
-    return _program_sampler(program, chances, trial_question(network, path, program), source)
+    return _sampler_of(program, chances, trial_question(network, path, program), source)
 
 
 def with_elapsed_time(network: Network, path: Path) -> tuple[Network, Path]:
@@ -206,7 +196,7 @@ def value_sampler(network: Network, question: ExpectedValue, source: RunSource) 
         clock=clock_number(question.value, network, program) if is_clock else 0,
         largest=question.largest,
     )
-    return _program_sampler(program, chances, measured, source), program.largest_reset
+    return _sampler_of(program, chances, measured, source), program.largest_reset
 
 
 def reach_of(bound: RunBound, network: Network, program: Program) -> Reach:

@@ -9,7 +9,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.commands.monitor import run_monitor
+from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.reporting import Reporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments

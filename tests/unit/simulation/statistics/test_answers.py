@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.cli.commands.verify import VerifyArguments, run_verify
+from tachk.cli.actions.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.run_report import RunReporting
 from tachk.engine.options import Limits

@@ -1,0 +1,1 @@
+"""The actions of commands, each loaded when its arguments are read."""
