@@ -48,6 +48,7 @@ from tachk.recordings.monitors.offline import (
 )
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
+from tachk.recordings.monitors.value_names import with_named_values
 from tachk.recordings.traces.conventions import TraceEnding
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
@@ -96,7 +97,7 @@ def mine(
     opened = [open_trace(trace, time, unit) for trace in traces]
     recordings = [run for each in opened for run in (each.runs.values() if isinstance(each, SeveralRuns) else (each,))]
     columns = {column for recording in recordings for column in recording.columns}
-    named = located(formulas[0].within(columns), columns)
+    named = located(_with_common_values(formulas[0], name, recordings).within(columns), columns)
     loaded = [_loaded(recording, named, name) for recording in recordings]
     search = _ParameterSearch(named, name, low, high, tuple(loaded), ending_of(end))
     return search.run(None if step is None else _number("the step", step))
@@ -107,6 +108,16 @@ def _number(name: str, given: float | str | Fraction) -> Fraction:
         return exact_number(str(given))
     except ValueError:
         raise UsageError(f"{name} = {str(given)[:40]}: expected a number", "such as 2.5") from None
+
+
+def _with_common_values(named: NamedFormula, parameter: str, recordings: Sequence[TraceSource]) -> NamedFormula:
+    """The formula with the values that names in it, but for the parameter, have in all recordings. Raises UsageError
+    where these differ."""
+    fixed = replace(named, constants={**(named.constants or {}), parameter: 0})
+    found = [with_named_values([fixed], recording)[0] for recording in recordings]
+    if any(each.formula != found[0].formula for each in found):
+        raise UsageError("names in the formula mean different values in the recordings", "write the values")
+    return replace(found[0], constants=named.constants)
 
 
 def _loaded(recording: TraceSource, named: NamedFormula, name: str) -> Trace:

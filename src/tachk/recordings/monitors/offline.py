@@ -25,11 +25,12 @@ from tachk.recordings.monitors.formulas import (
     read_formulas,
 )
 from tachk.recordings.monitors.line_compiler import line_findings
-from tachk.recordings.monitors.locations import located, with_named_values
+from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.reading import TraceSemantics, reading_of
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, TimeRobustness
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
 from tachk.recordings.monitors.texts import Texts, unmet_texts
+from tachk.recordings.monitors.value_names import names_of_values, with_named_values
 from tachk.recordings.traces.certainty import is_certainly_false
 from tachk.recordings.traces.conventions import Interpolation, TraceEnding
 from tachk.recordings.traces.core_monitor import RobustnessResult
@@ -76,7 +77,16 @@ def judge(
             "robustness in time is defined only if values stay constant between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
-    formulas = [located(named, recording.columns) for named in with_named_values(formulas, recording)]
+    resolved = [located(named, recording.columns) for named in with_named_values(formulas, recording)]
+    record = _judged_at_once(resolved, recording, evaluation, source)
+    if all(verdict.measured is Truth.TRUE for verdict in record.verdicts):
+        return record
+    return replace(record, trace=replace(record.trace, value_names=names_of_values(formulas, recording)))
+
+
+def _judged_at_once(
+    formulas: Sequence[NamedFormula], recording: TraceSource, evaluation: EvaluationOptions, source: str
+) -> MonitorRecord:
     if isinstance(recording, TableRecording) and evaluation.interpolation is Interpolation.CONSTANT and formulas:
         # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
         try:

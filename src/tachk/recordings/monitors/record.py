@@ -119,10 +119,12 @@ def cell_text(trace: Trace, cell: int) -> str:
 
 
 def value_text(trace: Trace, column: str, cell: int) -> str:
-    """The value of a column in a cell, beyond the end the last one."""
+    """The value of a column in a cell, beyond the end the last one: a number by the name that its file has for it."""
     value = trace.value(column, Fraction(cell // 2))
     if column in trace.texts:
         return f'"{trace.labels[int(value)]}"'
+    if value.is_integer() and (name := trace.value_names.get(column, {}).get(int(value))) is not None:
+        return name
     if trace.columns[column].dtype.kind == "u":
         return "true" if value else "false"
     return f"{value:.6g}"

@@ -92,6 +92,7 @@ class Trace:
     known_before: of a run of a model, the instant, in ticks, before which its values are known however it goes on; a
         formula is false on it only if no way to go on makes it true. None: the trace does not go on.
     calendar: the clock counts seconds since 1970, however the times were written.
+    value_names: what a file calls the values of columns of numbers.
     notes: what its reader did that somebody who reads a verdict should know, such as rounding times.
     warnings: what is wrong with the file though it could be read, such as that it is cut off.
     """
@@ -111,6 +112,7 @@ class Trace:
     dated: bool = False
     known_before: int | None = None
     calendar: bool = False
+    value_names: Mapping[str, Mapping[int, str]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

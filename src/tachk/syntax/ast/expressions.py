@@ -14,7 +14,12 @@ class NameExpression(Node):
 
 @dataclass(frozen=True, slots=True)
 class IntegerLiteral(Node):
+    """Attributes:
+    name: where a recording has a name for the number: that, as it stood in the formula; printed in its place.
+    """
+
     value: int
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,6 +75,8 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
     match expression:
         case ast.NameExpression(name=name):
             return name
+        case ast.IntegerLiteral(name=name) if name:
+            return name
         case ast.IntegerLiteral(value=value):
             return str(value)
         case ast.FloatLiteral(text=text):

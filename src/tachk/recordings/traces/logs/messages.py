@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -35,6 +36,7 @@ SAMPLES = 200
 """Messages of a topic whose fields are its columns: objects of JSON and arrays may differ from message to message."""
 
 _STEP = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
+_NUMBER = re.compile(r"\[\d+\]")
 _NANOSECONDS = 10**9
 
 _SECONDS = ("sec", "secs", "seconds")
@@ -43,6 +45,10 @@ _REST = ("nanosec", "nsecs", "nsec", "nanos")
 
 LAST_TIME = 2**62
 """In nanoseconds since 1970."""
+
+
+Enumerations = Mapping[str, Mapping[str, int]]
+"""The names of the values of fields, by their path in a message: ``.state``, ``.parts[].state``."""
 
 
 class MessageFile(Protocol):
@@ -75,6 +81,10 @@ class MessageFile(Protocol):
 
     def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
         """For each topic the constants of its type, and of the types in it."""
+        ...
+
+    def enumerations(self, topics: Collection[str]) -> Mapping[str, Enumerations]:
+        """For some topics the fields of which the type names the values."""
         ...
 
 
@@ -158,6 +168,24 @@ class MessageRecording:
             events.append((end, {}))
         recording = sparse(self.name, "s", events, np.array([time for time, _ in events], "datetime64[ns]"))
         return replace(recording.read(list(wanted)), calendar=True, warnings=self.messages.warnings)
+
+    def named_values(self) -> Mapping[str, Mapping[str, int | float | str]]:
+        """The constants of the type of each topic, by the name of its columns."""
+        return {topic_name(topic): values for topic, values in self.messages.constants().items()}
+
+    def enumerations(self, columns: Collection[str]) -> Mapping[str, Mapping[str, int]]:
+        """For those of some columns of which the types name the values: the values by their names."""
+        topics: dict[str, list[str]] = {}
+        for column in columns:
+            with suppress(UsageError):  # no column of the file
+                topics.setdefault(self._topic(column), []).append(column)
+        known = self.messages.enumerations(topics)
+        return {
+            column: known[topic][path]
+            for topic, own in topics.items()
+            for column in own
+            if (path := _NUMBER.sub("[]", column[len(topic_name(topic)) :])) in known.get(topic, {})
+        }
 
     def _out_of_range(self, message: str, time: int) -> UsageError:
         return UsageError(

@@ -67,13 +67,19 @@ class Hdf5Table:
         header = TraceHeader(("time", *wanted), 0, self.unit)
         return TableRecording(self.name, header, cells).read(wanted if columns is None else columns)
 
-    def enumerations(self) -> Mapping[str, Mapping[str, int]]:
-        """For each column of an enumeration the names of its values."""
+    def named_values(self) -> Mapping[str, Mapping[str, int]]:
+        """The values of each column that is an enumeration, by their names."""
+        return self.enumerations(self.columns)
+
+    def enumerations(self, columns: Collection[str]) -> Mapping[str, Mapping[str, int]]:
+        """For those of some columns that are enumerations the values by their names."""
         import h5py
 
         found: dict[str, Mapping[str, int]] = {}
         with _reading(Path(self.name)) as file:
             for name, place in self.places.items():
+                if name not in columns:
+                    continue
                 dtype = file[place.path].dtype
                 dtype = dtype[place.part] if isinstance(place.part, str) else dtype
                 if known := h5py.check_enum_dtype(dtype):

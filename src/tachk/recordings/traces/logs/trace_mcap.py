@@ -18,8 +18,8 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.recordings.traces.compressed import is_compressed, open_bytes
 from tachk.recordings.traces.logs.foreign import not_installed, reading
-from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, MessageRecording, WithSummary
-from tachk.recordings.traces.logs.trace_rosbag import constants_of
+from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
+from tachk.recordings.traces.logs.trace_rosbag import constants_of, enumerations_of
 from tachk.recordings.traces.trace import cut_off_warning
 from tachk.recordings.traces.trace_header import agreed_unit
 
@@ -186,10 +186,19 @@ class McapMessages(WithSummary[dict[str, bool]]):
     def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
         found: dict[str, Mapping[str, int | float | str]] = {}
         for topic, (encoding, schema) in self._types.items():
-            if (encoding, schema.encoding) in _ROS:
+            with reading(self.path, "MCAP file"):
+                if (encoding, schema.encoding) in _ROS:
+                    found[topic] = constants_of(*_typestore(schema))
+                elif (encoding, schema.encoding) == _PROTOBUF:
+                    found[topic] = dict(_enumerators(_protobuf_decoder(encoding, schema)(b"").DESCRIPTOR))
+        return found
+
+    def enumerations(self, topics: Collection[str]) -> Mapping[str, Enumerations]:
+        found: dict[str, Enumerations] = {}
+        for topic, (encoding, schema) in self._types.items():
+            if topic in topics and (encoding, schema.encoding) in _ROS:
                 with reading(self.path, "MCAP file"):
-                    store, name = _typestore(schema)
-                    found[topic] = constants_of(store, name)
+                    found[topic] = enumerations_of(*_typestore(schema))
         return found
 
     @cached_property
@@ -279,7 +288,8 @@ def _decoder(channel: Any, schema: Any, what: str) -> Callable[[bytes], Any]:
             "JSON, messages of ROS and protocol buffers are read",
         )
     if channel.message_encoding == "protobuf":
-        return _protobuf_decoder(channel, schema)
+        decoded = _protobuf_decoder(channel.message_encoding, schema)
+        return lambda data: _fields(decoded(data))
     store, name = _typestore(schema)
     read = store.deserialize_ros1 if channel.message_encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)
@@ -298,14 +308,29 @@ def _typestore(schema: Any) -> tuple[Any, str]:
     return store, name
 
 
-def _protobuf_decoder(channel: Any, schema: Any) -> Callable[[bytes], Any]:
+def _protobuf_decoder(encoding: str, schema: Any) -> Callable[[bytes], Any]:
+    """The function that reads a message as the class that the library makes of the schema."""
     try:
         from mcap_protobuf.decoder import DecoderFactory
     except ModuleNotFoundError:
         raise not_installed("protocol buffers", "mcap-protobuf-support", "mcap") from None
-    read = DecoderFactory().decoder_for(channel.message_encoding, schema)
+    read: Callable[[bytes], Any] | None = DecoderFactory().decoder_for(encoding, schema)
     assert read is not None
-    return lambda data: _fields(read(data))
+    return read
+
+
+def _enumerators(message: Any, prefix: str = "", within: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
+    """The names of the values of all enumerations in a type of protocol buffers, which are texts in its messages:
+    alone, and behind that of their field, ``mode.FAST``."""
+    if message.full_name in within:
+        return
+    for each in message.fields:
+        if each.enum_type is not None:
+            for name in each.enum_type.values_by_name:
+                yield name, name
+                yield f"{prefix}{each.name}.{name}", name
+        elif each.message_type is not None:
+            yield from _enumerators(each.message_type, f"{prefix}{each.name}.", (*within, message.full_name))
 
 
 def _fields(message: Any) -> dict[str, Any]:

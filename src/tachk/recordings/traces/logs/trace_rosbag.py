@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tachk.recordings.traces.logs.foreign import not_installed, reading
-from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, MessageRecording, WithSummary
+from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
 from tachk.recordings.traces.trace_header import agreed_unit
 
 
@@ -43,6 +43,11 @@ class BagMessages(WithSummary[Collection[str]]):
         with self._reading() as reader:
             return {each.topic: constants_of(reader.typestore, each.msgtype) for each in reader.connections}
 
+    def enumerations(self, topics: Collection[str]) -> Mapping[str, Enumerations]:
+        with self._reading() as reader:
+            connections = [each for each in reader.connections if each.topic in topics]
+            return {each.topic: enumerations_of(reader.typestore, each.msgtype) for each in connections}
+
     @contextmanager
     def _reading(self) -> Iterator[Any]:
         from rosbags.highlevel import AnyReader
@@ -68,6 +73,33 @@ def constants_of(store: Any, name: str) -> dict[str, int | float | str]:
         for constant, _, value in constants:
             found.setdefault(constant, value)
         waiting += [each for _, field in fields for each in _types_in(field)]
+    return found
+
+
+def enumerations_of(store: Any, name: str, within: tuple[str, ...] = ()) -> dict[str, Mapping[str, int]]:
+    """The fields of a message type of ROS whose values its constants name, by their paths.
+
+    ROS does not say which constants belong to which field. Those of whole numbers belong to the field of the same
+    message and type with which their names begin (``POWER_SUPPLY_HEALTH_GOOD`` to ``power_supply_health``), or to the
+    only field of their type.
+    """
+    if name in within or name not in store.fielddefs:
+        return {}
+    constants, fields = store.fielddefs[name]
+    found: dict[str, Mapping[str, int]] = {}
+    plain = {field: kind[1][0] for field, kind in fields if isinstance(kind[1], tuple) and isinstance(kind[1][0], str)}
+    for constant, kind, value in constants:
+        own = [field for field, other in plain.items() if other == kind]
+        begun = [field for field in own if constant.lower().startswith(f"{field.lower()}_")]
+        owner = max(begun, key=len) if begun else own[0] if len(own) == 1 else None
+        if owner is not None and isinstance(value, int) and not isinstance(value, bool):
+            found[f".{owner}"] = {**found.get(f".{owner}", {}), constant: value}
+    for field, (_, described) in fields:
+        is_plain = isinstance(described, str)
+        inner = described if is_plain else described[0][1]
+        if isinstance(inner, str):
+            parts = enumerations_of(store, inner, (*within, name))
+            found |= {f".{field}{'' if is_plain else '[]'}{path}": values for path, values in parts.items()}
     return found
 
 
