@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import faulthandler
 import gc
@@ -21,7 +22,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from tachk.cli import main
+from tachk.cli import commands, main
 from tachk.report.verifyta_notes import peak_memory
 
 CPU_SECONDS = 20
@@ -82,7 +83,7 @@ def prepare(warming: Iterable[Case] = ()) -> None:
         main.load_command(name)
     for name in (
         *_HEAVY,
-        *(f"tachk.cli.actions.{name}" for name in main.COMMANDS),
+        *_imported_late(),
         "tachk.api.model",
         "tachk.cli.monitor_online",
         "tachk.recordings.monitors",
@@ -100,6 +101,13 @@ def prepare(warming: Iterable[Case] = ()) -> None:
                 main.run()
     gc.collect()
     gc.freeze()
+
+
+def _imported_late() -> set[str]:
+    """The modules that functions of commands import."""
+    sources = Path(commands.__path__[0]).glob("*.py")
+    nodes = (node for source in sources for node in ast.walk(ast.parse(source.read_text())))
+    return {node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module is not None}
 
 
 def run(case: Case) -> Finding | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tachk.base.resources import data_root
-from tachk.cli.actions.fmt import run_fmt
+from tachk.cli.commands.fmt import run_fmt
 from tachk.cli.exit_status import ExitStatus
 
 MODELS = sorted((data_root() / "models").rglob("*.ta"))

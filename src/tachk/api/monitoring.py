@@ -18,15 +18,9 @@ from tachk.recordings.monitors.formulas import (
     check_order,
     names_file,
 )
-from tachk.recordings.monitors.offline import (
-    EvaluationOptions,
-    ending_of,
-    formulas_of,
-    interpolation_of,
-    judge,
-    selected,
-)
+from tachk.recordings.monitors.offline import ending_of, formulas_of, interpolation_of, judge, selected
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_time
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.logs.joined import with_decimals
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace

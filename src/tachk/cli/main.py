@@ -1,7 +1,7 @@
 """The program: its commands, each loaded when it is called.
 
 Imports nothing heavy: `tachk --version` must not wait for z3. The module of a command in `tachk.cli.commands` holds its
-options and its help; what it does is loaded once its arguments are right.
+options, its help and what it does; it loads what that needs once its arguments are right.
 """
 
 from __future__ import annotations

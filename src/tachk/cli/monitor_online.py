@@ -21,11 +21,11 @@ from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments, exit_status, print_warnings
 from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, hidden_formulas
 from tachk.recordings.monitors.locations import located
-from tachk.recordings.monitors.offline import EvaluationOptions
 from tachk.recordings.monitors.online import Monitor
 from tachk.recordings.monitors.online_record import OnlineVerdict, OnlineViolation
 from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.compressed import is_compressed, open_bytes, plain_suffix
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.csv_beginning import ByteStream
 from tachk.recordings.traces.logs.trace_jsonl import JsonStream
 from tachk.recordings.traces.node_signal import Truth

@@ -51,3 +51,24 @@ class ViolationReporting:
 
     all_violations: bool = False
     signals: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RunReporting(Reporting):
+    """Options for the report of answers.
+
+    Attributes:
+        trace: the runs that are given as evidence; None: some, of unexpected answers only.
+        every_trace: those of expected answers too.
+    """
+
+    trace: EvidenceChoice | None = None
+    every_trace: bool = False
+
+    @property
+    def evidence(self) -> EvidenceChoice:
+        return self.trace or EvidenceChoice.SOME
+
+    @property
+    def shows_every_run(self) -> bool:
+        return self.every_trace or self.trace is not None

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from tachk.cli.actions.chart import write_chart
+from tachk.cli.commands.chart import write_chart
+from tachk.report.drawing.sequence.layout import TimeAxis
 from tachk.report.json_report import run_to_json
 from tachk.report.record import RunRecord
 from tachk.report.sequence.of_run import chart_of_run
@@ -22,4 +23,4 @@ def write_run_chart(output: Path, record: RunRecord) -> None:
         return
     run: dict[str, Any] = run_to_json(record)
     result = next(each for each in run["results"] if each["name"] == chosen.query.name)
-    write_chart(chart_of_run(steps_of_result(run, result)).used(), output)
+    write_chart(chart_of_run(steps_of_result(run, result)).used(), output, TimeAxis.COMPRESSED)

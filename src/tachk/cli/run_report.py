@@ -8,34 +8,12 @@ from typing import TextIO
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import StoppedError
-from tachk.base.records import dataclass
 from tachk.cli.guard import without_result
-from tachk.cli.reporting import EvidenceChoice, Reporting
+from tachk.cli.reporting import RunReporting
 from tachk.cli.terminal import console
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.display import RunDisplay
 from tachk.report.run_formats import Presentation, report_writer
-
-
-@dataclass(frozen=True, slots=True)
-class RunReporting(Reporting):
-    """Options for the report of answers.
-
-    Attributes:
-        trace: the runs that are given as evidence; None: some, of unexpected answers only.
-        every_trace: those of expected answers too.
-    """
-
-    trace: EvidenceChoice | None = None
-    every_trace: bool = False
-
-    @property
-    def evidence(self) -> EvidenceChoice:
-        return self.trace or EvidenceChoice.SOME
-
-    @property
-    def shows_every_run(self) -> bool:
-        return self.every_trace or self.trace is not None
 
 
 class RunReport:

@@ -13,8 +13,9 @@ from tachk.model.network import Network
 from tachk.recordings.monitors.compiler import arrival_argument, column_name
 from tachk.recordings.monitors.conditions import with_numbers_as_conditions
 from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, formula_source, formulas_in
-from tachk.recordings.monitors.offline import EvaluationOptions, judge
+from tachk.recordings.monitors.offline import judge
 from tachk.recordings.monitors.row_names import TIME
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace

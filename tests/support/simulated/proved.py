@@ -17,7 +17,8 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
-from tachk.recordings.monitors.offline import EvaluationOptions, judge
+from tachk.recordings.monitors.offline import judge
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace
 from tachk.simulation.columns import columns_for

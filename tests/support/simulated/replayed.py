@@ -12,7 +12,8 @@ from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, S
 from tachk.meaning.run_view import RunNames
 from tachk.model.random_networks import Shape, random_case
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
-from tachk.recordings.monitors.offline import EvaluationOptions, judge
+from tachk.recordings.monitors.offline import judge
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace

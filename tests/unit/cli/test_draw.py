@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.cli.actions.draw import run_draw
+from tachk.cli.commands.draw import run_draw
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.layout.placement.template import place_template
 from tachk.formats.layout_json import layout_path, layout_to_json

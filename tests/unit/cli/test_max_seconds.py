@@ -14,7 +14,7 @@ from tachk import _core
 from tachk.base import job as module
 from tachk.base.job import OutOfTimeError, limited
 from tachk.base.span import Source
-from tachk.cli.actions.check import run_check
+from tachk.cli.commands.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app, load_command
 from tachk.engine import liveness, measuring, zone

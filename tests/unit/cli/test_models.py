@@ -6,7 +6,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.cli.actions.models import run_copy, run_list
+from tachk.cli.commands.models import run_copy, run_list
 from tachk.cli.exit_status import ExitStatus
 
 

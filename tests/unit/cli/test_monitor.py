@@ -16,14 +16,13 @@ from tachk.base import awaited_pipe, job
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.job import limited
 from tachk.cli import monitor_online
-from tachk.cli.actions.monitor import run_monitor
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
 from tachk.cli.reporting import Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments, exit_status
-from tachk.recordings.monitors.offline import EvaluationOptions
-from tachk.recordings.traces.conventions import TraceEnding
+from tachk.recordings.traces.conventions import EvaluationOptions, TraceEnding
 from tachk.recordings.traces.node_signal import Truth
 
 TEXT = "time [s],p,q\n0,0,0\n1,1,0\n2,0,0\n9,0,0\n20,0,1\n"

@@ -14,7 +14,6 @@ from click.testing import CliRunner
 
 from tachk.api.model import Model
 from tachk.base.job import OutOfTimeError
-from tachk.cli.actions import estimate as estimating
 from tachk.cli.main import app
 from tachk.simulation.runs import Runs
 from tachk.simulation.statistics.estimate import estimate
@@ -63,7 +62,7 @@ def stopping_after(count: int, original: Callable[..., Any], error: type[BaseExc
 def test_estimates(
     model: str, monkeypatch: pytest.MonkeyPatch, error: type[BaseException], status: int, reason: str
 ) -> None:
-    monkeypatch.setattr(estimating, "estimate", stopping_after(1, estimate, error))
+    monkeypatch.setattr("tachk.simulation.statistics.estimate.estimate", stopping_after(1, estimate, error))
     found, output = run("estimate", model, "--runs", "10", "--format", "json")
     answers = json.loads(output)["answers"]
     validate(json.loads(output), "estimate")
@@ -72,7 +71,7 @@ def test_estimates(
 
 
 def test_estimates_in_words(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(estimating, "estimate", stopping_after(0, estimate, OutOfTimeError))
+    monkeypatch.setattr("tachk.simulation.statistics.estimate.estimate", stopping_after(0, estimate, OutOfTimeError))
     status, output = run("estimate", model)
     assert (status, output.splitlines()[0]) == (20, "a: Pr[<=10](<> P.B): unknown (time limit)")
 

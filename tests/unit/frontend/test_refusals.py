@@ -10,9 +10,9 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.base.span import Source
-from tachk.cli.actions.check import run_check
-from tachk.cli.actions.convert import run_convert
-from tachk.cli.actions.verify import VerifyArguments, run_verify
+from tachk.cli.commands.check import run_check
+from tachk.cli.commands.convert import run_convert
+from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.catalogue import export_model
 from tachk.formats.loading.load import load_model

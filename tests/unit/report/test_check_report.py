@@ -7,7 +7,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from tachk.cli.actions.check import run_check
+from tachk.cli.commands.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.uppaal.versions import UppaalVersion
 

@@ -10,9 +10,10 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.cli.actions.chart import write_chart
+from tachk.cli.commands.chart import write_chart
 from tachk.cli.main import app
 from tachk.report.drawing.sequence.chart import Chart, Note
+from tachk.report.drawing.sequence.layout import TimeAxis
 from tachk.report.json_report import runs_to_json
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.run_steps import steps_of_report
@@ -150,7 +151,7 @@ def test_a_run_without_messages_shows_the_locations_that_processes_enter(
     assert chart.lifelines == lifelines
     assert [event.text for event in chart.events if isinstance(event, Note)] == notes
     for picture in ("quiet.svg", "quiet.png"):
-        write_chart(chart.used(), tmp_path / picture)
+        write_chart(chart.used(), tmp_path / picture, TimeAxis.COMPRESSED)
 
 
 def test_repeated_moves_are_drawn_once(tmp_path: Path) -> None:

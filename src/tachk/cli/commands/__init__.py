@@ -1,4 +1,5 @@
-"""The commands: one module each, called like the command, with its options and its help.
+"""The commands: one module each, called like the command, with its options, its help and what it does.
 
-They import nothing heavy. What a command does stands in `tachk.cli.actions`, or here where it is a few lines.
+The functions that do it import what is heavy themselves: help, wrong options and the completion of options wait for
+nothing of it.
 """

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
+from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
+from tachk.base.job import StoppedError, limited
 from tachk.cli import options
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import complain, print_diagnostics, without_result
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.report.check_report import CHECK_FORMATS
+
+if TYPE_CHECKING:
+    from tachk.api import model as api
+    from tachk.report.check_report import Checked
 
 
 @click.command(name="check")
@@ -39,6 +51,169 @@ from tachk.report.check_report import CHECK_FORMATS
 @click.option("strict_xta", "--strict-xta", is_flag=True, help="Refuse what tachk adds to the language of UPPAAL.")
 def command(**given: Any) -> None:
     """Read models and report every mistake and warning, without checking a property."""
-    from tachk.cli.actions.check import run_check
 
     options.finish(lambda: run_check(**given))
+
+
+def run_check(
+    models: tuple[str, ...],
+    definitions: tuple[str, ...],
+    version: UppaalVersion | None = None,
+    form: str = "text",
+    output: Path | None = None,
+    strict_xta: bool = False,
+    seconds: float | None = None,
+    deep: bool = False,
+) -> ExitStatus:
+    """Reads every model and reports its mistakes and warnings.
+
+    Args:
+        version: of UPPAAL; report also what it would refuse or treat otherwise.
+        form: ``text`` for people, one line about each model that has no error, the rest on standard error; or one of
+            `CHECK_FORMATS`, with everything in one report.
+        output: the file of the report, standard output without.
+        strict_xta: refuse what tachk adds to the language of UPPAAL.
+        seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
+        deep: explore the states of each model, and tell what no run does; see `tachk.verify.semantic_lint`.
+    """
+    from tachk.cli.arguments import parse_definitions
+
+    constants = parse_definitions(definitions)
+    checks: list[Checked] = []
+    with destination(output) as out:
+        assert out is not None
+        for path in models:
+            checks.append(_within(seconds, path, constants, version, strict_xta, deep))
+            if form == "text":
+                _report(checks[-1], version, len(models) > 1, out)
+            if _is_interrupted(checks[-1]):
+                break
+        if form != "text":
+            out.write(CHECK_FORMATS[form](checks))
+    return worst(_status(check) for check in checks)
+
+
+def _is_interrupted(check: Checked) -> bool:
+    from tachk.engine.outcome import INTERRUPTED
+
+    return check.deep is not None and check.deep.reason == INTERRUPTED
+
+
+def _within(
+    seconds: float | None,
+    path: str,
+    constants: dict[str, str],
+    version: UppaalVersion | None,
+    strict_xta: bool,
+    deep: bool,
+) -> Checked:
+    from tachk.report.check_report import Checked
+
+    try:
+        with limited(seconds):
+            check, model = _check(path, constants, version, strict_xta)
+            if not deep or model is None:
+                return check
+            try:
+                return replace(check, deep=model.check(), network=model.network)
+            except InputError as error:
+                return replace(check, findings=(*error.diagnostics, *check.findings), size=None)
+    except StoppedError as error:
+        return Checked(path, complaint=without_result(error), out_of_time=True)
+
+
+def _check(
+    path: str, constants: dict[str, str], version: UppaalVersion | None, strict_xta: bool
+) -> tuple[Checked, api.Model | None]:
+    """The findings from reading a model, and the model if it can be used."""
+    from tachk.api import model as api
+    from tachk.engine.compiler.features import undrawn_ends
+    from tachk.formats.loading.load import load_model
+    from tachk.report.check_report import Checked, Size
+
+    try:
+        model = api.Model(load_model(path, constants, strict_xta), path, tuple(constants))
+    except InputError as error:
+        return Checked(path, findings=error.diagnostics), None
+    except UnsupportedError as error:
+        return Checked(path, findings=(error.diagnostic,)), None
+    except UsageError as error:
+        return Checked(path, complaint=error.message, help=error.help), None
+    if model.refusals:
+        return Checked(path, findings=(*model.refusals, *model.warnings)), None
+    processes = model.network.processes
+    size = Size(
+        len(processes),
+        sum(len(process.locations) for process in processes),
+        sum(len(process.edges) for process in processes),
+        len(model.properties),
+    )
+    other = None
+    if version is not None:
+        from tachk.formats.uppaal.portability import portability
+
+        other = portability(model.loaded, version)
+    of_simulations = (*_uncomputed(model, strict_xta), *undrawn_ends(model.network))
+    return Checked(path, size, (*model.warnings, *of_simulations), other), model
+
+
+def _uncomputed(model: api.Model, strict_xta: bool) -> tuple[Diagnostic, ...]:
+    """The rates and weights that no simulation computes. It has floating point variables and hybrid clocks besides."""
+    from tachk.engine.compiler.features import uncomputed_chances
+    from tachk.formats.loading.load import load_model
+
+    wrong = uncomputed_chances(model.network)
+    if wrong:
+        with suppress(TachkError):
+            constants = {name: value.span.text for name, value in model.loaded.overrides.items()}
+            simulated = load_model(model.path, constants, strict_xta, keeps_doubles=True)
+            return uncomputed_chances(simulated.network)
+    return wrong
+
+
+def _report(check: Checked, version: UppaalVersion | None, named: bool, out: TextIO) -> None:
+    """The report for people: a line for each model that can be used, and the findings on standard error."""
+    print_diagnostics(check.findings)
+    if check.deep is not None:
+        print_diagnostics(check.deep.findings)
+    if check.complaint is not None:
+        complain(f"{check.model}: {check.complaint}" if named else check.complaint, check.help)
+    size = check.size
+    if size is None:
+        return
+    findings = (*check.findings, *(check.deep.findings if check.deep is not None else ()))
+    warnings = sum(found.severity is not Severity.ERROR for found in findings)
+    counts = (
+        (size.processes, "process", "processes"),
+        (size.locations, "location", "locations"),
+        (size.edges, "edge", "edges"),
+        (size.properties, "property", "properties"),
+        (warnings, "warning", "warnings"),
+    )
+    print(f"{check.model}: " + ", ".join(f"{n} {one if n == 1 else many}" for n, one, many in counts), file=out)
+    if version is not None and check.portability is not None:
+        print_diagnostics(check.portability)
+        refused = sum(found.severity is Severity.ERROR for found in check.portability)
+        otherwise = len(check.portability) - refused
+        print(f"{check.model}: {version.full_name} would refuse {refused}, treat otherwise {otherwise}", file=out)
+    if check.deep is not None and check.network is not None:
+        from tachk.report.deep_report import print_deep_check
+
+        print_deep_check(check.network, check.deep, out)
+
+
+def _status(check: Checked) -> ExitStatus:
+    if check.out_of_time:
+        return ExitStatus.UNKNOWN
+    errors = [found for found in check.findings if found.severity is Severity.ERROR]
+    if check.complaint is not None or any(not found.is_unsupported for found in errors):
+        return ExitStatus.BAD_INPUT
+    if errors:
+        return ExitStatus.UNSUPPORTED
+    if any(found.severity is Severity.ERROR for found in check.portability or ()):
+        return ExitStatus.NOT_AS_EXPECTED
+    if _is_interrupted(check):
+        return ExitStatus.INTERRUPTED
+    if check.deep is not None and not check.deep.decided:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED

@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import click
 
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.cli import options
+from tachk.cli.exit_status import ExitStatus
+from tachk.syntax.source_files import read_source
+
+if TYPE_CHECKING:
+    from tachk.api import model as api
+    from tachk.formats.plain.plain_model import PlainModel
 
 
 @click.command(name="diff")
@@ -17,6 +30,61 @@ def command(before: str, after: str, definitions: tuple[str, ...], seconds: floa
 
     Exit status: 0 no difference, 1 some difference.
     """
-    from tachk.cli.actions.diff import run_diff
 
     options.finish(lambda: run_diff(before, after, definitions), seconds)
+
+
+def run_diff(before: str, after: str, definitions: Iterable[str] = ()) -> ExitStatus:
+    """Prints what is different in the behaviour of two models; nothing if nothing is.
+
+    Args:
+        definitions: values of constants, for both.
+    """
+    from tachk.cli.arguments import parse_definitions
+    from tachk.formats.difference import least_difference, print_difference
+
+    changes = least_difference(*_models(before, after, parse_definitions(definitions)))
+    sys.stdout.write(print_difference(changes))
+    return ExitStatus.DIFFERENT if changes else ExitStatus.AS_EXPECTED
+
+
+def _models(before: str, after: str, constants: Mapping[str, str]) -> tuple[PlainModel, PlainModel]:
+    """Both models in full, or both as their files say where one of them cannot be loaded and no constant is set.
+
+    A version that git hands over stands alone, away from the files that it imports.
+    """
+    from tachk.api import model as api
+
+    if os.devnull not in (before, after):
+        try:
+            first, second = api.load(before, **constants), api.load(after, **constants)
+        except InputError:
+            if constants:
+                raise
+        else:
+            return _expanded(first), _expanded(second)
+    elif constants:
+        raise UsageError("-D sets constants of two models, and one of these is no file")
+    return _as_written(before), _as_written(after)
+
+
+def _expanded(model: api.Model) -> PlainModel:
+    """The model in full. A query that no model can have stands in the list of a XML file and in a comment of a text."""
+    from tachk.formats.plain.expansion import expand
+    from tachk.formats.uppaal.query_asides import wrong_query_in
+
+    loaded = model.loaded
+    plain = expand(loaded, model.definitions, repair_names=False)
+    wrong = {query.name: query.text for query in loaded.unchecked if query.is_wrong}
+    in_comments = (wrong_query_in(comment.text) for comment in loaded.document.comments)
+    texts = [*wrong.values(), *(text for text in in_comments if text is not None)]
+    kept = tuple(query for query in plain.queries if query.name not in wrong)
+    return replace(plain, queries=kept, wrong=tuple(" ".join(text.split()) for text in texts))
+
+
+def _as_written(path: str) -> PlainModel:
+    """The model of a file, imports not followed; nothing for the file that is not there."""
+    from tachk.formats.loading.model_files import read_model
+    from tachk.formats.plain.expansion import expand_document
+
+    return expand_document(None if path == os.devnull else read_model(read_source(path)).document)

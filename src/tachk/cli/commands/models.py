@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.suggestion import closest
+from tachk.base.resources import data_root
+from tachk.base.whole_files import write_whole
 from tachk.cli import options
+from tachk.cli.exit_status import ExitStatus
+from tachk.syntax.source_files import read_source
 
 
 @click.group(name="models", invoke_without_command=True)
@@ -17,17 +26,12 @@ def command(ctx: click.Context) -> None:
     Without a subcommand: list them.
     """
     if ctx.invoked_subcommand is None:
-        _list()
+        options.finish(run_list)
 
 
 @command.command(name="list")
 def list_command() -> None:
     """List the models and what each is about."""
-    _list()
-
-
-def _list() -> None:
-    from tachk.cli.actions.models import run_list
 
     options.finish(run_list)
 
@@ -46,6 +50,74 @@ def _list() -> None:
 @click.option("--force", is_flag=True, help="Overwrite files with other contents.")
 def copy_command(name: str, folder: Path, force: bool) -> None:
     """Copy a model with every file that it imports."""
-    from tachk.cli.actions.models import run_copy
 
     options.finish(lambda: run_copy(name, folder, force))
+
+
+_SYSTEM = re.compile(r"^system\b", re.MULTILINE)
+
+
+def run_list() -> ExitStatus:
+    """Prints the name and the first line of each model that is a system, not a part of one."""
+    found = _models()
+    width = max(map(len, found))
+    for name, path in found.items():
+        first = path.read_text(encoding="utf-8").partition("\n")[0]
+        print(f"{name:<{width}}  {first.removeprefix('//').strip()}")
+    return ExitStatus.AS_EXPECTED
+
+
+def run_copy(name: str, folder: Path, force: bool = False) -> ExitStatus:
+    """Copies a model and what it imports; the files keep their places relative to each other.
+
+    Raises:
+        UsageError: there is no such model, or a file that is different would be lost.
+    """
+    files = [*dict.fromkeys(_with_imports(_named(name)))]
+    common = Path(os.path.commonpath([path.parent for path in files]))
+    targets = {path: folder / path.relative_to(common) for path in files}
+    for path, target in targets.items():
+        if not force and target.exists() and target.read_bytes() != path.read_bytes():
+            raise UsageError(f"{target} is there and different", "name another folder, or add --force to overwrite it")
+    for path, target in targets.items():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(target, path.read_bytes())
+        print(f"written: {target}")
+    return ExitStatus.AS_EXPECTED
+
+
+def _models() -> dict[str, Path]:
+    """The systems, by their path below ``models/`` without the ending."""
+    root = data_root() / "models"
+    paths = sorted(root.rglob("*.ta"))
+    return {
+        path.relative_to(root).with_suffix("").as_posix(): path
+        for path in paths
+        if _SYSTEM.search(path.read_text(encoding="utf-8"))
+    }
+
+
+def _named(name: str) -> Path:
+    found = _models()
+    wanted = name.removesuffix(".ta").removeprefix("models/")
+    fitting = [full for full in found if full == wanted or full.endswith(f"/{wanted}")]
+    if len(fitting) == 1:
+        return found[fitting[0]]
+    if fitting:
+        raise UsageError(f"{name} may be several models", f"name one of {', '.join(fitting)}")
+    close = closest(wanted, [*found, *(full.rpartition("/")[2] for full in found)])
+    raise UsageError(
+        f"no model that comes with tachk is called {name}", f"did you mean {close}?" if close else "tachk models"
+    )
+
+
+def _with_imports(path: Path) -> Iterator[Path]:
+    from tachk.syntax import ast
+    from tachk.syntax.parsing.parser import parse_document
+
+    yield path
+    document, _ = parse_document(read_source(path))
+    assert document is not None, path
+    for item in document.items:
+        if isinstance(item, ast.ImportDeclaration):
+            yield from _with_imports((path.parent / item.path).resolve())

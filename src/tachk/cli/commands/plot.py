@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tachk.cli import options, trace_options
+from tachk.cli.exit_status import ExitStatus
+
+if TYPE_CHECKING:
+    from tachk.cli.trace_arguments import TraceArguments
+    from tachk.recordings.traces.conventions import EvaluationOptions
 
 
 @click.command(name="plot")
@@ -31,9 +37,35 @@ def command(
     output: Path, begin: float | None, end: float | None, robustness: bool, seconds: float | None, **given: Any
 ) -> None:
     """Draw a trace, the values of formulas and of their parts on it, and where they are violated."""
-    from tachk.cli.actions.plot import PlotArguments, run_plot
     from tachk.cli.trace_arguments import TraceArguments
-    from tachk.recordings.monitors.offline import EvaluationOptions
+    from tachk.recordings.traces.conventions import EvaluationOptions
 
     arguments, evaluation = options.distributed(given, TraceArguments, EvaluationOptions)
     options.finish(lambda: run_plot(arguments, evaluation, PlotArguments(output, begin, end, robustness)), seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class PlotArguments:
+    """Attributes:
+    output: the file of the picture.
+    begin, end: the part that is drawn, in units of the trace; None: all of it.
+    robustness: draw it over time.
+    """
+
+    output: Path
+    begin: float | None = None
+    end: float | None = None
+    robustness: bool = False
+
+
+def run_plot(arguments: TraceArguments, evaluation: EvaluationOptions, drawn: PlotArguments) -> ExitStatus:
+    """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
+    from tachk.api.monitoring import MonitorReport
+    from tachk.cli.trace_arguments import print_warnings
+    from tachk.recordings.monitors.offline import judge
+
+    record = judge(arguments.formulas(), arguments.recording(), evaluation, arguments.formula)
+    print_warnings(record.trace.warnings)
+    MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)
+    print(f"written: {drawn.output}")
+    return ExitStatus.AS_EXPECTED

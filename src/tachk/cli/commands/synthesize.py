@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import limited
+from tachk.base.records import dataclass
 from tachk.cli import options
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting, WantedAnswer
+from tachk.cli.terminal import can_rewrite_lines
 from tachk.engine.options import Limits
+from tachk.model.grid import Grid, grid_of
+
+if TYPE_CHECKING:
+    from tachk.api import model as api
+    from tachk.report.region.synthesis import Synthesis
+    from tachk.verify.synthesis.region import Region
 
 
 @click.command(name="synthesize")
@@ -68,7 +84,109 @@ def command(**given: Any) -> None:
     With -o and a name that ends in .png, .svg or .pdf, tachk draws the region into that file and prints the report.
     Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
     """
-    from tachk.cli.actions.synthesize import SynthesizeArguments, run_synthesize
 
     arguments = options.distributed(given, SynthesizeArguments, Limits, Reporting)
     options.finish(lambda: run_synthesize(*arguments))
+
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True, slots=True)
+class SynthesizeArguments:
+    """Arguments of `tachk synthesize`.
+
+    Attributes:
+        over: the constants with their ranges.
+        max_memory: such as ``2G``.
+        certificates: the folder for the proofs of corners.
+    """
+
+    model: str
+    query: str | None = None
+    property: str | None = None
+    over: tuple[str, ...] = ()
+    definitions: tuple[str, ...] = ()
+    wanted: WantedAnswer = WantedAnswer.HOLDS
+    every_corner: bool = False
+    max_memory: str | None = None
+    infer: bool = True
+    reuse: bool = True
+    certificates: Path | None = None
+
+
+def run_synthesize(
+    arguments: SynthesizeArguments, limits: Limits = Limits(), reporting: Reporting = Reporting()
+) -> ExitStatus:
+    from tachk.api import model as api
+    from tachk.cli.arguments import parse_size, split_definitions
+
+    if (arguments.query is None) is (arguments.property is None):
+        raise UsageError("a region is that of one property", "give --property NAME, or a query behind the model")
+    constants, several = split_definitions(arguments.definitions)
+    grid = grid_of((*arguments.over, *several), "--over")
+    twice = constants.keys() & set(grid.names)
+    if twice:
+        raise UsageError(f"{min(twice)} is set by -D and by --over", "leave out one of them")
+    if arguments.max_memory is not None:
+        limits = replace(limits, memory_bytes=parse_size(arguments.max_memory))
+    picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
+    with limited(limits.seconds):
+        with limited(memory=limits.memory_bytes):
+            model = api.load(arguments.model, **constants)
+        print_diagnostics((*model.refusals, *model.warnings))
+        found = _found(model, arguments, grid, limits, reporting)
+    if picture is not None:
+        found.plot(picture)
+    if arguments.certificates is not None:
+        written = found.certificates(arguments.certificates)
+        print(f"{arguments.certificates}: {len(written)} proof{'s' * (len(written) != 1)}", file=sys.stderr)
+    with destination(None if picture else reporting.output, reporting.quiet) as out:
+        if out is not None:
+            out.write(_report(found, arguments, reporting.form, picture))
+    return _status(found.region)
+
+
+def _found(
+    model: api.Model, arguments: SynthesizeArguments, grid: Grid, limits: Limits, reporting: Reporting
+) -> Synthesis:
+    from tachk.cli.progress import ProgressLine
+    from tachk.verify.verdict import Answer
+
+    progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not reporting.quiet else None
+    try:
+        return model.synthesize(
+            *([] if arguments.query is None else [arguments.query]),
+            over=grid,
+            property=arguments.property,
+            answer=Answer(arguments.wanted.value),
+            limits=limits,
+            progress=progress,
+            infer=arguments.infer,
+            reuse=arguments.reuse,
+            certify=arguments.certificates is not None,
+        )
+    finally:
+        if progress is not None:
+            progress.clear()
+
+
+def _report(found: Synthesis, arguments: SynthesizeArguments, form: str, picture: Path | None) -> str:
+    if form == "json":
+        from tachk.report.json_text import json_text
+
+        return json_text(found.to_dict())
+    if form == "csv":
+        from tachk.report.region.json import region_to_csv
+
+        return region_to_csv(found.region)
+    written = f"written: {picture}\n" if picture else ""
+    return found.to_text(arguments.every_corner) + written
+
+
+def _status(region: Region) -> ExitStatus:
+    if region.interrupted:
+        return ExitStatus.INTERRUPTED
+    if region.unknown:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED if region.holding else ExitStatus.NOT_AS_EXPECTED

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 
@@ -32,7 +32,7 @@ from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_colu
 from tachk.recordings.monitors.texts import Texts, unmet_texts
 from tachk.recordings.monitors.value_names import names_of_values, with_named_values
 from tachk.recordings.traces.certainty import is_certainly_false
-from tachk.recordings.traces.conventions import Interpolation, TraceEnding
+from tachk.recordings.traces.conventions import EvaluationOptions, Interpolation, TraceEnding
 from tachk.recordings.traces.core_monitor import RobustnessResult
 from tachk.recordings.traces.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
 from tachk.recordings.traces.monitor_program import MonitorProgram
@@ -41,23 +41,6 @@ from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
 from tachk.recordings.traces.verdict_explanation import never_triggered
 from tachk.syntax.formula import Formula
-
-
-@dataclass(frozen=True, slots=True)
-class EvaluationOptions:
-    """Options of the evaluation of formulas on a trace.
-
-    Attributes:
-        ending: the verdict where the trace ends too early to decide.
-        interpolation: the values of numbers between rows.
-        robustness: compute by how much values could change before the verdict does.
-        time_robustness: compute by how much time signals could be shifted.
-    """
-
-    ending: TraceEnding = TraceEnding.UNDETERMINED
-    interpolation: Interpolation = Interpolation.CONSTANT
-    robustness: bool = True
-    time_robustness: bool = False
 
 
 def judge(

@@ -17,11 +17,10 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.words import QueryKind
-from tachk.cli.actions.certify import CertifyArguments, run_certify
-from tachk.cli.actions.verify import VerifyArguments, run_verify
+from tachk.cli.commands.certify import CertifyArguments, run_certify
+from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import Reporting
-from tachk.cli.run_report import RunReporting
+from tachk.cli.reporting import Reporting, RunReporting
 from tachk.engine.options import Limits
 from tachk.meaning.judge.certificate import (
     CertificateWriter,

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.actions.monitor import run_monitor
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import app
 from tachk.cli.reporting import Reporting

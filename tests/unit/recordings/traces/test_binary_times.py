@@ -9,11 +9,11 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.actions.monitor import run_monitor
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.reporting import Reporting
 from tachk.cli.row_by_row import RowByRow
 from tachk.cli.trace_arguments import TraceArguments
-from tachk.recordings.monitors.offline import EvaluationOptions
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.logs.joined import with_decimals
 from tachk.recordings.traces.trace_files import open_trace
 

@@ -14,11 +14,11 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.cli.actions.monitor import run_monitor
+from tachk.cli.commands.monitor import run_monitor
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import app
 from tachk.cli.trace_arguments import TraceArguments
-from tachk.recordings.monitors.offline import EvaluationOptions
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace
 

@@ -13,9 +13,10 @@ from tachk.api.monitoring import MonitorReport
 from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.formulas import NamedFormula
-from tachk.recordings.monitors.offline import EvaluationOptions, verdict_on
+from tachk.recordings.monitors.offline import verdict_on
 from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord
+from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.online_monitor import OnlineMonitor

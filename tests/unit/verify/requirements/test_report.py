@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.cli.actions.requirements import run_requirements
+from tachk.cli.commands.requirements import run_requirements
 from tachk.cli.exit_status import ExitStatus
 from tachk.verify.requirements.analysis import FindingKind
 

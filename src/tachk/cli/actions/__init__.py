@@ -1,1 +1,0 @@
-"""The actions of commands, each loaded when its arguments are read."""
