@@ -17,6 +17,7 @@ from tachk.base.job import OutOfTimeError
 from tachk.cli.main import app
 from tachk.simulation.runs import Runs
 from tachk.simulation.statistics.estimate import estimate
+from tachk.simulation.tables import decimal_time
 
 SCHEMAS = Path(__file__).parents[3] / "docs" / "schema"
 MODEL = """
@@ -94,6 +95,15 @@ def test_runs(model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> No
     told = json.loads(output)
     validate(told, "simulate")
     assert (status, told["runs"], told["not_drawn"], told["reason"]) == (20, 2, 3, "time limit")
+
+
+def test_a_run_that_is_not_counted_yet(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tachk.simulation.tables.decimal_time", stopping_after(1, decimal_time, KeyboardInterrupt))
+    status, output = run("simulate", model, "--runs", "3", "--seed", "1")
+    assert (status, "1 of 3 runs" in output) == (130, True)
+    monkeypatch.setattr("tachk.simulation.tables.decimal_time", stopping_after(0, decimal_time, KeyboardInterrupt))
+    status, output = run("simulate", model, "--format", "json")
+    assert (status, json.loads(output)["runs"]) == (130, 0)
 
 
 def test_times(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
