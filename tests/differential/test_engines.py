@@ -35,6 +35,10 @@ SHAPES = {
     "copies": Shape(copies=0.5),
     "copies and others": Shape(copies=0.4, apart=0.3, exact=0.4, priorities=True, receivers=1, blockers=1),
     "copies and diagonals": Shape(copies=0.4, advances=False, diagonals=True, constant=3),
+    "copies that stop": Shape(copies=0.5, stopwatches=True, clocks=2),
+    "copies that stop and diagonals": Shape(
+        copies=0.5, advances=False, stopwatches=True, diagonals=True, processes=2, locations=3, constant=3
+    ),
 }
 
 APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False, clocks=1)

@@ -26,6 +26,7 @@ SHAPES = {
     "copies": Shape(copies=0.5, clocks=2),
     "diagonals": Shape(diagonals=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2, deadlocks=False),
+    "copies that stop": Shape(copies=0.5, stopwatches=True, clocks=2, deadlocks=False),
     "language": Shape(language=True, faults=0.08, exact=0.3, processes=2, locations=3, clocks=2, deadlocks=False),
     "faults": Shape(language=True, faults=1.0, processes=2, locations=3, clocks=1, deadlocks=False),
 }

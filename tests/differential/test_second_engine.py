@@ -19,6 +19,7 @@ SHAPES = {
     "diagonals": Shape(diagonals=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2),
     "copies": Shape(copies=0.5, clocks=2),
+    "copies that stop": Shape(copies=0.5, stopwatches=True, clocks=2),
     "copies in functions": Shape(copies=0.5, language=True, clocks=2, processes=2, locations=3),
     "priorities": Shape(priorities=True, deadlocks=True, clocks=1),
     "deadlocks": Shape(deadlocks=True, clocks=2, processes=2),

@@ -9,6 +9,7 @@ from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.engine import zone
 from tachk.engine.compiler.lower import lower
 from tachk.engine.local_times import obstacle
+from tachk.engine.options import Engine, Pace
 from tachk.engine.program_image import encode
 from tachk.meaning.discrete import initial_discrete, prepare
 from tachk.meaning.repetition import observable_clocks
@@ -136,15 +137,67 @@ def test_adding_a_negative_number_is_a_run_time_error(chosen: bool) -> None:
         assert outcome.fault.kind is RuntimeErrorKind.NEGATIVE_CLOCK
 
 
-def test_copies_where_clocks_stop_are_refused() -> None:
-    network = NetworkBuilder()
-    x, y = network.clock("x"), network.clock("y")
-    process = network.process("P")
-    a = process.location("A", rates=[(x, 0)])
-    process.edge(a, a, updates=[y.assign(x)])
-    with pytest.raises(UnsupportedError) as caught:
-        lower(network.build())
-    assert caught.value.diagnostic.code == "E0711"
+STOPPED = """
+clock x, y, z, s, many[2];
+int n;
+void copies(clock &to, clock &from, int more) { to = from + more; }
+process P() {
+    init location run { invariant s <= 3; to stand { guard s >= 1; assign x = 0; } }
+    location stand { invariant x <= 5 && s' == 0; to again { guard x >= 2; assign UPDATE; } }
+    location again { invariant s' == 0 && z' == (n == 0); }
+}
+system P;
+property least : E<> P.again && z < 1;
+property most : E<> P.again && z > 3 && y <= 0;
+property same : E<> P.again && z == 3 && x == 2 && y == 0;
+property runs_on : E<> P.again && z == 9 && s == 2 && x == 9;
+property too_far : E<> P.again && z > 5 && y < 2;
+"""
+"""Behind the copy z is s, which has run for 1 to 3 and stood for 2 to 5, and y is 0."""
+
+
+@pytest.mark.parametrize("engine", [Engine.ZONE, Engine.SMT])
+@pytest.mark.parametrize(
+    "update",
+    [
+        "z = s, y = 0",
+        "y = s, z = y, y = 0",
+        "copies(z, s, n), y = 0",
+        "many[n] = s, z = many[n], y = 0",
+        "z = n == 0 ? s : x, y = 0",
+        "y = s + 4, s = 2, z = y, z = z + n, y = 0",
+    ],
+)
+def test_every_form_of_copy_reads_a_clock_that_stood_still(update: str, engine: Engine) -> None:
+    text = STOPPED.replace("UPDATE", update)
+    expected = {"least": False, "most": False, "same": True, "runs_on": True, "too_far": False}
+    if "s + 4" in update:
+        text = text.replace("z < 1", "z < 5").replace("z > 3", "z > 7").replace("z == 3", "z == 7")
+        text = text.replace("z == 9", "z == 13").replace("z > 5", "z > 9")
+    verdicts = tachk.loads(text).verify(options=tachk.Options(engine=engine))
+    assert {verdict.query.name: verdict.answer == "holds" for verdict in verdicts} == expected
+    assert all(verdict.exact and verdict.answer in ("holds", "fails") for verdict in verdicts)
+
+
+def test_runs_that_go_on_for_ever_beside_copies_of_clocks_that_stand_still() -> None:
+    model = tachk.loads(
+        "clock x, y, s; process P() { init location a { invariant x <= 2 && s' == 0; to b { assign y = s, x = 0; } }"
+        " location b { invariant x <= 2 && y' == 0; to a { assign s = y, x = 0; } } } system P;"
+    )
+    answers = [verdict.answer for verdict in model.verify("A<> s > 2", "E[] s <= 1", "A<> y > x + 2", "A[] s <= 2")]
+    assert answers == ["fails", "holds", "fails", "holds"]
+
+
+def test_the_fastest_run_beside_copies_of_clocks_that_stand_still() -> None:
+    model = tachk.loads(
+        "clock x, y, s; process P() { init location a { to b { assign x = 0; } }"
+        " location b { invariant s' == 0; to c { guard x >= 3; assign y = s + 1, x = 0; } }"
+        " location c { invariant y' == 0; to d { guard x >= 1; } }"
+        " location d { to e { guard y >= 6; } } location e; } system P;"
+    )
+    (verdict,) = model.verify("E<> P.e", options=tachk.Options(pace=Pace.FASTEST))
+    assert verdict.trace is not None
+    assert verdict.trace.states[-1].time == 9
 
 
 def looping(update: str) -> tachk.Model:

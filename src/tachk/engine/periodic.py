@@ -11,7 +11,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from tachk.engine.exact.schedule import PhaseConstraint, Requirement, SchedulePhase
+from tachk.engine.exact.schedule import PhaseConstraint, Requirement, SchedulePhase, standstills
 from tachk.meaning.dbm import INFINITY, bound_value, is_strict
 from tachk.meaning.repetition import ObservableClocks
 
@@ -62,9 +62,8 @@ def _solve(
         if clock == 0:
             return z3.IntVal(0) if whole else z3.RealVal(0)
         since, start_value = phases[phase].resets[clock]
-        stands = [k for k in range(since, phase + at_end) if clock in phases[k].stopped]
         passed = moments[phase + at_end] - moments[since]
-        for k in stands:
+        for k in standstills(phases, clock, phase, at_end):
             passed -= moments[k + 1] - moments[k]
         return passed + start_value * unit
 

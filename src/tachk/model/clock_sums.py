@@ -65,11 +65,6 @@ def clock_copies(network: Network) -> Iterator[Assign]:
             yield assignment
 
 
-def clock_copy(network: Network) -> Assign | None:
-    """The first assignment that sets a clock to the value of a clock; None if there is none."""
-    return next(clock_copies(network), None)
-
-
 def advances_clocks(network: Network) -> bool:
     """Whether some assignment sets a clock to more than the value of a clock."""
     sums = (clock_sum(assignment.value) for assignment in clock_copies(network))

@@ -175,6 +175,44 @@ def test_clocks_that_stop_are_solved_exactly() -> None:
     assert checked(network, path(0, 1, 3)) is None
 
 
+def test_copies_of_clocks_that_stop_are_solved_exactly() -> None:
+    """y is x as it is behind a while in which it stood, and stands a while itself; z is a copy of that copy."""
+    network = NetworkBuilder()
+    x, y, z, w = (network.clock(name) for name in "xyzw")
+    process = network.process("P")
+    a, b, c = process.location("A"), process.location("B", rates=[(x, 0)]), process.location("C", rates=[(y, 0)])
+    process.edge(a, b, guard=x == 2, updates=[w.assign(0)])
+    process.edge(b, c, guard=w == 3, updates=[y.assign(x + 1), x.assign(0), w.assign(0)])
+    process.edge(c, b, guard=w == 4, updates=[z.assign(y), y.assign(x), x.assign(z + 1), w.assign(0)])
+    process.edge(b, a, guard=w == 5)
+    end = (x == 4) & (y == 9) & (z == 8) & (w == 5)
+    assert times(checked(network, path(0, 1, 2, 3), a.reached & end)) == [2, 5, 9, 14]
+    for wrong in (x - w > -1, x - w < -1, y - w > 4, y - w < 4, z - w > 3, z - w < 3):
+        assert checked(network, path(0, 1, 2, 3), a.reached & wrong) is None
+
+
+def test_a_clock_that_is_set_to_itself_or_to_a_number_has_stood_as_before_or_not() -> None:
+    network = NetworkBuilder()
+    x, y, w = (network.clock(name) for name in "xyw")
+    process = network.process("P")
+    a = process.location("A", rates=[(x, 0), (y, 0)])
+    b = process.location("B")
+    process.edge(a, a, guard=w == 3, updates=[x.assign(x + 1), w.assign(0)])
+    process.edge(a, b, guard=w == 3, updates=[y.assign(7), w.assign(0)])
+    process.edge(b, b, guard=(w == 2) & (x == 3) & (y == 9), updates=[w.assign(0)])
+    assert times(checked(network, path(0, 1, 2))) == [3, 6, 8]
+
+
+def test_a_clock_that_stood_still_is_set_to_one_that_ran() -> None:
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    a, b = process.location("A", rates=[(y, 0)]), process.location("B")
+    process.edge(a, b, guard=x == 3, updates=[y.assign(x)])
+    process.edge(b, b, guard=(x == 4) & (y == 4))
+    assert times(checked(network, path(0, 1))) == [3, 4]
+
+
 def test_a_path_of_a_thousand_transitions() -> None:
     network = NetworkBuilder()
     clocks = [network.clock(f"x{i}") for i in range(5)]

@@ -77,6 +77,19 @@ def test_a_loop_that_no_time_may_pass_in_takes_none() -> None:
     assert trace.steps[-1].delay == 0
 
 
+def test_a_loop_returns_by_a_copy_of_a_clock_that_stood_still() -> None:
+    network = NetworkBuilder()
+    x, y, s = (network.clock(name) for name in "xys")
+    process = network.process("P")
+    a, b = process.location("A", rates=[(s, 0)]), process.location("B", rates=[(y, 0)])
+    process.edge(a, b, guard=x >= 3, updates=[y.assign(s), x.assign(0)])
+    process.edge(b, a, guard=s >= 2, updates=[s.assign(y), x.assign(0)])
+    trace = found(network, AvoidingRun(RunEnd.LOOP, (), 0, (step(0), step(1))), s > 2)
+    assert trace is not None and trace.ending is Ending.PERIODIC and trace.loop_start is not None
+    stands, runs = (step.delay for step in trace.steps[trace.loop_start :])
+    assert stands >= 3 and runs == 2
+
+
 def test_rounds_that_differ_come_before_the_loop() -> None:
     network, goal = circle(lambda x, y: y > 5)
     trace = found(network, LOOP, goal)

@@ -100,12 +100,6 @@ class ClockUpdates:
             raise _too_many_differences(most, next(span for copy, span in self.copies.items() if copy.largest > 0))
         return found
 
-    def check_copies(self, network: Network) -> None:
-        """Raises UnsupportedError for copies where clocks stop."""
-        stops = any(location.rates for process in network.processes for location in process.locations)
-        if self.copies and stops:
-            raise _copied_stopwatch(next(iter(self.copies.values())))
-
 
 def _too_many_differences(most: int, span: Span) -> UnsupportedError:
     return UnsupportedError(
@@ -114,16 +108,5 @@ def _too_many_differences(most: int, span: Span) -> UnsupportedError:
             f"this assignment makes more than {most} differences of clocks count, perhaps without end",
             span,
             "copy clocks without adding to them, or compare them with numbers only",
-        )
-    )
-
-
-def _copied_stopwatch(span: Span) -> UnsupportedError:
-    return UnsupportedError(
-        Diagnostic(
-            "E0711",
-            "a clock is set to the value of a clock in a model that stops clocks",
-            span,
-            "let all clocks run, or set clocks to numbers only",
         )
     )

@@ -71,7 +71,6 @@ def lower(
     """
     known = known_values(network, predicates)
     lowering = _lowered(network, known, tables, never_taken(network))
-    lowering.clocks.check_copies(network)
     goals = []
     observed: list[ObservedByGoal] = []
     for goal, compared in (compile_goal(predicate, known, lowering.compiler) for predicate in predicates):
@@ -116,7 +115,6 @@ def lower_measures(
     """
     known = known_values(network, [*avoidance, *(part for m in measured for part in (m.where, m.beyond))])
     lowering = _lowered(network, known, tables)
-    lowering.clocks.check_copies(network)
     measures = []
     compiled = [compile_goal(each, known, lowering.compiler) for each in avoidance]
     goals = [goal for goal, _ in compiled]

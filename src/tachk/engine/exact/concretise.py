@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,6 +11,7 @@ from tachk.engine.exact.schedule import (
     PhaseConstraint,
     Requirement,
     SchedulePhase,
+    Standstill,
     any_solution,
     earliest,
     extreme_solution,
@@ -110,10 +111,11 @@ def discrete_run(
     resets = [(0, value) for value in (0, *model.layout.starts, 0)]
     phases = [SchedulePhase(tuple(resets), stopped_clocks(model, states[0]))]
     for number, transition in enumerate(path, start=1):
+        stood = _stood(phases[-1], number - 1)
         if transition is None:
             resets[model.dimension] = (number, 0)
             states.append(states[-1])
-            phases.append(SchedulePhase(tuple(resets), phases[-1].stopped))
+            phases.append(SchedulePhase(tuple(resets), phases[-1].stopped, stood))
             continue
         if any(model.edge(p).source != states[-1].locations[p.process] for p in transition.participants):
             raise ValueError(f"transition {number} does not start in the state before it")
@@ -124,8 +126,27 @@ def discrete_run(
             resets[clock] = since, value + more
         resets[model.dimension] = (number, 0)
         states.append(state)
-        phases.append(SchedulePhase(tuple(resets), stopped_clocks(model, state)))
+        phases.append(SchedulePhase(tuple(resets), stopped_clocks(model, state), _assigned(stood, assigned)))
     return states, phases
+
+
+def _stood(before: SchedulePhase, number: int) -> Mapping[int, Standstill]:
+    """When clocks stood still, at the end of the phase of this number."""
+    if not before.stopped:
+        return before.stood
+    return {**before.stood, **{clock: Standstill(number, before.stood.get(clock)) for clock in before.stopped}}
+
+
+def _assigned(stood: Mapping[int, Standstill], assigned: Iterable[tuple[int, int, int]]) -> Mapping[int, Standstill]:
+    """When clocks stood still, behind assignments (clock, source, more) that all read what was there before them."""
+    if not stood:
+        return stood
+    kept = dict(stood)
+    for clock, source, _ in assigned:
+        kept.pop(clock, None)
+        if source in stood:
+            kept[clock] = stood[source]
+    return kept
 
 
 def of_phase(

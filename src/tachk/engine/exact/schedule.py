@@ -13,7 +13,7 @@ for z3, for clocks that stop.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from fractions import Fraction
 from itertools import pairwise
@@ -44,15 +44,33 @@ Requirement = list[tuple[PhaseConstraint, ...]]
 
 
 @dataclass(frozen=True, slots=True)
+class Standstill:
+    """A phase that added nothing to the value of a clock, and the one before it, if there is one."""
+
+    phase: int
+    before: Standstill | None
+
+
+@dataclass(frozen=True, slots=True)
 class SchedulePhase:
     """Attributes:
     resets: for each clock (entry 0 is unused) the phase at whose beginning it was set last, and the value it got. A
         clock that was set to another one was set when that one was.
     stopped: the clocks that stand still in this phase.
+    stood: for clocks that stood still since they were set, the last phase before this one in which they did. A clock
+        that was set to another one stood still when that one did.
     """
 
     resets: tuple[tuple[int, int], ...]
     stopped: frozenset[int]
+    stood: Mapping[int, Standstill] = field(default_factory=dict)
+
+    def standstills(self, clock: int) -> Iterator[int]:
+        """The phases since the clock was set, before this one, that added nothing to its value; the last one first."""
+        last = self.stood.get(clock)
+        while last is not None:
+            yield last.phase
+            last = last.before
 
 
 @dataclass(slots=True)
@@ -251,7 +269,8 @@ def _linear_problem(
         if number == 0:
             return z3.RealVal(0)
         since, value = phases[moment.phase].resets[number]
-        passed = [durations[k] for k in range(since, moment.phase + moment.at_end) if number not in phases[k].stopped]
+        stood = standstills(phases, number, moment.phase, moment.at_end)
+        passed = [durations[k] for k in range(since, moment.phase + moment.at_end) if k not in stood]
         return z3.Sum([z3.RealVal(value), *passed])
 
     def formula(moment: PhaseConstraint) -> z3.BoolRef:
@@ -263,6 +282,15 @@ def _linear_problem(
 
     choices = [z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in r]) for r in requirements]
     return durations, [*(d >= 0 for d in durations), *choices]
+
+
+def standstills(phases: Sequence[SchedulePhase], clock: int, phase: int, at_end: bool) -> set[int]:
+    """The phases that added nothing to the value of a clock since it was set."""
+    here = phases[phase]
+    found = set(here.standstills(clock))
+    if at_end and clock in here.stopped:
+        found.add(phase)
+    return found
 
 
 def _values(model: Any, durations: Sequence[Any]) -> list[Fraction]:

@@ -35,7 +35,6 @@ from tachk.engine.smt.terms import (
 )
 from tachk.meaning.discrete import prepare
 from tachk.model.cell_layout import CellLayout, cell_layout
-from tachk.model.clock_sums import clock_copy
 from tachk.model.expressions import Expression
 from tachk.model.network import Edge, Location, Network
 from tachk.model.run import Participant
@@ -321,8 +320,6 @@ class _Encoder:
                         found[named] = disj(found.get(named, False), conj(stands, condition))
         if machine.faults:
             raise refused("a rate that may go wrong", machine.faults[0].span)
-        if found and (copy := clock_copy(self.network)) is not None:
-            raise refused("a clock that is set to the value of a clock in a model that stops clocks", copy.span)
         return {clock: formula for clock, formula in found.items() if formula is not False}
 
     # ---- single actions ----------------------------------------------------------------------------------------------

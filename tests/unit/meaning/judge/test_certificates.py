@@ -60,10 +60,11 @@ SHAPES = [
     Shape(stopwatches=True, clocks=2),
     Shape(diagonals=True, exact=0.3, clocks=2),
     Shape(language=True, faults=0.3, clocks=2),
+    Shape(copies=0.5, stopwatches=True, clocks=2),
 ]
 
 
-@pytest.mark.parametrize("seed", seeds(range(30)))
+@pytest.mark.parametrize("seed", seeds(range(35)))
 def test_random_networks(seed: int) -> None:
     case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
     for number, predicate in enumerate(case.predicates):
@@ -84,10 +85,11 @@ LIVE_SHAPES = [
     Shape(language=True, faults=0.3, clocks=2),
     Shape(copies=0.5, processes=2, locations=3),
     Shape(processes=2, locations=3),
+    Shape(copies=0.5, stopwatches=True, deadlocks=False, clocks=2),
 ]
 
 
-@pytest.mark.parametrize("seed", seeds(range(20)))
+@pytest.mark.parametrize("seed", seeds(range(21)))
 def test_what_each_run_meets_in_random_networks(seed: int) -> None:
     case = random_case(Random(seed), LIVE_SHAPES[seed % len(LIVE_SHAPES)])
     first, second, _ = case.predicates
