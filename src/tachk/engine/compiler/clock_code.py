@@ -8,7 +8,8 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.span import Span
 from tachk.engine.compiler.assembler import Assembler
 from tachk.engine.compiler.bytecode import Opcode
-from tachk.model.clock_sums import clock_sum
+from tachk.engine.compiler.slot_layout import SlotLayout
+from tachk.model.clock_sums import clock_assignments, clock_sum
 from tachk.model.expressions import Assign, Expression
 from tachk.model.types import ChannelType, ClockType, Type, leaves
 
@@ -17,6 +18,7 @@ class Generator(Protocol):
     """The maker of code: `tachk.engine.compiler.codegen.CodeGenerator`."""
 
     assembler: Assembler
+    layout: SlotLayout
 
     def value(self, expression: Expression) -> None: ...
 
@@ -37,8 +39,18 @@ def set_clock(generator: Generator, expression: Assign) -> None:
         emit(Opcode.DUPLICATE)
     generator.address(whole.clock)
     emit(Opcode.LOAD_INDIRECT)
-    emit(Opcode.COPY_CLOCK, span=expression.span)
-    if whole.offset is not None:
+    if whole.offset is None:
+        emit(Opcode.COPY_CLOCK, span=expression.span)
+    elif any(clock_assignments([whole.offset])):
+        # What the offset sets comes before the copy.
+        offset = generator.layout.temporary(1)
+        generator.value(whole.offset)
+        emit(Opcode.STORE, offset)
+        emit(Opcode.COPY_CLOCK, span=expression.span)
+        emit(Opcode.LOAD, offset)
+        emit(Opcode.ADVANCE_CLOCK, span=expression.span)
+    else:
+        emit(Opcode.COPY_CLOCK, span=expression.span)
         generator.value(whole.offset)
         emit(Opcode.ADVANCE_CLOCK, span=expression.span)
 

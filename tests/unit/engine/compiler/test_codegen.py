@@ -25,6 +25,7 @@ from tachk.model.expressions import (
     INT,
     Assign,
     Binary,
+    Comma,
     Conditional,
     Constant,
     Expression,
@@ -183,6 +184,18 @@ def test_a_clock_set_to_a_negative_constant_is_an_error_in_the_engine(value: int
     if chosen:
         number = Conditional(Reference(FLAG), number, Constant(3), INT)
     compare_with_engine([Assign(clock, number, ClockType(), span=span())])
+
+
+@pytest.mark.parametrize("inside", [0, 1, 2])
+@pytest.mark.parametrize("target", [0, 1])
+@pytest.mark.parametrize("before", [0, 2])
+def test_what_the_sum_that_a_clock_is_set_to_sets_is_set_before(target: int, inside: int, before: int) -> None:
+    clocks = [Index(Reference(CLOCKS), Constant(number), ClockType()) for number in range(3)]
+    first = Assign(clocks[before], Constant(7), ClockType(), span=span())
+    offset = Comma((Assign(clocks[inside], Constant(4), ClockType(), span=span()), Constant(2)), INT, span())
+    whole = Binary(BinaryOperator.ADD, clocks[1], offset, ClockType(), span())
+    compare_updates([first, Assign(clocks[target], whole, ClockType(), span=span())])
+    compare_with_engine([first, Assign(clocks[target], whole, ClockType(), span=span())])
 
 
 @pytest.mark.parametrize("left", [0, 1, 2])
