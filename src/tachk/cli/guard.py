@@ -6,12 +6,16 @@ import sys
 import traceback
 from collections.abc import Callable, Iterable
 
+import click
+
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import StoppedError
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import wants_colour
 
 _DIAGNOSTICS_SHOWN = 20
+_PRINTED = "tachk.cli.printed"
+"""The key of the diagnostics that a call of a command has printed, among what belongs to it."""
 _NO_MEMORY = "the machine was out of memory before there was a result"
 
 
@@ -70,10 +74,14 @@ def complain(message: str, help: str | None = None) -> None:
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
-    """Prints diagnostics with their source lines, errors first where there are too many for all of them."""
+    """Prints diagnostics with their source lines, each once in a call of a command, errors first where there are too
+    many for all of them."""
     from tachk.base.diagnostics.render import render
 
-    found = list(diagnostics)
+    context = click.get_current_context(silent=True)
+    printed: set[str] = set() if context is None else context.find_root().meta.setdefault(_PRINTED, set())
+    found = [each for each in dict.fromkeys(diagnostics) if render(each) not in printed]
+    printed.update(map(render, found))
     if len(found) > _DIAGNOSTICS_SHOWN:
         found.sort(key=lambda diagnostic: diagnostic.severity is not Severity.ERROR)
     for diagnostic in found[:_DIAGNOSTICS_SHOWN]:

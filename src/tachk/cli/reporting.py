@@ -39,6 +39,11 @@ class Reporting:
     output: Path | None = None
     quiet: bool = False
 
+    @property
+    def on_screen(self) -> bool:
+        """Whether people read the report where the command prints its messages, too."""
+        return self.form == "text" and self.output is None and not self.quiet
+
 
 @dataclass(frozen=True, slots=True)
 class ViolationReporting:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from io import StringIO
@@ -201,20 +201,26 @@ def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> Non
             console.print(Text(f"\n{query.name} cannot be checked:", style="yellow"))
             console.print(_rendered(found), soft_wrap=True)
     unknown: dict[tuple[str, RunTimeFault | None], list[str]] = {}
+    refused: dict[Diagnostic, list[str]] = {}
     for verdict in record.verdicts:
         if verdict.unsupported is not None:
-            console.print(Text(f"\n{verdict.query.name} cannot be checked:", style="yellow"))
-            console.print(_rendered(verdict.unsupported), soft_wrap=True)
+            refused.setdefault(verdict.unsupported, []).append(verdict.query.name)
         elif verdict.answer is Answer.UNKNOWN:
             unknown.setdefault((verdict.reason, verdict.fault), []).append(verdict.query.name)
+    for found, names in refused.items():
+        console.print(Text(f"\n{_names_listed(names)} cannot be checked:", style="yellow"))
+        console.print(_rendered(found), soft_wrap=True)
     for (reason, fault), names in unknown.items():
-        listed = (
-            names if len(names) <= _NAMES_SHOWN else [*names[: _NAMES_SHOWN - 1], f"{names[-1]} ({len(names)} in all)"]
-        )
-        console.print(Text(f"\n{', '.join(listed)} {_are(names)} unknown: {reason}", style="yellow"))
+        console.print(Text(f"\n{_names_listed(names)} {_are(names)} unknown: {reason}", style="yellow"))
         if fault is not None:
             console.print()
             print_fault(record.network, fault, console, record.runs, every_step)
+
+
+def _names_listed(names: Sequence[str]) -> str:
+    """The names, the first of them and the last where there are many."""
+    few = names if len(names) <= _NAMES_SHOWN else [*names[: _NAMES_SHOWN - 1], f"{names[-1]} ({len(names)} in all)"]
+    return ", ".join(few)
 
 
 def _print_unexamined(verdicts: Iterable[Verdict], console: Console) -> None:

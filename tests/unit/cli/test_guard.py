@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -47,7 +48,7 @@ def test_a_usage_error_names_the_model_it_is_about(capsys: pytest.CaptureFixture
 
 
 def test_too_many_findings_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    guarded(lambda: raising(InputError([WARNING] * 30 + [FINDING])))
+    guarded(lambda: raising(InputError([*(replace(WARNING, message=f"warning {n}") for n in range(30)), FINDING])))
     lines = capsys.readouterr().err.splitlines()
     assert lines[0].endswith("something is odd")
     assert lines[-1] == "... and 11 more"

@@ -301,7 +301,8 @@ def _check_all(
 
                 complain(str(error), f"one of them is wrong; please report it with {write_disagreement(model, error)}")
                 return ExitStatus.INTERNAL_ERROR
-        print_diagnostics(record.blocking)
+        shown = {verdict.unsupported for verdict in record.verdicts} if reporting.on_screen else set()
+        print_diagnostics(found for found in record.blocking if found not in shown)
         report.add(record)
         statuses = [*_statuses(record), *_written(request, model, record, options, limits)]
         return worst(statuses)
