@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import tachk
-from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.diagnostics.diagnostic import Severity, UnsupportedError
 from tachk.base.diagnostics.explanation import explanations
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
@@ -256,3 +256,47 @@ def test_floating_point_numbers_outside_functions() -> None:
     assert ("W0501", "n") in found(guard)
     query = function + process("state a; init a;") + "property p : A[] n < 1.5;"
     assert ("E0815", "n") in found(query)
+
+
+STRUCTS = {
+    "struct { double d; int n; } r;": [("W0406", "d")],
+    "struct { const int n; double d; } r;": [("E0827", "const int"), ("W0406", "d")],
+    "typedef struct { const double d; } R; R r; const R c = {0.5};": [("E0827", "const double"), ("W0406", "r")],
+    "int f() { struct { string s; double d; } r; return 1; }": [("E0825", "string")],
+    "int f() { struct { double d; const string s; } r; return 1; }": [("E0825", "const string")],
+    "int f() { struct { struct { double d; string s; } a[2]; } r; return 1; }": [("E0825", "string")],
+    "void g(struct { double d; string s; } r) {}": [("E0825", "string")],
+    "typedef struct { double d; } R; int f(R r) { string t; return 1; }": [("E0825", "string")],
+}
+
+
+@pytest.mark.parametrize("text", STRUCTS)
+def test_structs_with_texts_doubles_and_constants(text: str) -> None:
+    """Texts in structs outside of functions refuse the model, so that UPPAAL's rules do not matter."""
+    codes = ("E0825", "E0827", "W0406")
+    model = load_model(Source("model.ta", f"{text} {process('state a; init a;')}"))
+    findings = (*portability(model, UppaalVersion.UPPAAL_5_0), *model.warnings)
+    assert sorted((d.code, d.span.text) for d in findings if d.code in codes) == sorted(STRUCTS[text])
+    if "string" in text:
+        with pytest.raises(UnsupportedError, match="texts as constants only"):
+            expand(model)
+    else:
+        written = print_xta(expand(model))
+        assert "E0827" not in {
+            d.code for d in portability(load_model(Source("m.xta", written)), UppaalVersion.UPPAAL_5_0)
+        }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "struct { string s; double d; } r;",
+        'const struct { string s; double d; } r = {"a", 0.5};',
+        "typedef struct { double d; string s; } R;",
+        "typedef struct { double d; const string s; } R; R r;",
+        "typedef string T;",
+    ],
+)
+def test_texts_in_structs_refuse_the_model_before_its_portability_is_checked(text: str) -> None:
+    model = load_model(Source("model.ta", f"{text} {process('state a; init a;')}"))
+    assert [d.code for d in model.refusals if d.severity is Severity.ERROR] == ["E0750"]

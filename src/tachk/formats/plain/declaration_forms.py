@@ -1,14 +1,15 @@
-"""Functions and texts in the form that UPPAAL reads.
+"""Functions, texts and fields in the form that UPPAAL reads.
 
 UPPAAL looks at the last statement of a function that has a result: it must be a ``return``, a block or ``do`` that ends
 with one, or an ``if`` with one on both sides. tachk also takes what follows from loops that never end. Texts are
-constants in UPPAAL; tachk also takes variables, which it does not check. Source: ``Statement::returns`` and
-``ExpressionBuilder::type_string`` of UTAP 2.1.1.
+constants in UPPAAL; tachk also takes variables, which it does not check. Structs have neither texts nor constant fields
+there. Source: ``Statement::returns``, ``ExpressionBuilder::type_string``, ``StatementBuilder::struct_field`` and
+``TypeChecker::checkType`` of UTAP 2.1.1.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -20,15 +21,17 @@ from tachk.syntax.walk import nodes_of_kind
 
 
 def with_plain_declarations(plain: PlainModel) -> PlainModel:
-    """The model with a last ``return`` in every function that needs one, and with constant texts.
+    """The model with a last ``return`` in every function that needs one, with constant texts, and fields that are no
+    constants.
 
     Raises:
         UnsupportedError: a text is assigned, or is a field or a named type (E0801).
     """
     forms = _DeclarationForms((*plain.declarations, *plain.templates))
     declarations, templates = rewrite((plain.declarations, plain.templates), forms.form)
+    fields = {id(type_) for type_ in texts_in_structs((declarations, templates))}
     for type_ in nodes_of_kind((declarations, templates), ast.TypeExpression):
-        if is_variable_text(type_):
+        if is_variable_text(type_) or id(type_) in fields:
             message = "UPPAAL has texts as constants only"
             help_ = "write `const string` outside of structs, or leave the declaration and its assignments out"
             raise UnsupportedError(Diagnostic("E0801", message, type_.span, help_))
@@ -43,8 +46,27 @@ def lacks_return(function: ast.FunctionDeclaration) -> bool:
 
 def is_variable_text(type_: ast.TypeExpression) -> bool:
     """Whether a type is ``string`` without ``const``."""
-    text = isinstance(type_.base, ast.BuiltinType) and type_.base.name == "string"
-    return text and "const" not in type_.prefixes
+    return _is_text(type_) and "const" not in type_.prefixes
+
+
+def texts_in_structs(nodes: Iterable[object]) -> Iterator[ast.TypeExpression]:
+    """The types of fields that are texts, constant or not."""
+    for struct in nodes_of_kind(nodes, ast.StructType):
+        for field in struct.fields:
+            if isinstance(field.type, ast.TypeExpression) and _is_text(field.type):
+                yield field.type
+
+
+def constant_fields(nodes: Iterable[object]) -> Iterator[ast.TypeExpression]:
+    """The types of fields that are declared as constants."""
+    for struct in nodes_of_kind(nodes, ast.StructType):
+        for field in struct.fields:
+            if isinstance(field.type, ast.TypeExpression) and "const" in field.type.prefixes:
+                yield field.type
+
+
+def _is_text(type_: ast.TypeExpression) -> bool:
+    return isinstance(type_.base, ast.BuiltinType) and type_.base.name == "string"
 
 
 def _returns(statement: ast.Statement) -> bool:
@@ -73,6 +95,8 @@ class _DeclarationForms:
 
     def form(self, node: Any) -> Any:
         match node:
+            case ast.StructType():
+                return replace(node, fields=tuple(map(self.field, node.fields)))
             case ast.FunctionDeclaration() if lacks_return(node):
                 return self.with_return(node)
             case ast.VariableDeclaration(type=ast.TypeExpression() as type_) if is_variable_text(type_):
@@ -81,6 +105,17 @@ class _DeclarationForms:
                 return node if name.name in self.assigned else replace(node, type=_constant(type_))
             case _:
                 return node
+
+    def field(self, field: ast.VariableDeclaration) -> ast.VariableDeclaration:
+        """The field without `const`."""
+        if not (isinstance(field.type, ast.TypeExpression) and "const" in field.type.prefixes):
+            return field
+        names = ", ".join(f"`{declarator.name.name}`" for declarator in field.declarators)
+        self.steps.append(
+            PlainRewriting("field", field.span, f"{names} without `const`: a struct has no constant fields")
+        )
+        prefixes = tuple(prefix for prefix in field.type.prefixes if prefix != "const")
+        return replace(field, type=replace(field.type, prefixes=prefixes))
 
     def with_return(self, function: ast.FunctionDeclaration) -> ast.FunctionDeclaration:
         """The function with a last block that returns a value of its type and is never reached."""

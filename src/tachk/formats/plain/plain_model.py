@@ -15,7 +15,7 @@ class PlainRewriting:
     Attributes:
         kind: the construct: ``"import"``, ``"location blocks"``, ``"value passing"``, ``"signal"``, ``"property"``,
             ``"observer"``, ``"constant"``, ``"name"``, ``"time unit"``, ``"hide"``, ``"return"``, ``"text"``,
-            ``"UPPAAL 3.x"``.
+            ``"field"``, ``"UPPAAL 3.x"``.
         text: what became what, a sentence without a full stop.
     """
 

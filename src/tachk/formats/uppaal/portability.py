@@ -12,7 +12,12 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import stopwatches, urgent_clock_guards
-from tachk.formats.plain.declaration_forms import is_variable_text, lacks_return
+from tachk.formats.plain.declaration_forms import (
+    constant_fields,
+    is_variable_text,
+    lacks_return,
+    texts_in_structs,
+)
 from tachk.formats.plain.expansion import expand_document
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.condition_types import condition_findings
@@ -269,15 +274,23 @@ def _types(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagno
 
 
 def _forms(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagnostic]:
-    """Functions, texts and locations in a form that the version refuses."""
+    """Functions, texts, fields and locations in a form that the version refuses."""
     for function in nodes_of_kind(items, ast.FunctionDeclaration):
         if lacks_return(function):
             message = f"{version.full_name} wants a `return` as the last statement of `{function.name.name}`"
             yield Diagnostic("E0824", message, function.name.span, "`tachk export` adds one")
+    fields = {id(type_) for type_ in texts_in_structs(items)}
     for type_ in nodes_of_kind(items, ast.TypeExpression):
-        if is_variable_text(type_):
+        if id(type_) in fields:
+            message = f"{version.full_name} has no texts in structs"
+            yield Diagnostic("E0825", message, type_.span, "declare it as `const string` outside of the struct")
+        elif is_variable_text(type_):
             message = f"{version.full_name} has texts as constants only"
             yield Diagnostic("E0825", message, type_.span, "write `const string`")
+    for type_ in constant_fields(items):
+        if id(type_) not in fields:
+            message = f"{version.full_name} has no constant fields"
+            yield Diagnostic("E0827", message, type_.span, "`tachk export` writes it without `const`")
     for location in nodes_of_kind(items, ast.LocationDeclaration):
         if location.urgent and location.committed:
             message = f"{version.full_name} refuses a location that is both committed and urgent"
