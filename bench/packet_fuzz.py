@@ -18,8 +18,8 @@ from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
+from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.events import SubmessageEvent, decode, decode_serial
-from tachk.xrce.reading import CaptureReading
 from tachk.xrce.report.json import event_to_json
 from tachk.xrce.report.text import event_to_text
 from tachk.xrce.serial_framing import crc16
@@ -138,7 +138,7 @@ def main(count: int, seed: int, captures: list[Path]) -> None:
     pool = [bytes.fromhex(message) for message in MESSAGES]
     for capture in captures:
         with capture.open("rb") as stream:
-            for found in CaptureReading(stream, (8888, 9001, 9002, 9003)).pieces():
+            for found in CaptureDecoder(stream, (8888, 9001, 9002, 9003)).pieces():
                 starts, sizes = found.messages.starts.tolist(), found.messages.sizes.tolist()
                 octets = found.messages.octets.tobytes()
                 pool += {octets[start : start + size] for start, size in zip(starts, sizes, strict=True)}
@@ -150,7 +150,7 @@ def main(count: int, seed: int, captures: list[Path]) -> None:
             total += told(decode_serial(BytesIO(capture)) if carried == "serial" else decode(BytesIO(capture)))
             if carried != "serial":
                 tracker = SignalTracker()
-                for found in CaptureReading(BytesIO(capture), (8888,)).pieces():
+                for found in CaptureDecoder(BytesIO(capture), (8888,)).pieces():
                     tracker.push(found)
                     tracker.take()
             sent += PIECE

@@ -45,6 +45,8 @@ REPLACED = {
     "pace": "time-optimal trace",
     "station": "location",
     "outlook": "dependencies of a location",
+    "reading": "interpretation, semantics, parse, decoder",
+    "attempt": "parse outcome, try, strategy of a portfolio",
 }
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
 

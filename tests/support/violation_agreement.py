@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from random import Random
 
-from tachk.recordings.monitors.reading import HeldValues
+from tachk.recordings.monitors.trace_semantics import HeldValues
 from tachk.recordings.traces.violation_watch import ViolationWatch
 from tachk.recordings.traces.violations import TriggerCounts, violations_of
 from tachk.syntax import formula as syntax

@@ -26,8 +26,8 @@ from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr
-from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
-from tachk.frontend.priority_readings import FIRST
+from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_interpretations_of
+from tachk.frontend.priority_interpretations import FIRST
 from tachk.frontend.queries.queries import UncheckedQuery, is_statistical
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
@@ -99,16 +99,16 @@ def _check(options: VerifytaOptions) -> ExitStatus:
         queries = tuple(query for _, query in checked)
         found = refused(queries, model.refusals[0]) if model.refusals else _verdicts(network, queries, options)
         others = []
-        for place, reading in readings:
-            meant = _formulas(reading, source)
+        for place, interpretation in interpretations:
+            meant = _formulas(interpretation, source)
             also = [formula for formula in (meant[number - 1] for number, _ in checked) if isinstance(formula, Query)]
-            others.append((place, _verdicts(reading.network, also, options)))
+            others.append((place, _verdicts(interpretation.network, also, options)))
         return {
             number: agreed(verdict, FIRST, [(place, verdicts[at]) for place, verdicts in others])
             for at, ((number, _), verdict) in enumerate(zip(checked, found, strict=True))
         }
 
-    readings = tuple(other_readings_of(model.loaded))
+    interpretations = tuple(other_interpretations_of(model.loaded))
 
     known = verdicts_on(wanted) if options.reuse else {}
     statuses = []

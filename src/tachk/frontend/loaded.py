@@ -15,7 +15,7 @@ from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.hybrid_clocks import hybrid_clocks
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.overrides import constant_overrides
-from tachk.frontend.priority_readings import other_readings
+from tachk.frontend.priority_interpretations import other_interpretations
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_entries
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
@@ -90,18 +90,18 @@ class LoadedModel:
         return self._elaborated.variables
 
 
-def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
+def other_interpretations_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
     """The other meanings of a model, each with the place of `default` that it was read with; see `priority_readings`.
 
-    The queries are those of the model, with the names of the reading.
+    The queries are those of the model, with the names of the interpretation.
     """
     if loaded.refusals:
         return
-    for reading in other_readings(loaded.items):
+    for interpretation in other_interpretations(loaded.items):
         context = Context(DiagnosticCollector(), budget=Budget(INSTANCES))
-        result = elaborate_each_property(reading.items, loaded.document.span, loaded.overrides, context)
+        result = elaborate_each_property(interpretation.items, loaded.document.span, loaded.overrides, context)
         yield (
-            reading.place,
+            interpretation.place,
             replace(
                 loaded,
                 _elaborated=result.network,

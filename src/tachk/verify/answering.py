@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from tachk.base.job import unhurried
 from tachk.engine.options import Limits, Options
-from tachk.frontend.loaded import LoadedModel, other_readings_of
-from tachk.frontend.priority_readings import FIRST
+from tachk.frontend.loaded import LoadedModel, other_interpretations_of
+from tachk.frontend.priority_interpretations import FIRST
 from tachk.model.query import Query
 from tachk.verify.questions import Questions, checked
 from tachk.verify.verdict import Answer, Verdict, refused
@@ -23,7 +23,7 @@ def answers(
     limits: Limits,
     trace: bool,
 ) -> tuple[Verdict, ...]:
-    """The verdicts about the queries, each with the assumption on which it rests where readings differ.
+    """The verdicts about the queries, each with the assumption on which it rests where interpretations differ.
 
     Args:
         queries: the queries about the model with its first values.
@@ -36,8 +36,12 @@ def answers(
     if all(verdict.answer is Answer.UNKNOWN for verdict in verdicts):
         return verdicts
     with unhurried():
-        readings = [(at, each.network, checked(questions.about(each))) for at, each in other_readings_of(model)]
-    others = [(at, verify(network, formulas, options, limits, trace=False)) for at, network, formulas in readings]
+        interpretations = [
+            (at, each.network, checked(questions.about(each))) for at, each in other_interpretations_of(model)
+        ]
+    others = [
+        (at, verify(network, formulas, options, limits, trace=False)) for at, network, formulas in interpretations
+    ]
     return tuple(
         agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
         for number, verdict in enumerate(verdicts)
@@ -45,20 +49,20 @@ def answers(
 
 
 def agreed(verdict: Verdict, taken: str, others: Iterable[tuple[str, Verdict]]) -> Verdict:
-    """The verdict as it is if it is unknown or all readings agree, else with the assumption on which it rests.
+    """The verdict as it is if it is unknown or all interpretations agree, else with the assumption on which it rests.
 
     Args:
-        taken: the reading of the verdict, in words.
-        others: the other readings, each with its verdict about the same query.
+        taken: the interpretation of the verdict, in words.
+        others: the other interpretations, each with its verdict about the same query.
     """
     differing: dict[Answer, list[str]] = {}
-    for reading, other in others:
+    for interpretation, other in others:
         if other.answer is not verdict.answer:
-            differing.setdefault(other.answer, []).append(reading)
+            differing.setdefault(other.answer, []).append(interpretation)
     if verdict.answer is Answer.UNKNOWN or not differing:
         return verdict
     elsewhere = "; ".join(
-        f"{'it is unknown' if answer is Answer.UNKNOWN else f'it {answer.value}'} if it is {' or '.join(readings)}"
-        for answer, readings in differing.items()
+        f"{'it is unknown' if answer is Answer.UNKNOWN else f'it {answer.value}'} if it is {' or '.join(places)}"
+        for answer, places in differing.items()
     )
     return replace(verdict, assumption=f"`default` is taken to be {taken}; {elsewhere}")

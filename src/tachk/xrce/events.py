@@ -9,9 +9,9 @@ from construct import Container
 
 from tachk.base.records import dataclass
 from tachk.xrce import wire
+from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.reading import CaptureReading
-from tachk.xrce.serial_line import NOBODY, SerialReading
+from tachk.xrce.serial_line import NOBODY, SerialDecoder
 from tachk.xrce.submessages import Submessages, parsed, payload
 from tachk.xrce.wire import SubmessageKind
 
@@ -70,7 +70,7 @@ def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator
         stream: a pcap or pcapng file, or a pipe from a running capture.
         ports: UDP and TCP ports of Agents, or of relays that clients take for the Agent.
     """
-    return _decoded(CaptureReading(stream, ports))
+    return _decoded(CaptureDecoder(stream, ports))
 
 
 def decode_serial(stream: BinaryIO) -> Iterator[SubmessageEvent]:
@@ -81,15 +81,15 @@ def decode_serial(stream: BinaryIO) -> Iterator[SubmessageEvent]:
     Args:
         stream: the bytes of the line, or a pcap or pcapng file whose packets hold them.
     """
-    return _decoded(SerialReading(stream))
+    return _decoded(SerialDecoder(stream))
 
 
-def _decoded(reading: CaptureReading | SerialReading) -> Iterator[SubmessageEvent]:
-    for found in reading.pieces():
-        yield from events(found, reading.endpoints)
-    if reading.problem:
-        number, time = reading.packets + 1, reading.time
-        yield SubmessageEvent(number, 0, time, None, None, False, None, None, None, None, {}, reading.problem)
+def _decoded(decoder: CaptureDecoder | SerialDecoder) -> Iterator[SubmessageEvent]:
+    for found in decoder.pieces():
+        yield from events(found, decoder.endpoints)
+    if decoder.problem:
+        number, time = decoder.packets + 1, decoder.time
+        yield SubmessageEvent(number, 0, time, None, None, False, None, None, None, None, {}, decoder.problem)
 
 
 _BEFORE_SAMPLE: Final = 4

@@ -18,7 +18,7 @@ NOBODY: Final = -1
 """The number of an endpoint that is not known."""
 
 
-class SerialReading:
+class SerialDecoder:
     """The traffic of a serial line: its bytes alone, or a capture whose packets hold them.
 
     One direction, or both if frames do not lie inside each other. Bytes alone have the times of a clock, 0 without one,

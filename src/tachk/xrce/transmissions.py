@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from tachk.base.records import dataclass
+from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.datagrams import Datagrams, datagrams
 from tachk.xrce.events import DEFAULT_PORT, SubmessageEvent, events
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import CaptureError, read_packets
-from tachk.xrce.reading import CaptureReading
-from tachk.xrce.serial_line import SerialReading
+from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.serial_repair import repaired
 from tachk.xrce.wire import COOKIE, SESSIONS_OF_NOBODY, SubmessageKind
 
@@ -122,18 +122,18 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
         with path.open("rb") as stream:
             wanted = {DEFAULT_PORT, *session_ports(stream)}
     with path.open("rb") as stream:
-        network = CaptureReading(stream, wanted)
+        network = CaptureDecoder(stream, wanted)
         found = _recording(_legs(network), network.problem)
     if found.transmissions or set(ports):
         return found
     with path.open("rb") as stream:
-        reading = SerialReading(stream, repair=repaired)
-        return _recording(_on_one_line(_legs(reading)), reading.problem)
+        decoder = SerialDecoder(stream, repair=repaired)
+        return _recording(_on_one_line(_legs(decoder)), decoder.problem)
 
 
-def _legs(reading: CaptureReading | SerialReading) -> list[_Leg]:
+def _legs(decoder: CaptureDecoder | SerialDecoder) -> list[_Leg]:
     legs: dict[tuple[Endpoint, Endpoint], _Leg] = {}
-    for message in _messages(reading):
+    for message in _messages(decoder):
         legs.setdefault((message.client, message.agent), _Leg(message.client, message.agent)).add(message)
     return list(legs.values())
 
@@ -192,12 +192,12 @@ class _PacketMessage:
     dropped: bool = False
 
 
-def _messages(reading: CaptureReading | SerialReading) -> Iterator[_PacketMessage]:
-    for found in reading.pieces():
+def _messages(decoder: CaptureDecoder | SerialDecoder) -> Iterator[_PacketMessage]:
+    for found in decoder.pieces():
         messages = found.messages
-        dropped = reading.dropped if isinstance(reading, SerialReading) else frozenset()
+        dropped = decoder.dropped if isinstance(decoder, SerialDecoder) else frozenset()
         of_message: dict[int, list[SubmessageEvent]] = defaultdict(list)
-        for number, event in zip(found.message.tolist(), events(found, reading.endpoints), strict=True):
+        for number, event in zip(found.message.tolist(), events(found, decoder.endpoints), strict=True):
             of_message[number].append(event)
         for number, inside in of_message.items():
             first = inside[0]

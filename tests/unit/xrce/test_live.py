@@ -19,10 +19,10 @@ from tachk.cli.main import app
 from tachk.recordings.monitors.online import Monitor
 from tachk.recordings.traces.trace_csv import Rows
 from tachk.recordings.traces.trace_files import open_trace
+from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.packets import read_packets
-from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_framing import FrameReader
-from tachk.xrce.serial_line import SerialReading
+from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.signals.following import VANISHED, SignalTracker
 from tachk.xrce.traces.live import LivePackets
 from tests.unit.xrce.captures import RECORDED, needs_recorded
@@ -251,7 +251,7 @@ def test_who_has_vanished_owes_nothing_any_more(tmp_path: Path):
 def test_nobody_waits_for_a_reader_that_has_vanished(tmp_path: Path):
     tracker, reader = SignalTracker(), Talk().up(0, created("00000001")).capture(tmp_path)
     with reader.open("rb") as stream:
-        for found in CaptureReading(stream, (8888,)).pieces():
+        for found in CaptureDecoder(stream, (8888,)).pieces():
             tracker.push(found)
     exchange, owner = tracker._exchange, tracker.sides[0].owner
     exchange.new_writer(("other", 1), "numbers")
@@ -324,5 +324,5 @@ def test_memory_of_a_serial_line_does_not_grow():
     line = Line([(n / 10, part) for n, part in enumerate([octets, *([noise] * 40)])], 5.0)
     packets = LivePackets("-", line, (), line.clock)
     for _ in packets.blocks(["allToAgent"], 9):
-        assert isinstance(packets._reading, SerialReading)
+        assert isinstance(packets._reading, SerialDecoder)
         assert len(packets._reading._frames._plain or b"") < 1 << 17

@@ -142,11 +142,11 @@ def test_repetitions_are_messages_that_were_seen_before():
 
 
 def test_an_empty_piece_changes_nothing():
-    from tachk.xrce.reading import CaptureReading
+    from tachk.xrce.capture_decoder import CaptureDecoder
     from tachk.xrce.signals.following import SignalTracker
 
     tracker = SignalTracker()
-    for found in CaptureReading(BytesIO(pcap([udp(b"", 1, 2)])), (8888,)).pieces():
+    for found in CaptureDecoder(BytesIO(pcap([udp(b"", 1, 2)])), (8888,)).pieces():
         tracker.push(found)
     assert len(tracker.take().times) == 0
 

@@ -88,7 +88,7 @@ def command(seconds: float | None, **given: Any) -> None:
     options.finish(lambda: run_estimate(request, reporting), seconds)
 
 
-_READING = 1.0
+_ELABORATION = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +203,7 @@ def _queries(
         if not is_statistical(query):
             continue
         try:
-            with unhurried(_READING):  # the report needs the query also where there was no time to answer it
+            with unhurried(_ELABORATION):  # the report needs the query also where there was no time to answer it
                 read_query = reader.read(query)
             yield read_query, query.expectation
         except InputError as error:

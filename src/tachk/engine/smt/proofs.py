@@ -45,7 +45,7 @@ class Proofs:
         self._solver = settings.solver()
         self._tried_zones = False
 
-    def attempt(self, depth: int, goals: Sequence[int]) -> list[int]:
+    def proved(self, depth: int, goals: Sequence[int]) -> list[int]:
         """The goals, of those not reached in up to ``depth`` steps, that are proved to be unreachable."""
         try:
             deadline = time.monotonic() + _TRY_SECONDS

@@ -91,7 +91,7 @@ def _decide(unrolled: Unrolled, proofs: Proofs | None, depth_limit: int | None) 
         fault = unrolled.fault()
         if fault is not None:
             break
-        for number in [] if proofs is None else proofs.attempt(unrolled.depth, unrolled.open):
+        for number in [] if proofs is None else proofs.proved(unrolled.depth, unrolled.open):
             unrolled.status[number] = GoalOutcome(Status.UNREACHABLE)
         if not unrolled.open:
             return None, ""

@@ -21,19 +21,19 @@ class Importer:
     """Reads documents and what they import.
 
     Attributes:
-        reading: the files whose imports are being followed, outermost first.
+        unfinished: the files whose imports are being followed, outermost first.
         done: the files that have been read.
     """
 
     findings: DiagnosticCollector
     strict_xta: bool = False
-    reading: list[Path] = field(default_factory=list)
+    unfinished: list[Path] = field(default_factory=list)
     done: set[Path] = field(default_factory=set)
 
     def read(self, source: Source) -> tuple[ast.Document | None, list[ast.Item]]:
         """The document, and its items with the imported ones in the places of their imports."""
         path = Path(source.name).absolute()
-        self.reading.append(path.resolve())
+        self.unfinished.append(path.resolve())
         if is_tchecker(source):
             from tachk.formats.tchecker.reader import parse_tchecker
 
@@ -54,14 +54,14 @@ class Importer:
                 items.extend(imported.pop(item.path, ()))
             else:
                 items.append(item)
-        self.done.add(self.reading.pop())
+        self.done.add(self.unfinished.pop())
         return document, items
 
     def _import(self, node: ast.ImportDeclaration, folder: Path) -> list[ast.Item]:
         path = folder / node.path
         resolved = path.resolve()
-        if resolved in self.reading:
-            names = " -> ".join(p.name for p in (*self.reading[self.reading.index(resolved) :], resolved))
+        if resolved in self.unfinished:
+            names = " -> ".join(p.name for p in (*self.unfinished[self.unfinished.index(resolved) :], resolved))
             self.findings.add("E0416", node.span, f"files import each other: {names}", "move what both need to a third")
             return []
         if resolved in self.done:

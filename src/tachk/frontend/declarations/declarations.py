@@ -24,7 +24,7 @@ from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import WIDE, describe, is_data, is_integral
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.open_constants import OpenConstants
-from tachk.frontend.priority_readings import FIRST, says_default
+from tachk.frontend.priority_interpretations import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind

@@ -82,7 +82,7 @@ def operators_in(span: Span) -> tuple[str, ...]:
     return tuple(token.text for token in marked if token.type in TEMPORAL)
 
 
-def read_run_formula(span: Span, limit: Fraction | None, reading: OperandReader) -> ReadFormula:
+def read_run_formula(span: Span, limit: Fraction | None, operands: OperandReader) -> ReadFormula:
     """The formula in a text.
 
     Args:
@@ -95,13 +95,13 @@ def read_run_formula(span: Span, limit: Fraction | None, reading: OperandReader)
     formula, found = parse_formula(span)
     if formula is None:
         raise InputError(found)
-    resolved = resolve_durations(formula, reading.scope, reading.context)
+    resolved = resolve_durations(formula, operands.scope, operands.context)
     if resolved is None:
-        raise InputError(reading.context.findings.sorted())
+        raise InputError(operands.context.findings.sorted())
     bounded = _bounded(resolved, limit)
     reach = horizon(bounded)
     assert reach is not None
-    return ReadFormula(_as_formula(_converted(bounded, reading)), reach)
+    return ReadFormula(_as_formula(_converted(bounded, operands)), reach)
 
 
 def refuse_foreign(span: Span, scope: Scope) -> None:
@@ -153,20 +153,20 @@ def _as_formula(part: RunFormula | Expression) -> RunFormula:
     return part if isinstance(part, RunFormula) else RunFormula(RunOperator.AND, (part, part))
 
 
-def _converted(formula: syntax.Formula, reading: OperandReader) -> RunFormula | Expression:
+def _converted(formula: syntax.Formula, operands: OperandReader) -> RunFormula | Expression:
     """The formula with its names resolved; a condition without connectives is an expression."""
     match formula:
         case syntax.TruthConstant(value=value):
             return Constant(int(value), BOOL)
         case syntax.Atom(expression=expression):
-            return as_number(_state(reading.condition(expression.span), expression.span))
+            return as_number(_state(operands.condition(expression.span), expression.span))
         case syntax.Change(expression=expression):
-            return RunFormula(RunOperator.CHANGE, (_state(reading.value(expression.span), expression.span),))
+            return RunFormula(RunOperator.CHANGE, (_state(operands.value(expression.span), expression.span),))
         case syntax.Implies(left=left, right=right):
-            inverse = RunFormula(RunOperator.NOT, (_converted(left, reading),))
-            return RunFormula(RunOperator.OR, (inverse, _converted(right, reading)))
+            inverse = RunFormula(RunOperator.NOT, (_converted(left, operands),))
+            return RunFormula(RunOperator.OR, (inverse, _converted(right, operands)))
         case syntax.Not() | syntax.And() | syntax.Or() | syntax.Rise() | syntax.Fall():
-            return RunFormula(_OPERATORS[type(formula)], _operands(formula, reading))
+            return RunFormula(_OPERATORS[type(formula)], _operands(formula, operands))
         case syntax.WeakUntil():
             raise InternalError("W has been written out")
         case (
@@ -177,11 +177,11 @@ def _converted(formula: syntax.Formula, reading: OperandReader) -> RunFormula | 
             | syntax.Until(interval=interval)
             | syntax.Since(interval=interval)
         ):
-            return RunFormula(_OPERATORS[type(formula)], _operands(formula, reading), _window(interval))
+            return RunFormula(_OPERATORS[type(formula)], _operands(formula, operands), _window(interval))
 
 
-def _operands(formula: syntax.Formula, reading: OperandReader) -> tuple[RunFormula | Expression, ...]:
-    return tuple(_converted(operand, reading) for operand in syntax.operands(formula))
+def _operands(formula: syntax.Formula, operands: OperandReader) -> tuple[RunFormula | Expression, ...]:
+    return tuple(_converted(operand, operands) for operand in syntax.operands(formula))
 
 
 def _window(interval: syntax.Interval) -> RunWindow:

@@ -165,8 +165,8 @@ class _StatisticalQueryReader:
         """A formula with several operators. Its runs end where it is decided, or at the bound before."""
         if bound is not None and bound.scale is not Scale.TIME:
             raise self._unsupported("the bound of a formula with intervals is a time", inner)
-        reading = OperandReader(self._condition, self._value, self._model.scope, self._context)
-        found = read_run_formula(inner, None if bound is None else bound.limit, reading)
+        operands = OperandReader(self._condition, self._value, self._model.scope, self._context)
+        found = read_run_formula(inner, None if bound is None else bound.limit, operands)
         reach = found.reach if bound is None else min(found.reach, bound.limit)
         return FormulaPath(RunBound(Scale.TIME, reach), runs, found.formula)
 

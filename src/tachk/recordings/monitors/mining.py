@@ -38,8 +38,8 @@ from tachk.recordings.monitors.mined import Mined, MinedTrace
 from tachk.recordings.monitors.mined_ranges import given_ranges
 from tachk.recordings.monitors.monotone import Monotonicity, Occurrence, joint_effect, occurrences
 from tachk.recordings.monitors.offline import counted, ending_of, formulas_of, judge, prepare, selected
-from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
+from tachk.recordings.monitors.trace_semantics import HeldValues
 from tachk.recordings.monitors.value_names import with_named_values
 from tachk.recordings.traces.conventions import EvaluationOptions, TraceEnding
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns

@@ -26,10 +26,10 @@ from tachk.recordings.monitors.formulas import (
 )
 from tachk.recordings.monitors.line_compiler import line_findings
 from tachk.recordings.monitors.locations import located
-from tachk.recordings.monitors.reading import TraceSemantics, reading_of
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, TimeRobustness
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
 from tachk.recordings.monitors.texts import Texts, unmet_texts
+from tachk.recordings.monitors.trace_semantics import TraceSemantics, semantics_of
 from tachk.recordings.monitors.value_names import names_of_values, with_named_values
 from tachk.recordings.traces.certainty import is_certainly_false
 from tachk.recordings.traces.conventions import EvaluationOptions, Interpolation, TraceEnding
@@ -83,12 +83,12 @@ def _judged(
     formulas: Sequence[NamedFormula], recording: TraceSource, evaluation: EvaluationOptions, source: str
 ) -> MonitorRecord:
     trace, programs = prepare(formulas, recording, evaluation.interpolation)
-    reading = reading_of(trace, programs)
+    semantics = semantics_of(trace, programs)
     verdicts = tuple(
-        verdict_on(named, program, trace, evaluation, reading)
+        verdict_on(named, program, trace, evaluation, semantics)
         for named, program in zip(formulas, programs, strict=True)
     )
-    return MonitorRecord(reading.shown(trace), source, verdicts, evaluation.ending)
+    return MonitorRecord(semantics.shown(trace), source, verdicts, evaluation.ending)
 
 
 def prepare(
@@ -234,19 +234,19 @@ def verdict_on(
     program: MonitorProgram,
     trace: Trace,
     evaluation: EvaluationOptions,
-    reading: TraceSemantics,
+    semantics: TraceSemantics,
 ) -> MonitorVerdict:
     """The verdict of one program on a whole trace. Its explanation is made on demand."""
     robustness = None
     if evaluation.robustness:
-        truth, robustness = reading.measured(program, trace)
+        truth, robustness = semantics.measured(program, trace)
     else:
-        truth = reading.truth(program, trace)
+        truth = semantics.truth(program, trace)
     measured = truth.measured
     if measured is Truth.FALSE and not is_certainly_false(program, trace):
         measured = Truth.UNDETERMINED
         robustness = None if robustness is None else replace(robustness, high=math.inf)
-    explainer = reading.explainer(program, trace)
+    explainer = semantics.explainer(program, trace)
     presumably = truth.lasting if measured is Truth.UNDETERMINED else None
     triggers = never_triggered(program) if measured is Truth.TRUE else ()
     return MonitorVerdict(
@@ -258,7 +258,7 @@ def verdict_on(
         counted(measured, evaluation.ending),
         presumably,
         None if robustness is None else (robustness.low, robustness.high),
-        bool(triggers) and all(reading.truth(never, trace).measured is Truth.TRUE for never in triggers),
+        bool(triggers) and all(semantics.truth(never, trace).measured is Truth.TRUE for never in triggers),
         explainer.program,
         explainer,
         _time_robustness(program, trace) if evaluation.time_robustness else None,

@@ -23,10 +23,10 @@ from tachk.recordings.monitors.conditions import no_condition
 from tachk.recordings.monitors.formulas import NamedFormula, in_trace_units
 from tachk.recordings.monitors.offline import counted, ending_of, formulas_of, selected, verdict_on
 from tachk.recordings.monitors.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
-from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict
 from tachk.recordings.monitors.row_names import TIME, RowNames
 from tachk.recordings.monitors.texts import TextNumbers, Texts, text_columns, texts_of
+from tachk.recordings.monitors.trace_semantics import HeldValues
 from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.location_names import location_names, locations_in, locations_in_columns

@@ -215,18 +215,18 @@ def _estimated(
 
 
 def _sequential(sampler: Sampler, rule: StoppingRule) -> tuple[float, float]:
-    """The interval under a rule. Runs that are unknown are read twice, as hits and as none; each reading stops on its
+    """The interval under a rule. Runs that are unknown are counted twice, as hits and as none; each count stops on its
     own, and gives one end."""
-    readings: dict[bool, tuple[float, float]] = {}
+    intervals: dict[bool, tuple[float, float]] = {}
     for look, runs in enumerate(rule.looks):
         sample = sampler.draw_up_to(runs)
         for as_hits in (False, True):
             hits = sample.hits + (sample.unknown if as_hits else 0)
-            if as_hits not in readings and rule.stops(look, hits):
-                readings[as_hits] = rule.interval(look, hits)
-        if len(readings) == 2:
+            if as_hits not in intervals and rule.stops(look, hits):
+                intervals[as_hits] = rule.interval(look, hits)
+        if len(intervals) == 2:
             break
-    return readings[False][0], readings[True][1]
+    return intervals[False][0], intervals[True][1]
 
 
 def _threshold(network: Network, query: StatisticalQuery, wanted: Threshold, settings: Settings) -> Decided:
@@ -238,13 +238,13 @@ def _threshold(network: Network, query: StatisticalQuery, wanted: Threshold, set
         decision = at_least if wanted.at_least else _at_most(found, wanted.probability)
         return Decided(query, decision, (found.sample,), (found.frequency,), (found.low, found.high))
     sampler = _sampler_of(network, path, settings.source)
-    readings = {as_hit: threshold_test(wanted.probability, settings.errors) for as_hit in (False, True)}
+    tests = {as_hit: threshold_test(wanted.probability, settings.errors) for as_hit in (False, True)}
     decision = Decision.UNKNOWN
     while decision is Decision.UNKNOWN and sampler.sample.runs < settings.most_runs:
         trials = sampler.draw(min(_ROUND, settings.most_runs - sampler.sample.runs))
         for answer in trials.answers.tolist():
-            _read(readings, answer, path.always)
-        decision = _agreed(readings)
+            _read(tests, answer, path.always)
+        decision = _agreed(tests)
     return Decided(
         query,
         decision if wanted.at_least else _opposite(decision),
@@ -253,17 +253,17 @@ def _threshold(network: Network, query: StatisticalQuery, wanted: Threshold, set
     )
 
 
-def _read(readings: Mapping[bool, RatioTest], answer: int, always: bool) -> None:
-    """Gives a run to both readings: the one that takes an unknown run for a hit, and the other one."""
-    for as_hit, test in readings.items():
+def _read(tests: Mapping[bool, RatioTest], answer: int, always: bool) -> None:
+    """Gives a run to both tests: the one that takes an unknown run for a hit, and the other one."""
+    for as_hit, test in tests.items():
         test.add(as_hit if answer == TrialAnswer.UNKNOWN else (answer == TrialAnswer.YES) is not always)
 
 
-def _agreed(readings: Mapping[bool, RatioTest]) -> Decision:
+def _agreed(tests: Mapping[bool, RatioTest]) -> Decision:
     """It holds if it does although no unknown run is a hit, and fails if it does although all are."""
-    if readings[False].decision is Decision.HOLDS:
+    if tests[False].decision is Decision.HOLDS:
         return Decision.HOLDS
-    return Decision.FAILS if readings[True].decision is Decision.FAILS else Decision.UNKNOWN
+    return Decision.FAILS if tests[True].decision is Decision.FAILS else Decision.UNKNOWN
 
 
 def _decided(low: float, high: float, probability: float) -> Decision:
@@ -294,25 +294,25 @@ def _comparison(
     source = settings.source
     other = RunSource(source.seed, source.first + _SECOND, source.threads, source.most_steps)
     samplers = _sampler_of(network, paths[0], source), _sampler_of(network, paths[1], other)
-    readings = {as_hit: comparison_test(settings.errors) for as_hit in (False, True)}
+    tests = {as_hit: comparison_test(settings.errors) for as_hit in (False, True)}
     most = settings.runs or paths[0].runs or settings.most_runs
     decision = Decision.UNKNOWN
     while decision is Decision.UNKNOWN and samplers[0].sample.runs < most:
         count = min(_ROUND, most - samplers[0].sample.runs)
         pairs = zip(*(sampler.draw(count).answers.tolist() for sampler in samplers), strict=True)
         for first, second in pairs:
-            _compare(readings, (first, second), paths)
-        decision = _agreed(readings)
+            _compare(tests, (first, second), paths)
+        decision = _agreed(tests)
     samples = samplers[0].sample, samplers[1].sample
     frequencies = tuple(_frequency(sample, path.always) for sample, path in zip(samples, paths, strict=True))
     return Decided(query, decision, samples, frequencies)
 
 
 def _compare(
-    readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[PathProperty, PathProperty]
+    tests: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[PathProperty, PathProperty]
 ) -> None:
-    """Gives a pair of runs to both readings: an unknown run speaks for the first probability, or against it."""
-    for in_favour, test in readings.items():
+    """Gives a pair of runs to both tests: an unknown run speaks for the first probability, or against it."""
+    for in_favour, test in tests.items():
         first, second = (
             is_favoured if answer == TrialAnswer.UNKNOWN else (answer == TrialAnswer.YES) is not path.always
             for answer, path, is_favoured in zip(answers, paths, (in_favour, not in_favour), strict=True)

@@ -1,7 +1,7 @@
 """Texts to sentences.
 
-A text is a sentence if exactly one of its readings has conditions and durations that can be read and parts that go
-together. Otherwise what is reported is, in this order: readings that differ in meaning; parts in the wrong order or
+A text is a sentence if exactly one of its parses has conditions and durations that can be read and parts that go
+together. Otherwise what is reported is, in this order: parses that differ in meaning; parts in the wrong order or
 that do not go together; a phrase that resembles one of the grammar; a condition that cannot be read; what was expected.
 """
 
@@ -18,22 +18,22 @@ from tachk.syntax.parsing.lalr import Stack
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.parsing.tokens import END, Token
 from tachk.syntax.sentences.conditions import Refused
-from tachk.syntax.sentences.near import near_phrases
 from tachk.syntax.sentences.order import assemble
+from tachk.syntax.sentences.parses import Correction, SentenceParse, SentenceParses, exact_phrases
 from tachk.syntax.sentences.printer import print_sentence
-from tachk.syntax.sentences.readings import Correction, Readings, SentenceParse, exact_phrases
+from tachk.syntax.sentences.similar_phrases import similar_phrases
 from tachk.syntax.sentences.tables import START, opening_words, sentence_tables, spelling
 from tachk.syntax.sentences.text import Piece, cut
 from tachk.syntax.sentences.tree import Sentence
 
 Diagnostics = tuple[Diagnostic, ...]
 
-_MOST_READINGS = 100
+_MOST_PARSES = 100
 
 
 @dataclass(frozen=True, slots=True)
-class _ParseAttempt:
-    """The result of a reading.
+class _ParseOutcome:
+    """The result of a parse.
 
     Attributes:
         fault: 0 none, 1 in the order of the parts, 2 in what goes together, 3 in what is a condition or a duration,
@@ -63,14 +63,14 @@ def parse_sentence(source: Source | Span) -> tuple[Sentence | None, Diagnostics]
     if behind is not None:
         help = "write a sentence for each property"
         return None, (Diagnostic("E0144", "the text goes on behind the full stop", behind.span, help),)
-    readings = Readings(span, pieces, exact_phrases(pieces), lenient=False)
-    attempts = [_attempt(span, reading) for reading in islice(readings, _MOST_READINGS)]
-    sound = _different(attempt.sentence for attempt in attempts if attempt.fault == 0)
+    parses = SentenceParses(span, pieces, exact_phrases(pieces), lenient=False)
+    outcomes = [_outcome(span, parse) for parse in islice(parses, _MOST_PARSES)]
+    sound = _different(outcome.sentence for outcome in outcomes if outcome.fault == 0)
     if len(sound) == 1:
         return sound[0], ()
     if sound:
         return None, (_ambiguous(span, sound),)
-    return None, _why_not(span, pieces, readings, attempts)
+    return None, _why_not(span, pieces, parses, outcomes)
 
 
 def with_full_stop(text: str) -> str:
@@ -80,19 +80,19 @@ def with_full_stop(text: str) -> str:
     return f"{text}." if not outcome and not is_sentence(tokens) and lacks_full_stop(tokens) else text
 
 
-def _attempt(span: Span, reading: SentenceParse) -> _ParseAttempt:
+def _outcome(span: Span, parse: SentenceParse) -> _ParseOutcome:
     stack = Stack(sentence_tables(), START)
     try:
         parts = None
-        for token in reading.tokens:
+        for token in parse.tokens:
             parts = stack.feed(Token(token.type, token.text, token.span))
     except Refused as refused:
         known = all(found.code in ("E0134", "E0144", "E0146") for found in refused.diagnostics)
-        return _ParseAttempt(None, refused.diagnostics, reading.corrections, 3 if known else 4)
-    assert parts is not None, "a reading ends with the end of the text"
+        return _ParseOutcome(None, refused.diagnostics, parse.corrections, 3 if known else 4)
+    assert parts is not None, "a parse ends with the end of the text"
     sentence, found = assemble(span, parts)
     fault = 0 if not found else 1 if sentence is not None else 2
-    return _ParseAttempt(sentence, found, reading.corrections, fault)
+    return _ParseOutcome(sentence, found, parse.corrections, fault)
 
 
 def _different(sentences: Iterable[Sentence | None]) -> list[Sentence]:
@@ -103,34 +103,36 @@ def _different(sentences: Iterable[Sentence | None]) -> list[Sentence]:
     return found
 
 
-def _why_not(span: Span, pieces: tuple[Piece, ...], readings: Readings, attempts: list[_ParseAttempt]) -> Diagnostics:
-    best = min(attempts, key=lambda attempt: (attempt.fault, len(attempt.diagnostics)), default=None)
+def _why_not(
+    span: Span, pieces: tuple[Piece, ...], parses: SentenceParses, outcomes: list[_ParseOutcome]
+) -> Diagnostics:
+    best = min(outcomes, key=lambda outcome: (outcome.fault, len(outcome.diagnostics)), default=None)
     if best is not None and best.fault < 3:
         return _with_rewording(best)
-    near = Readings(span, pieces, near_phrases(pieces), lenient=True)
-    meant = [_attempt(span, reading) for reading in islice(near, _MOST_READINGS)]
-    meant = [attempt for attempt in meant if attempt.corrections]
-    intended = next((attempt for attempt in meant if attempt.fault == 0), None)
+    similar = SentenceParses(span, pieces, similar_phrases(pieces), lenient=True)
+    meant = [_outcome(span, parse) for parse in islice(similar, _MOST_PARSES)]
+    meant = [outcome for outcome in meant if outcome.corrections]
+    intended = next((outcome for outcome in meant if outcome.fault == 0), None)
     if intended is None and best is not None:
         return _unreadable(best, pieces)
-    intended = intended or min(meant, key=lambda attempt: attempt.fault, default=None)
+    intended = intended or min(meant, key=lambda outcome: outcome.fault, default=None)
     if intended is not None:
         return _suggestion(intended)
-    return (_unexpected(span, pieces, readings),)
+    return (_unexpected(span, pieces, parses),)
 
 
-def _with_rewording(attempt: _ParseAttempt) -> Diagnostics:
-    if attempt.sentence is None:
-        return attempt.diagnostics
-    first, *others = attempt.diagnostics
-    help = f"did you mean: {print_sentence(attempt.sentence)}"
+def _with_rewording(outcome: _ParseOutcome) -> Diagnostics:
+    if outcome.sentence is None:
+        return outcome.diagnostics
+    first, *others = outcome.diagnostics
+    help = f"did you mean: {print_sentence(outcome.sentence)}"
     return (Diagnostic(first.code, first.message, first.span, help, first.labels), *others)
 
 
-def _suggestion(attempt: _ParseAttempt) -> Diagnostics:
-    whole = None if attempt.sentence is None else f"did you mean: {print_sentence(attempt.sentence)}"
+def _suggestion(outcome: _ParseOutcome) -> Diagnostics:
+    whole = None if outcome.sentence is None else f"did you mean: {print_sentence(outcome.sentence)}"
     found = []
-    for correction in attempt.corrections:
+    for correction in outcome.corrections:
         if correction.phrase == ".":
             found.append(Diagnostic("E0133", "a sentence ends with a full stop", correction.span, whole or "add '.'"))
         else:
@@ -151,8 +153,8 @@ def _ambiguous(span: Span, sentences: list[Sentence]) -> Diagnostic:
     )
 
 
-def _unexpected(span: Span, pieces: tuple[Piece, ...], readings: Readings) -> Diagnostic:
-    place, expected = readings.furthest, readings.expected - {END}
+def _unexpected(span: Span, pieces: tuple[Piece, ...], parses: SentenceParses) -> Diagnostic:
+    place, expected = parses.furthest, parses.expected - {END}
     if "CONDITION" in expected and len(expected) > 5:
         help = "a condition that must be true is missing, as in 'whenever p is true, within 5 s, q must be true.'"
     else:
@@ -168,15 +170,15 @@ def _unexpected(span: Span, pieces: tuple[Piece, ...], readings: Readings) -> Di
     return Diagnostic("E0140", "the sentence is not complete", end, help or None)
 
 
-def _unreadable(attempt: _ParseAttempt, pieces: tuple[Piece, ...]) -> Diagnostics:
+def _unreadable(outcome: _ParseOutcome, pieces: tuple[Piece, ...]) -> Diagnostics:
     """The reason why a condition cannot be read; if a word of the sentence stands in it, that is the reason."""
     musts = [piece for piece in pieces if piece.text.lower() == "must"]
     if len(musts) > 1:
         help = "write two sentences, or join the conditions: 'p and q must be true'"
         return (Diagnostic("E0144", "the sentence has a second 'must'", musts[1].span, help),)
-    first, *others = attempt.diagnostics
+    first, *others = outcome.diagnostics
     if first.span.text.lower() in opening_words():
         help = "join conditions inside: 'whenever p and q is true', not 'whenever p is true and q is true'"
         message = f"'{first.span.text}' has no place in a condition"
         return (Diagnostic("E0140", message, first.span, help), *others)
-    return attempt.diagnostics
+    return outcome.diagnostics

@@ -21,7 +21,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Values
 from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
 
-ATTEMPTS = 2
+TRIES = 2
 """The number of processes that try a cell, one after another, if the first ones die."""
 
 _CONTEXT = get_context("spawn")
@@ -46,7 +46,7 @@ def compute_locally(
     """
     ends = None if seconds is None else monotonic() + seconds
     left = list(reversed(cells))
-    attempts: dict[Values, int] = {}
+    tries: dict[Values, int] = {}
     workers = [_started() for _ in range(min(processes, len(cells)))]
     try:
         for worker in workers:
@@ -58,7 +58,7 @@ def compute_locally(
                 return
             for worker in busy:
                 if worker.pipe in ready:
-                    received = _received(worker, job, left, attempts)
+                    received = _received(worker, job, left, tries)
                     _give(worker, left)
                     if received is not None:
                         yield received
@@ -67,9 +67,7 @@ def compute_locally(
             _end(worker)
 
 
-def _received(
-    worker: _Worker, job: Verification, left: list[Values], attempts: dict[Values, int]
-) -> ComputedCell | None:
+def _received(worker: _Worker, job: Verification, left: list[Values], tries: dict[Values, int]) -> ComputedCell | None:
     """The cell that a process has finished; None where it was killed and the cell is to be tried again."""
     values = worker.cell
     assert values is not None
@@ -86,8 +84,8 @@ def _received(
         again = _started()
         worker.process, worker.pipe = again.process, again.pipe
         _send(worker, job)
-        attempts[values] = attempts.get(values, 0) + 1
-        if attempts[values] < ATTEMPTS:
+        tries[values] = tries.get(values, 0) + 1
+        if tries[values] < TRIES:
             left.append(values)
             return None
         return killed(job, values)

@@ -89,7 +89,7 @@ class Translator:
             return submessage(SubmessageKind.WRITE_DATA, {"base": self._base(WRITER), "sample": sample})
         if self.to_agent and detail <= READ:
             count = UNLIMITED if detail == READ else READ - detail
-            return submessage(SubmessageKind.READ_DATA, self._reading(count))
+            return submessage(SubmessageKind.READ_DATA, self._read_parameters(count))
         if not self.to_agent and detail >= 0:
             return submessage(SubmessageKind.DATA, {"base": self._base(READER), "sample": sample})
         if not self.to_agent and detail == STATUS:
@@ -97,7 +97,7 @@ class Translator:
             return submessage(SubmessageKind.STATUS, {"base": self._base(b"\x00\x11"), "result": result})
         raise ValueError(f"a message that carries {detail} has no form on the wire here")
 
-    def _reading(self, count: int) -> dict[str, object]:
+    def _read_parameters(self, count: int) -> dict[str, object]:
         control = {"max_samples": count, "max_elapsed_time": 0, "max_bytes_per_second": 0, "min_pace_period": 0}
         return {
             "base": self._base(READER),

@@ -15,7 +15,7 @@ _MILLISECOND: Final = 1e6
 
 
 @dataclass(frozen=True, slots=True)
-class LateReading:
+class LateRequest:
     """The first READ_DATA of a client, sent when samples had come to the Agent that the client gets later.
 
     Attributes:
@@ -33,8 +33,8 @@ class LateReading:
     wanted: int | None
 
 
-def late_readings(recording: Capture) -> Iterator[LateReading]:
-    """The late readings of every client, as far as samples differ in their content."""
+def late_requests(recording: Capture) -> Iterator[LateRequest]:
+    """The late requests of every client, as far as samples differ in their content."""
     for link in range(len(recording.links)):
         request = next(
             (one for one in recording.transmissions if one.link == link and _of(one.events, SubmessageKind.READ_DATA)),
@@ -57,14 +57,14 @@ def late_readings(recording: Capture) -> Iterator[LateReading]:
         if kept:
             waited = (request.sent - min(before.values())) / _MILLISECOND
             wanted = _of(request.events, SubmessageKind.READ_DATA)[0].fields["max_samples"]
-            yield LateReading(len(before), kept, waited, request.packet, wanted if isinstance(wanted, int) else None)
+            yield LateRequest(len(before), kept, waited, request.packet, wanted if isinstance(wanted, int) else None)
 
 
 def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[SubmessageEvent]:
     return [event for event in events if event.kind is kind]
 
 
-def kept_quantity(found: Sequence[tuple[str, LateReading]]) -> Quantity:
+def kept_quantity(found: Sequence[tuple[str, LateRequest]]) -> Quantity:
     """The number of samples that the Agent keeps: seen where a client gets fewer than were written, but not where it
     asks for no more."""
     name, title = "kept", "samples that the Agent keeps for a client that asks late"

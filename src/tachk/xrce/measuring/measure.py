@@ -20,7 +20,7 @@ from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Capture, Transmission, read_transmissions
 from tachk.xrce.wire import SubmessageKind
 
-_LATE_READING = 2000.0
+_DELAYED = 2000.0
 """Milliseconds from the first sample to READ_DATA; what is shorter is set-up."""
 
 _ENOUGH, _NEARLY_ALL, _SHORTLY = 20, 0.9, 50_000_000
@@ -99,7 +99,7 @@ class _Measuring:
         history = traffic.window("history", "window of the client", self.of_clients)
         window = traffic.window("agent_window", "window of the Agent", [c for c, _ in self.of_agents])
         stopped = [(file, stop) for file, recording in self.recordings for stop in self._stops(file, recording, asleep)]
-        late = [(file, one) for file, recording in self.recordings for one in keeping.late_readings(recording)]
+        late = [(file, one) for file, recording in self.recordings for one in keeping.late_requests(recording)]
         quantities = (
             law_known,
             period,
@@ -116,15 +116,15 @@ class _Measuring:
             faults.stops_quantity(stopped),
             keeping.kept_quantity(late),
         )
-        readings = [request for _, recording in self.recordings for request in sleeps.readings(recording)]
+        requests = [request for _, recording in self.recordings for request in sleeps.read_requests(recording)]
         known = {quantity.name: quantity for quantity in quantities}
         dozing = tuple(sleep for _, sleep in asleep)
         written, pace = self._publisher()
         again = sum(_created_again(recording) for _, recording in self.recordings)
         ways = tuple(dict.fromkeys(self._way(file, stop) for file, stop in stopped))
-        reading_late = tuple(one for _, one in late if one.waited > _LATE_READING)
+        delayed = tuple(one for _, one in late if one.waited > _DELAYED)
         findings = SettingsFindings(
-            known, law, dozing, tuple(readings), reading_late, ways, written, pace, again, self._lost(asleep, stopped)
+            known, law, dozing, tuple(requests), delayed, ways, written, pace, again, self._lost(asleep, stopped)
         )
         problems = tuple(
             f"{file}: {problem}" for file, recording in self.recordings for problem in _problems(recording)

@@ -10,7 +10,7 @@ from typing import Final
 
 from tachk.base.records import dataclass
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw
-from tachk.xrce.measuring.keeping import LateReading
+from tachk.xrce.measuring.keeping import LateRequest
 from tachk.xrce.measuring.quantity import Confidence, Quantity
 from tachk.xrce.measuring.sleeps import UNLIMITED, ReadRequest, Sleep
 
@@ -71,7 +71,7 @@ class SettingsFindings:
         quantities: by their names.
         law: of the client's HEARTBEATs, where it is known.
         sleeps: of all clients.
-        readings: every READ_DATA.
+        read_requests: every READ_DATA.
         written: samples of the client that waits longest for an ACKNACK.
         pace: of the same client.
         late_readings: first READ_DATA of clients for which samples were waiting.
@@ -83,8 +83,8 @@ class SettingsFindings:
     quantities: Mapping[str, Quantity]
     law: HeartbeatLaw | None
     sleeps: tuple[Sleep, ...]
-    readings: tuple[ReadRequest, ...]
-    late_readings: tuple[LateReading, ...]
+    read_requests: tuple[ReadRequest, ...]
+    late_requests: tuple[LateRequest, ...]
     stopped: tuple[LinkDirection, ...]
     written: int
     pace: Quantity
@@ -155,7 +155,7 @@ def _network(found: SettingsFindings) -> Iterator[Setting]:
 
 
 def _subscriber(found: SettingsFindings) -> Iterator[Setting]:
-    limited = [request for request in found.readings if request.samples not in (UNLIMITED, 0)]
+    limited = [request for request in found.read_requests if request.samples not in (UNLIMITED, 0)]
     kept = found.quantities["kept"]
     if kept.value is not None and kept.confidence is not Confidence.BOUND:
         yield Setting("KEEP", kept.value, False, kept.confidence, kept.how)
@@ -170,20 +170,20 @@ def _subscriber(found: SettingsFindings) -> Iterator[Setting]:
         samples = limited[0].samples
         yield Setting("QUOTA", 1 if samples is None else samples, False, Confidence.MEASURED, how)
         yield from _pulling(limited)
-    elif found.late_readings:
-        yield from _reading_late(found.late_readings)
+    elif found.late_requests:
+        yield from _late_requests(found.late_requests)
     elif spoken:
         how = "after its silence the client speaks first"
         yield Setting("SUBSCRIPTION", _PUSH_PING, False, Confidence.MEASURED, how)
-    elif found.readings:
+    elif found.read_requests:
         yield Setting("SUBSCRIPTION", _PUSH, False, Confidence.MEASURED, "READ_DATA asks without limit")
-    if found.readings and not limited and not found.late_readings:
+    if found.read_requests and not limited and not found.late_requests:
         sleep = found.quantities["sleep"]
         yield Setting("SLEEPS", min(len(found.sleeps), 1), False, sleep.confidence, sleep.how)
         yield from _time("SLEEP", sleep)
 
 
-def _reading_late(found: tuple[LateReading, ...]) -> Iterator[Setting]:
+def _late_requests(found: tuple[LateRequest, ...]) -> Iterator[Setting]:
     how = f"samples that had been written before READ_DATA: {max(one.written for one in found)}"
     yield Setting("SUBSCRIPTION", _READ_LATE, False, Confidence.MEASURED, how)
     yield Setting("SLEEPS", 1, False, Confidence.MEASURED, how)

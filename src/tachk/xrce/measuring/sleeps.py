@@ -179,7 +179,7 @@ class ReadRequest:
     time: int
 
 
-def readings(recording: Capture) -> Iterator[ReadRequest]:
+def read_requests(recording: Capture) -> Iterator[ReadRequest]:
     """Every READ_DATA that a client sends, repetitions too."""
     for one in recording.transmissions:
         for event in one.events:

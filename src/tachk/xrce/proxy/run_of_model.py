@@ -78,17 +78,17 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
     Raises UsageError for what is no such report, or tells of no message.
     """
     constants, trace = _trace(document, name, prop)
-    reading = _Reading(constants)
+    decoder = _RunDecoder(constants)
     for state in trace:
         transition = state.get("transition")
         changes = state.get("variables", {})
         if transition is not None:
-            reading.step(transition, changes)
-        reading.values.update({key: changes[key] for key in ("losses", "copies") if key in changes})
-    if not reading.happenings:
+            decoder.step(transition, changes)
+        decoder.values.update({key: changes[key] for key in ("losses", "copies") if key in changes})
+    if not decoder.happenings:
         raise UsageError(f"{name}: no message is sent in the run", "it should be a run of a model that uses models/lib")
-    readers = {one.message.client for one in reading.happenings if one.message.kind is SubmessageKind.DATA}
-    return ModelRun(reading.clients, tuple(_as_read(one, readers) for one in reading.happenings))
+    readers = {one.message.client for one in decoder.happenings if one.message.kind is SubmessageKind.DATA}
+    return ModelRun(decoder.clients, tuple(_as_read(one, readers) for one in decoder.happenings))
 
 
 def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, int], list[dict[str, Any]]]:
@@ -125,7 +125,7 @@ def _as_read(happening: Happening, readers: Collection[int]) -> Happening:
     return Happening(message, happening.sent, happening.lost, happening.stays)
 
 
-class _Reading:
+class _RunDecoder:
     def __init__(self, constants: Mapping[str, int]) -> None:
         self.constants = constants
         self.kinds = {str(constants[kind]): kind for kind in _KINDS if kind in constants}

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.records import dataclass
+from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import Numbers
-from tachk.xrce.reading import CaptureReading
-from tachk.xrce.serial_line import SerialReading
+from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.clients import Side, Way
 from tachk.xrce.signals.following import SITUATION, RowBlock, SignalTracker
@@ -112,23 +112,23 @@ def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) 
         ports: of Agents; without any 8888, and each one to which a session is created.
         signals: whether the changes of streams are wanted; without them, a fifth of the time is saved.
     """
-    return _recorded(CaptureReading(stream, ports), signals)
+    return _recorded(CaptureDecoder(stream, ports), signals)
 
 
 def read_recorded_serial(stream: BinaryIO, signals: bool = True) -> CaptureSignals:
     """The signals of a capture of a serial line; frames that a receiver would drop are left out. Raises CaptureError
     for a file without bytes."""
-    return _recorded(SerialReading(stream, damaged=False), signals)
+    return _recorded(SerialDecoder(stream, damaged=False), signals)
 
 
-def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> CaptureSignals:
+def _recorded(decoder: CaptureDecoder | SerialDecoder, signals: bool) -> CaptureSignals:
     tracker = SignalTracker(streams=signals)
     blocks = []
-    for found in reading.pieces():
+    for found in decoder.pieces():
         tracker.push(found)
         blocks.append(tracker.take())
     joined = _Joined(blocks)
-    ends = reading.endpoints
+    ends = decoder.endpoints
     streams = tuple(
         StreamHistory(
             ends[side.client_endpoint],
@@ -151,7 +151,7 @@ def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> Capture
         for side in tracker.sides
     )
     observed = _observed(tracker, joined.times)
-    return CaptureSignals(joined.times, joined.packets, joined.situation, streams, clients, observed, reading.problem)
+    return CaptureSignals(joined.times, joined.packets, joined.situation, streams, clients, observed, decoder.problem)
 
 
 def _observed(tracker: SignalTracker, times: Numbers) -> LongestWaits:

@@ -18,10 +18,10 @@ from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.exact_numbers import DIGITS
 from tachk.recordings.traces.trace import Ticks, Values
 from tachk.recordings.traces.trace_csv import Rows
+from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import PCAP_HEADER, USER_LINKS, CaptureError, is_capture, link_of_pcap
-from tachk.xrce.reading import CaptureReading
-from tachk.xrce.serial_line import Peeked, SerialReading
+from tachk.xrce.serial_line import Peeked, SerialDecoder
 from tachk.xrce.signals.changes import SignalChanges
 from tachk.xrce.signals.clients import Side, Way
 from tachk.xrce.signals.following import GONE, SITUATION, RowBlock, SignalTracker
@@ -103,7 +103,7 @@ class LivePackets:
         clock: nanoseconds that never go back.
         """
         self.name = name
-        self._reading: CaptureReading | SerialReading | None = None
+        self._decoder: CaptureDecoder | SerialDecoder | None = None
         self._ports = ports
         self._stream = stream
         self._clock = clock
@@ -124,14 +124,14 @@ class LivePackets:
         self._tracker = SignalTracker(streams=any(column.way is not None for column in wanted.values()))
         packets, read_at = 0, self._clock()
         try:
-            self._reading = reading = self._opened()
-            for found in reading.pieces():
+            self._decoder = decoder = self._opened()
+            for found in decoder.pieces():
                 now = self._clock()
                 self._tracker.push(found)
-                if reading.packets > packets:
-                    packets, read_at = reading.packets, now
+                if decoder.packets > packets:
+                    packets, read_at = decoder.packets, now
                 elif self._start is not None:
-                    self._tracker.wait(reading.time + now - read_at - LATENESS)
+                    self._tracker.wait(decoder.time + now - read_at - LATENESS)
                 block = self._tracker.take()
                 waited = self._tracker.latest
                 if self._start is None and len(block.times):
@@ -141,21 +141,21 @@ class LivePackets:
                 if waited >= self._looked + GONE:
                     self._looked = waited
                     self._tracker.forget_gone()
-            if self._start is None and isinstance(reading, SerialReading):
+            if self._start is None and isinstance(decoder, SerialDecoder):
                 raise CaptureError("this is neither a pcap nor a pcapng capture, nor has it a message of a serial line")
         except (CaptureError, TooManyUnread) as error:
             raise UsageError(f"{self.name}: {error}") from None
         finally:
             self._stream.close()
 
-    def _opened(self) -> CaptureReading | SerialReading:
+    def _opened(self) -> CaptureDecoder | SerialDecoder:
         """The reader of the stream. A stream that does not begin as a capture holds the bytes of a serial line, and so
         does a capture with a link of the user."""
         stream = Peeked(cast("BinaryIO", self._stream), PCAP_HEADER)
         octets = cast("BinaryIO", stream)
         if is_capture(stream.begin) and (self._ports or link_of_pcap(stream.begin) not in USER_LINKS):
-            return CaptureReading(octets, self._ports)
-        return SerialReading(octets, damaged=False, clock=self._clock)
+            return CaptureDecoder(octets, self._ports)
+        return SerialDecoder(octets, damaged=False, clock=self._clock)
 
     def packets(self, times: Ticks) -> Ticks:
         """The numbers of the packets at these times in nanoseconds since the first message; 0 where there is none, or
@@ -202,8 +202,8 @@ class LivePackets:
         return column.client == f"client_{side.owner.key or client.port}" and column.port in (None, agent.port)
 
     def _endpoint(self, number: int) -> Endpoint:
-        assert self._reading is not None
-        return self._reading.endpoints[number]
+        assert self._decoder is not None
+        return self._decoder.endpoints[number]
 
 
 def _longer(values: Values, more: Values) -> Values:

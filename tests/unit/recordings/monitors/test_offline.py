@@ -314,7 +314,7 @@ def test_a_trace_is_read_for_explanations_when_they_are_asked_for(
         asked.append(len(nodes))
         return truth_signals(program, trace, nodes)
 
-    monkeypatch.setattr("tachk.recordings.monitors.reading.truth_signals", counted_signals)
+    monkeypatch.setattr("tachk.recordings.monitors.trace_semantics.truth_signals", counted_signals)
     verdict = tachk.monitor(formula, {"time": [0, 1, 3], "x": [0, 7.5, 3], "y": [1, 5, 2]})[0]
     assert not asked
     found = verdict.finding

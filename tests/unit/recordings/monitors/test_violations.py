@@ -18,8 +18,8 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.offline import verdict_on
-from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord
+from tachk.recordings.monitors.trace_semantics import HeldValues
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.violations import TriggerCounts

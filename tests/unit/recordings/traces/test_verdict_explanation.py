@@ -14,8 +14,8 @@ from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.compiler import ticks_needed
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.offline import verdict_on
-from tachk.recordings.monitors.reading import HeldValues
 from tachk.recordings.monitors.record import MonitorRecord
+from tachk.recordings.monitors.trace_semantics import HeldValues
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.recordings.traces.node_signal import NodeSignal, Truth

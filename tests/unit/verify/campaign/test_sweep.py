@@ -253,10 +253,10 @@ def _cells(store: Path) -> dict[str, float]:
     return found
 
 
-@pytest.mark.parametrize("attempts", [1, 2])
-def test_process_that_is_killed(attempts: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("tries", [1, 2])
+def test_process_that_is_killed(tries: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its cell is tried again, or else unknown; the others are computed."""
-    monkeypatch.setattr("tachk.verify.campaign.local.ATTEMPTS", attempts)
+    monkeypatch.setattr("tachk.verify.campaign.local.TRIES", tries)
 
     def kill(now: Progress) -> None:
         """The first cell is finished, the process is at the second, which takes a while."""
@@ -266,7 +266,7 @@ def test_process_that_is_killed(attempts: int, monkeypatch: pytest.MonkeyPatch) 
             os.kill(process.pid, signal.SIGKILL)
 
     found = tachk.load(FISCHER).sweep(over="N=2,8,3", property="mutual_exclusion", processes=1, progress=kill)
-    killed = ["", KILLED, ""] if attempts == 1 else ["", "", ""]
+    killed = ["", KILLED, ""] if tries == 1 else ["", "", ""]
     assert [row["reason"] for row in found.rows] == killed
 
 

@@ -16,7 +16,7 @@ def not_installed(what: str, library: str, extra: str) -> UsageError:
 
 
 @contextmanager
-def reading(path: Path, what: str) -> Iterator[None]:
+def library_errors(path: Path, what: str) -> Iterator[None]:
     """Turns what a library raises about a damaged file, which can be anything, into a UsageError."""
     if not path.exists():
         raise UsageError(f"there is no file {path}")

@@ -17,7 +17,7 @@ import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving
-from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.foreign import library_errors, not_installed
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.messages import MOST_ELEMENTS
 from tachk.recordings.traces.trace import Trace, TraceSource
@@ -62,7 +62,7 @@ class Hdf5Table:
         for name in wanted:
             if name not in self.places:
                 raise no_such_column(name, self.columns, self.name)
-        with _reading(Path(self.name)) as file:
+        with _opened_file(Path(self.name)) as file:
             cells = [_values(file, place) for place in (self.time, *(self.places[name] for name in wanted))]
         header = TraceHeader(("time", *wanted), 0, self.unit)
         return TableRecording(self.name, header, cells).read(wanted if columns is None else columns)
@@ -76,7 +76,7 @@ class Hdf5Table:
         import h5py
 
         found: dict[str, Mapping[str, int]] = {}
-        with _reading(Path(self.name)) as file:
+        with _opened_file(Path(self.name)) as file:
             for name, place in self.places.items():
                 if name not in columns:
                     continue
@@ -93,7 +93,7 @@ def open_hdf5(path: Path, time: str | None, unit: str | None) -> TraceSource:
         import h5py  # noqa: F401
     except ModuleNotFoundError:
         raise not_installed("HDF5 files", "h5py", "hdf5") from None
-    with _reading(path) as file:
+    with _opened_file(path) as file:
         tables = list(_tables(file, "", None, time, unit, str(path)))
     if not tables:
         names = f"called {time!r}" if time else f"called {', '.join(TIME_NAMES[:-1])} or {TIME_NAMES[-1]}"
@@ -105,10 +105,10 @@ def open_hdf5(path: Path, time: str | None, unit: str | None) -> TraceSource:
 
 
 @contextmanager
-def _reading(path: Path) -> Iterator[Any]:
+def _opened_file(path: Path) -> Iterator[Any]:
     import h5py
 
-    with reading(path, "HDF5 file"), h5py.File(path, "r") as file:
+    with library_errors(path, "HDF5 file"), h5py.File(path, "r") as file:
         yield file
 
 

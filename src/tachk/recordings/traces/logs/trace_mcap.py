@@ -17,7 +17,7 @@ from typing import IO, Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.recordings.traces.compressed import is_compressed, open_bytes
-from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.foreign import library_errors, not_installed
 from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
 from tachk.recordings.traces.logs.trace_rosbag import constants_of, enumerations_of
 from tachk.recordings.traces.trace import cut_off_warning
@@ -166,7 +166,7 @@ class McapMessages(WithSummary[dict[str, bool]]):
     def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         for schema, channel, message in self._messages(list(topics)):
             time = message.publish_time if self.published else message.log_time
-            with reading(self.path, "MCAP file"):
+            with library_errors(self.path, "MCAP file"):
                 content = self._decoder(channel, schema)(message.data)
             yield channel.topic, time, content
 
@@ -186,7 +186,7 @@ class McapMessages(WithSummary[dict[str, bool]]):
     def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
         found: dict[str, Mapping[str, int | float | str]] = {}
         for topic, (encoding, schema) in self._types.items():
-            with reading(self.path, "MCAP file"):
+            with library_errors(self.path, "MCAP file"):
                 if (encoding, schema.encoding) in _ROS:
                     found[topic] = constants_of(*_typestore(schema))
                 elif (encoding, schema.encoding) == _PROTOBUF:
@@ -197,7 +197,7 @@ class McapMessages(WithSummary[dict[str, bool]]):
         found: dict[str, Enumerations] = {}
         for topic, (encoding, schema) in self._types.items():
             if topic in topics and (encoding, schema.encoding) in _ROS:
-                with reading(self.path, "MCAP file"):
+                with library_errors(self.path, "MCAP file"):
                     found[topic] = enumerations_of(*_typestore(schema))
         return found
 
@@ -238,7 +238,7 @@ class McapMessages(WithSummary[dict[str, bool]]):
     @contextmanager
     def _opened(self) -> Iterator[IO[bytes]]:
         with (
-            reading(self.path, "MCAP file"),
+            library_errors(self.path, "MCAP file"),
             BytesIO(self._content) if is_compressed(self.path) else _Careful(FileIO(self.path)) as stream,
         ):
             try:

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.traces.arrivals import arriving
-from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.foreign import library_errors, not_installed
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.trace_hdf5 import plain_texts
 from tachk.recordings.traces.trace import Trace, TraceSource
@@ -50,7 +50,7 @@ class MdfRecording:
         parts = (part for parts in arrivals.values() for part in parts)
         wanted = tuple(dict.fromkeys((*(name for name in names if name not in arrivals), *parts)))
         tables: list[TraceSource] = []
-        with _reading(Path(self.name)) as file:
+        with _opened_file(Path(self.name)) as file:
             for name in wanted:
                 group, number = self.channels[name]
                 signal = file.get(group=group, index=number)
@@ -83,7 +83,7 @@ def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
         raise not_installed("MDF files", "asammdf", "mdf") from None
     agreed_unit("s", unit, str(path))
     channels: dict[str, tuple[int, int]] = {}
-    with _reading(path) as file:
+    with _opened_file(path) as file:
         for number, group in enumerate(file.groups):
             for index, channel in enumerate(group.channels):
                 if index != file.masters_db.get(number):
@@ -96,8 +96,8 @@ def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
 
 
 @contextmanager
-def _reading(path: Path) -> Iterator[Any]:
-    with reading(path, "MDF file"), _opened(path) as file:
+def _opened_file(path: Path) -> Iterator[Any]:
+    with library_errors(path, "MDF file"), _opened(path) as file:
         _check_places(file, path)
         yield file
 

@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from tachk.recordings.traces.logs.foreign import not_installed, reading
+from tachk.recordings.traces.logs.foreign import library_errors, not_installed
 from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
 from tachk.recordings.traces.trace_header import agreed_unit
 
@@ -21,16 +21,16 @@ class BagMessages(WithSummary[Collection[str]]):
     path: Path
 
     def _read_summary(self) -> tuple[Collection[str], int | None]:
-        with self._reading() as reader:
+        with self._opened_file() as reader:
             return tuple(reader.topics), reader.end_time - 1 if reader.message_count else None
 
     def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
-        with self._reading() as reader:
+        with self._opened_file() as reader:
             for connection, time, raw in reader.messages([each for each in reader.connections if each.topic in topics]):
                 yield connection.topic, time, reader.deserialize(raw, connection.msgtype)
 
     def samples(self) -> Iterator[tuple[str, Any]]:
-        with self._reading() as reader:
+        with self._opened_file() as reader:
             for connection in list(reader.connections):
                 for _, _, raw in islice(reader.messages([connection]), SAMPLES):
                     yield connection.topic, reader.deserialize(raw, connection.msgtype)
@@ -40,21 +40,21 @@ class BagMessages(WithSummary[Collection[str]]):
         return ()
 
     def constants(self) -> Mapping[str, Mapping[str, int | float | str]]:
-        with self._reading() as reader:
+        with self._opened_file() as reader:
             return {each.topic: constants_of(reader.typestore, each.msgtype) for each in reader.connections}
 
     def enumerations(self, topics: Collection[str]) -> Mapping[str, Enumerations]:
-        with self._reading() as reader:
+        with self._opened_file() as reader:
             connections = [each for each in reader.connections if each.topic in topics]
             return {each.topic: enumerations_of(reader.typestore, each.msgtype) for each in connections}
 
     @contextmanager
-    def _reading(self) -> Iterator[Any]:
+    def _opened_file(self) -> Iterator[Any]:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
         with (
-            reading(self.path, "ROS bag"),
+            library_errors(self.path, "ROS bag"),
             AnyReader([self.path], default_typestore=get_typestore(Stores.LATEST)) as reader,
         ):
             yield reader

@@ -9,7 +9,7 @@ from tachk.api import model as api
 from tachk.base.span import Source
 from tachk.formats.catalogue import export_model
 from tachk.formats.loading.load import load_model
-from tachk.frontend.loaded import other_readings_of
+from tachk.frontend.loaded import other_interpretations_of
 from tachk.report.verifyta_report import run_to_verifyta
 
 MODEL = """\
@@ -40,7 +40,7 @@ def test_the_readings_are_the_places_that_default_can_have() -> None:
         assert [v.answer for v in found] == answers[0]
         for at, verdict in enumerate(found):
             assert bool(verdict.assumption) == (len({a[at].value for a in answers}) > 1)
-    readings = [(place, loaded.network) for place, loaded in other_readings_of(model().loaded)]
+    readings = [(place, loaded.network) for place, loaded in other_interpretations_of(model().loaded)]
     assert [place for place, _ in readings] == [
         "as high as a",
         "between a and b",

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-from tachk.syntax.sentences.readings import Candidate, exact_phrases
+from tachk.syntax.sentences.parses import Candidate, exact_phrases
 from tachk.syntax.sentences.tables import Phrase, phrases
 from tachk.syntax.sentences.text import Piece
 
@@ -79,7 +79,7 @@ _WORDINGS = {
 }
 
 
-def near_phrases(pieces: Sequence[Piece]) -> list[list[Candidate]]:
+def similar_phrases(pieces: Sequence[Piece]) -> list[list[Candidate]]:
     """For each place the phrases that stand there, and those that something like it stands for."""
     words = [piece.text.lower() if piece.kind == "word" or piece.text == "-" else "" for piece in pieces]
     candidates = exact_phrases(pieces)

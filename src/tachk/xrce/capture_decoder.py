@@ -11,7 +11,7 @@ from tachk.xrce.packets import CaptureError, read_packets
 from tachk.xrce.submessages import Submessages, submessages
 
 
-class CaptureReading:
+class CaptureDecoder:
     """Attributes:
     packets: how many have been read.
     time: of the last one, in nanoseconds since the epoch.

@@ -1,4 +1,4 @@
-"""The two ways of reading a trace: values are held between rows, or numbers move in straight lines."""
+"""The two semantics of a trace: values are held between rows, or numbers move in straight lines."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class Lines:
         )
 
 
-def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> TraceSemantics:
+def semantics_of(trace: Trace, programs: Iterable[MonitorProgram]) -> TraceSemantics:
     """The semantics that a trace asks for. Raises UsageError if it is too long for lines."""
     if trace.interpolation is Interpolation.LINEAR:
         return Lines(parts_of_tick(programs, trace))

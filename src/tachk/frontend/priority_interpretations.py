@@ -2,7 +2,7 @@
 
 UPPAAL's manual gives internal edges and all channels that are not listed the priority `default`, and does not say where
 that is if the declaration does not. It may be below all groups, as high as one of them, between two of them, or above
-all: each place is a reading of the model, and what all readings agree in holds whichever is meant.
+all: each place is an interpretation of the model, and what all interpretations agree in holds whichever is meant.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expressions
 
 FIRST = "below all others"
-"""The reading that is taken where only one can be: what is not listed comes last."""
+"""The interpretation that is taken where only one can be: what is not listed comes last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class PriorityInterpretation:
     items: tuple[ast.Item, ...]
 
 
-def other_readings(items: Sequence[ast.Item]) -> Iterator[PriorityInterpretation]:
-    """All readings but `FIRST`, from the lowest place to the highest; none where the declaration says its own."""
+def other_interpretations(items: Sequence[ast.Item]) -> Iterator[PriorityInterpretation]:
+    """All interpretations but `FIRST`, lowest place first; none where the declaration has a `default` of its own."""
     nodes = [item for item in items if isinstance(item, ast.ChannelPriorityDeclaration)]
     if len(nodes) != 1 or says_default(nodes[0]):
         return

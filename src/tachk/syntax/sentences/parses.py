@@ -2,7 +2,7 @@
 
 A sentence is a row of phrases with conditions and durations between them. Where a condition ends is not known in
 advance, since it may contain any word; so all ways to cut the text are followed at once through the tables of the
-grammar. They form a graph of (place in the text, state of the parser) whose paths are the readings. Phrases may also be
+grammar. They form a graph of (place in the text, state of the parser) whose paths are the parses. Phrases may also be
 taken for what resembles them, at a cost; the cheapest path then tells what was meant.
 """
 
@@ -77,11 +77,11 @@ def exact_phrases(pieces: Sequence[Piece]) -> list[list[Candidate]]:
     ]
 
 
-class Readings:
-    """The readings of a text with given candidates for phrases.
+class SentenceParses:
+    """The parses of a text with given candidates for phrases.
 
     Attributes:
-        furthest: the first piece that no reading gets past by means of a phrase, and the terminals expected there.
+        furthest: the first piece that no parse gets past by means of a phrase, and the terminals expected there.
     """
 
     def __init__(self, span: Span, pieces: Sequence[Piece], candidates: list[list[Candidate]], lenient: bool) -> None:
@@ -103,7 +103,7 @@ class Readings:
         self._remaining = self._costs_to_the_end()
 
     def __iter__(self) -> Iterator[SentenceParse]:
-        """The readings, cheapest first."""
+        """The parses, cheapest first."""
         remaining = self._remaining
         if self._start not in remaining:
             return
@@ -114,7 +114,7 @@ class Readings:
         while heap:
             _, _, cost, node, path = heappop(heap)
             if node[0] < 0:
-                yield self._reading(path)
+                yield self._parse_along(path)
                 continue
             for step in self._steps[node]:
                 if step.target in remaining:
@@ -217,7 +217,7 @@ class Readings:
                     heappush(heap, (cost + more, source))
         return costs
 
-    def _reading(self, path: _Path | None) -> SentenceParse:
+    def _parse_along(self, path: _Path | None) -> SentenceParse:
         steps: list[_Step] = []
         while path is not None:
             path, step = path
