@@ -103,6 +103,35 @@ def test_what_has_been_explored_is_not_united() -> None:
     assert together.statistics.states_explored == apart.statistics.states_explored == 7
 
 
+STOPPED = """
+clock x, y, z;
+int n;
+chan c;
+process P() {
+    init location a { to b; }
+    location b { to d { assign z = x; } }
+    location d { to a { sync c?; assign y = z; } }
+}
+process Q() {
+    init location a { to b { sync c!; } }
+    location b { invariant x' == 0; to d { guard x < 1; assign n = (n + 1) % 3; } }
+    location d { to a { assign z = 0; } }
+}
+system P, Q;
+"""
+"""Zones are larger than what is reachable where x stands still, those of a union more than those of its parts."""
+
+
+def test_where_clocks_stop_nothing_is_united() -> None:
+    """No part of a united state led to the goal that it led to itself."""
+    found = [
+        verdict(tachk.loads(STOPPED), "E<> Q.d && z - y >= 2 && z < n + 1", options(merging))
+        for merging in (True, False)
+    ]
+    assert [each.answer.value for each in found] == ["fails", "fails"]
+    assert len({each.statistics.states_stored for each in found}) == 1
+
+
 GOAL_NEARBY = """
 clock x, y;
 int n = 0;
