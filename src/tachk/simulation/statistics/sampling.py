@@ -216,7 +216,7 @@ def reach_of(bound: RunBound, network: Network, program: Program) -> Reach:
 
 def clock_number(clock: Expression, network: Network, program: Program) -> int:
     """The number of a clock that an expression names. Raises UsageError where that depends on the state."""
-    name = _place_name(clock, network)
+    name = place_name(clock, network)
     if name not in program.clock_names:
         raise UsageError(
             f"{clock.span.text} is not the name of one clock", "differences and sums of clocks are not measured"
@@ -224,15 +224,16 @@ def clock_number(clock: Expression, network: Network, program: Program) -> int:
     return program.clock_names.index(name) + 1
 
 
-def _place_name(place: Expression, network: Network) -> str | None:
+def place_name(place: Expression, network: Network) -> str | None:
+    """The name of a place as a program has it; None where it depends on the state."""
     match place:
         case Reference(variable):
             return variable.name
         case Index(base, index):
-            inner, value = _place_name(base, network), fold(index, known_values(network, []))
+            inner, value = place_name(base, network), fold(index, known_values(network, []))
             return f"{inner}[{value.value}]" if inner is not None and isinstance(value, Constant) else None
         case Field(base, name):
-            inner = _place_name(base, network)
+            inner = place_name(base, network)
             return None if inner is None else f"{inner}.{name}"
         case _:
             return None

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.job import check_job
+from tachk.base.operators import BinaryOperator
 from tachk.engine.compiler.program import Program
 from tachk.engine.simulation.simulator import (
     LATEST_TICK,
@@ -21,7 +22,8 @@ from tachk.engine.simulation.simulator import (
     SimulationOptions,
 )
 from tachk.engine.simulation.trials import TrialAnswer
-from tachk.model.expressions import Constant, Expression
+from tachk.model.connectives import any_of, both
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.statistical import Path, RunBound, Scale
@@ -29,7 +31,14 @@ from tachk.model.statistical import Trajectories as TrajectoriesQuery
 from tachk.model.types import ClockType
 from tachk.simulation.columns import Column
 from tachk.simulation.runs import Runs
-from tachk.simulation.statistics.sampling import RunSource, SampledRuns, clock_number, path_sampler, reach_of
+from tachk.simulation.statistics.sampling import (
+    RunSource,
+    SampledRuns,
+    clock_number,
+    path_sampler,
+    place_name,
+    reach_of,
+)
 
 Floats = NDArray[np.float64]
 _BATCH = 4096
@@ -82,9 +91,10 @@ def trajectories(
     network: Network, question: TrajectoriesQuery, source: RunSource, numbers: Sequence[int]
 ) -> tuple[Trajectory, ...]:
     """The runs of these numbers. Raises UnsupportedError for what is not simulated."""
-    discrete = [value for value in question.values if not isinstance(value.type, ClockType)]
-    runs = Runs(network, [Column(value.span.text, value) for value in discrete])
-    recorded = RecordedChanges(observed=True, clocks=len(discrete) < len(question.values))
+    clocks = any(isinstance(value.type, ClockType) for value in question.values)
+    observed = [_standing(network, v) if isinstance(v.type, ClockType) else v for v in question.values]
+    runs = Runs(network, [Column(v.span.text, seen) for v, seen in zip(question.values, observed, strict=True)])
+    recorded = RecordedChanges(observed=True, clocks=clocks)
     return tuple(
         Trajectory(
             run.number,
@@ -130,24 +140,35 @@ def _end(network: Network, question: TrajectoriesQuery, source: RunSource) -> Ho
     return Horizon(int(sampler.draw(1).ends[0]), sampler.sample.ticks_per_unit)
 
 
+def _standing(network: Network, clock: Expression) -> Expression:
+    """The condition that a clock stands still."""
+    name = place_name(clock, network)
+    return any_of(
+        [
+            both(LocationTest(number, place), Binary(BinaryOperator.EQUAL, rate, Constant(0), BOOL))
+            for number, process in enumerate(network.processes)
+            for place, location in enumerate(process.locations)
+            for stopped, rate in location.rates
+            if place_name(stopped, network) == name
+        ]
+        or [Constant(0, BOOL)]
+    )
+
+
 def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, program: Program) -> list[Polyline]:
     if not len(run.times):
         return [Polyline(value.span.text, np.empty(0), np.empty(0)) for value in values]
     lines = []
-    column = 0
     ends = np.append(run.times[1:], run.end)
-    for value in values:
+    for column, value in enumerate(values):
         check_job(_BYTES_A_STATE * len(ends))
+        cells = np.ascontiguousarray(run.observed[:, column])
         if isinstance(value.type, ClockType):
             begins = run.clocks[:, clock_number(value, network, program) - 1]
-            runs_on = ends - run.times
-            if program.has_stopwatches:
-                runs_on = np.where(np.append(begins[1:], begins[-1]) == begins, 0, runs_on)
+            runs_on = np.where(cells != 0, 0, ends - run.times)
             first, last = begins / run.ticks_per_unit, (begins + runs_on) / run.ticks_per_unit
         else:
-            cells = np.ascontiguousarray(run.observed[:, column])
             first = last = cells.view(np.float64) if value.type == DOUBLE else cells.astype(np.float64)
-            column += 1
         times = np.column_stack((run.times, ends)).reshape(-1) / run.ticks_per_unit
         lines.append(_settled(value.span.text, times, np.column_stack((first, last)).reshape(-1)))
     return lines

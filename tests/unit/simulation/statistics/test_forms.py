@@ -156,6 +156,27 @@ def test_copies_beside_stopwatches() -> None:
     assert answers == ["holds", "fails"]
 
 
+def test_clocks_are_drawn_flat_only_where_they_stand_still() -> None:
+    """Also where a clock has the same value before and behind a transition, because it was set or has just begun."""
+    text = """
+    clock x, s, many[2];
+    int[0, 1] n;
+    process A() {
+        init location a { invariant x <= 2 && s' == 0 && many[1]' == 0; to b { guard x >= 2; assign x = 0, n = 1; } }
+        location b { invariant x <= 2; to c { guard x >= 2; assign x = 0; } }
+        location c { invariant x <= 2 && many[1]' == 0; to c { guard x >= 2; assign x = 0; } }
+    }
+    system A;
+    """
+    (drawn,) = tachk.loads(text).estimate("simulate [<=7; 1] {x, s, many[1], n}")
+    assert isinstance(drawn, DrawnRuns)
+    x, s, many, n = ([*zip(line.times.round(6), line.values.round(6), strict=True)] for line in drawn.runs[0].lines)
+    assert x == [(0, 0), (2, 2), (2, 0), (4, 2), (4, 0), (6, 2), (6, 0), (7, 1)]
+    assert (s[0], s[-1]) == ((0, 0), (7, 5)) and (2, 0) in s
+    assert (many[0], many[-1]) == ((0, 0), (7, 2)) and (4, 2) in many
+    assert (n[0], n[-1]) == ((0, 0), (7, 1))
+
+
 def test_clock_guards_over_urgent_channels() -> None:
     text = """
     clock x, y; urgent chan go; int[0, 1] done;
