@@ -18,6 +18,7 @@ from dataclasses import replace
 from functools import partial, reduce
 from itertools import chain, islice
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.clock_constants import ClockConstants, clock_constants
@@ -32,7 +33,7 @@ from tachk.model.run import DiscreteState, Transition
 from tachk.transform.extension import with_clock
 
 MOST_STEPS = 20_000
-"""Transitions that are followed in search of a loop."""
+"""Transitions that are followed in search of a loop, once for each zone."""
 
 MOST_GUESSES = 200
 """Loops that are tried although the path has not come back to the same zones: a longer path will."""
@@ -168,7 +169,8 @@ class _PathWalk:
         return [reduce(dbm.free, self.unread, wide) for zone in zones for wide in widen(self.constants, zone)]
 
     def _after(self, state: _ReachedZone, transition: Transition) -> _ReachedZone | None:
-        self.steps += 1
+        check_job()
+        self.steps += len(state.zones)
         if self.steps > MOST_STEPS:
             raise _OutOfSteps
         move = next((move for move in state.here.moves if move.transition == transition), None)
@@ -178,7 +180,7 @@ class _PathWalk:
         if move.target not in self.situations:
             self.situations[move.target] = symbolic.situation(self.model, move.target)
         there = self.situations[move.target]
-        return _ReachedZone(there, symbolic.elapse(there, fired), move)
+        return _ReachedZone(there, dbm.without_covered(symbolic.elapse(there, fired)), move)
 
 
 def _last_reset(reached: Sequence[_ReachedZone], clock: int) -> int:

@@ -99,7 +99,7 @@ def recurring(
         kept = symbolic.intersections(here, back)
         if not dbm.subtract_all(here, kept):
             break
-        here = _without_covered(kept)
+        here = dbm.without_covered(kept)
     return here
 
 
@@ -110,12 +110,4 @@ def _before(here: Situation, transition: Transition, after: Federation, goal: Fe
         return []
     landing = [z for z in (dbm.undo_assign(zone, move.resets) for zone in after) if z is not None]
     firing = dbm.subtract_all(symbolic.intersections(move.domain, landing), [*move.blockers, *goal])
-    return _without_covered(reaching_before(here, firing, goal))
-
-
-def _without_covered(zones: Federation) -> Federation:
-    kept: Federation = []
-    for zone in zones:
-        if not any(dbm.includes(other, zone) for other in kept):
-            kept = [other for other in kept if not dbm.includes(zone, other)] + [zone]
-    return kept
+    return dbm.without_covered(reaching_before(here, firing, goal))

@@ -271,6 +271,15 @@ def subtract_all(federation: Iterable[Zone], removed: Iterable[Zone]) -> Federat
     return rest
 
 
+def without_covered(federation: Iterable[Zone]) -> Federation:
+    """The same valuations in no zones that another one includes."""
+    kept: Federation = []
+    for zone in federation:
+        if not any(includes(other, zone) for other in kept):
+            kept = [other for other in kept if not includes(zone, other)] + [zone]
+    return kept
+
+
 def contains(zone: Zone, clocks: Sequence[Fraction]) -> bool:
     """Whether a point, given without clock 0, lies in the zone."""
     point = (Fraction(0), *clocks)

@@ -67,3 +67,17 @@ def test_what_remains_of_the_valuations_must_go_on_as_the_path_does() -> None:
 
 def test_what_cannot_be_taken_proves_nothing() -> None:
     assert not grows(2, Transition((Participant(0, 1), Participant(0, 1))))
+
+
+URGENT = """
+urgent chan go;
+process P() { clock x; init location A { to A { sync go!; } } }
+process Takes(int[0, 2] number) { init location A { to A { sync go?; } } }
+system P, Takes;
+"""
+
+
+def test_the_same_valuations_are_kept_once_where_several_synchronisations_are_urgent() -> None:
+    """Each of the three gives the zone behind a step once more."""
+    steps = 60 * (Transition((Participant(0, 0), Participant(1, 0))),)
+    assert not grows(0, *steps, text=URGENT)
