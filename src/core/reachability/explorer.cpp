@@ -25,8 +25,8 @@ Options consistent(Options options, const Limits& limits, const Program& program
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // An action that is taken first makes paths longer.
   if (options.shortest || limits.depth != UINT32_MAX || !program.interchangeable.empty()) options.partial_order = false;
-  // A path to a united state has not been stored, and is made only for goals. Where clocks stop, a united state may lead
-  // to more than its parts, and so to a goal that none of them leads to.
+  // A path to a united state has not been stored, and is made only for goals. Where clocks stop, a united state may
+  // lead to more than its parts, and so to a goal that none of them leads to.
   if (options.shortest || limits.depth != UINT32_MAX || options.partial_order || !program.measures.empty() ||
       !options.subsumption || program.has_stopwatches)
     options.merging = false;

@@ -79,5 +79,5 @@ system P, Takes;
 
 def test_the_same_valuations_are_kept_once_where_several_synchronisations_are_urgent() -> None:
     """Each of the three gives the zone behind a step once more."""
-    steps = 60 * (Transition((Participant(0, 0), Participant(1, 0))),)
+    steps = 16 * (Transition((Participant(0, 0), Participant(1, 0))),)
     assert not grows(0, *steps, text=URGENT)
