@@ -10,6 +10,7 @@ import pytest
 
 import tachk
 from tachk.base.resources import data_root
+from tests.support.seeds import some
 
 ROOT = Path(__file__).parents[2]
 MODELS = data_root() / "models"
@@ -40,7 +41,10 @@ def named_in_documents() -> list[str]:
     return found + [f"classics/{row.split('`')[1]} {options}" for row in table for options in OPTION.findall(row)]
 
 
-@pytest.mark.parametrize("setting", sorted({*tried_in_models(), *named_in_documents()}))
+SETTINGS = sorted({*tried_in_models(), *named_in_documents()})
+
+
+@pytest.mark.parametrize("setting", some(SETTINGS, len(SETTINGS) // 3))
 def test_a_setting_is_as_the_model_expects(setting: str) -> None:
     model, *words = shlex.split(setting)
     options = list(zip(words[::2], words[1::2], strict=True))

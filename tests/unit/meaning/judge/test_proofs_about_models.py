@@ -53,7 +53,7 @@ XRCE: list[tuple[str, dict[str, int], int]] = [
 ]
 
 
-@pytest.mark.parametrize(("model", "constants", "least"), XRCE)
+@pytest.mark.parametrize(("model", "constants", "least"), some(XRCE, 4))
 def test_proofs_about_the_protocol_are_accepted(model: str, constants: dict[str, int], least: int) -> None:
     loaded = tachk.load(MODELS / "micro_xrce_dds" / model, **constants)
     provable = [v.query for v in loaded.verify(trace=False) if is_provable(v)]
