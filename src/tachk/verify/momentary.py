@@ -5,8 +5,8 @@ always be true may lapse for no time, and a property may hold because of that. T
 happens is a question of reachability about a network in which each edge that begins a transition notes whether the
 condition was false when the chain began and has been true since. It is no part of the property: where it takes more
 states than it may, the verdict says that it is not known. Invariants and urgent channels that stop time are not looked
-at. What is so where a run ends in a committed or urgent location does not last either: a formula without deadline
-counts it, every other one gets a note.
+at. What is so where a run ends in a committed or urgent location, or takes steps for ever in such ones, does not last
+either: a formula without deadline counts it, every other one gets a note.
 """
 
 from __future__ import annotations
@@ -43,6 +43,9 @@ from tachk.verify.verdict import Answer, Verdict
 
 FEWEST_STATES = 20_000
 """So many states may be stored for a trigger, or as many as the property took."""
+
+_STATES_OF_LOOPS = 5_000
+"""So many may be stored for runs that take steps for ever while time stops: to look for cycles takes longer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +105,7 @@ def with_momentary_triggers(
     goals = {of: both(left, conditions[of]) for of, left in chains.items() if left and cannot_fail(conditions[of])}
     bounded = limits.of_states(max(FEWEST_STATES, stored))
     verdicts = _with_stuck_conditions(network, verdicts, limits.of_states(FEWEST_STATES), decide)
+    verdicts = _with_endless_conditions(network, stopped, verdicts, limits.of_states(_STATES_OF_LOOPS), decide)
     if not goals:
         return tuple(verdicts)
     # First whether it is so in a chain at all: that looks at fewer processes.
@@ -135,6 +139,71 @@ def _with_stuck_conditions(
         if found.answer is Answer.HOLDS
     }
     return [_noted(verdict, notes) if _needs_time(verdict) else verdict for verdict in verdicts]
+
+
+def _with_endless_conditions(
+    network: Network, stopped: Expression, verdicts: Sequence[Verdict], bounded: Limits, decide: Deciding
+) -> Sequence[Verdict]:
+    """The same for conditions that are so again and again while a run takes steps for ever in such locations."""
+    conditions: dict[_MomentaryCondition, Expression] = {}
+    for verdict in verdicts:
+        if _needs_time(verdict):
+            conditions |= _moments(verdict.query.observer)
+    if not conditions or not _may_go_on(network):
+        return verdicts
+    (anything,) = decide(network, [_left_again(0, stopped, None)], bounded)
+    if anything.answer is not Answer.FAILS:  # no run does that, as far as it is known
+        return verdicts
+    goals = {of: condition for of, condition in conditions.items() if cannot_fail(condition)}
+    queries = [_left_again(number, stopped, condition) for number, condition in enumerate(goals.values())]
+    where = _kinds_of_locations(network)
+    notes = {
+        of: f"{of.shown} is also {of.value} where runs take steps for ever in {where}; that does not count"
+        for of, verdict in zip(goals, decide(network, queries, bounded) if queries else (), strict=True)
+        if verdict.answer is Answer.FAILS
+    }
+    return [_noted(verdict, notes) if _needs_time(verdict) else verdict for verdict in verdicts]
+
+
+def _left_again(number: int, stopped: Expression, condition: Expression | None) -> Query:
+    """The query whether time passes again in every run without end that meets a condition again and again; conditions
+    of formulas are not about clocks."""
+    true, false = Constant(1, BOOL), Constant(0, BOOL)
+    met, leaves = (true if condition is None else condition), negation(stopped)
+    return Query(f"momentary {number}", QueryKind.LEADS_TO, stopped, (leaves,), again=(met,), ends=false)
+
+
+def _may_go_on(network: Network) -> bool:
+    """Whether some process has a cycle of edges that it may take while time stops: through one of its own locations
+    that stop it, or anywhere while another process is in an urgent location."""
+    urgent = {process for process, _ in _urgent_places(network)}
+    edges = [(process.locations[edge.source], edge) for process in network.processes for edge in process.edges]
+    joined = {channel for source, edge in edges if _stops_time(source) for channel in _channels(edge)}
+    for number, process in enumerate(network.processes):
+        free = bool(urgent - {number})
+        following: defaultdict[int, set[int]] = defaultdict(set)
+        for edge in process.edges:
+            stops = _stops_time(process.locations[edge.source])
+            if free or stops or not joined.isdisjoint(_channels(edge)):
+                following[edge.source].add(edge.target)
+        places = [place for place, location in enumerate(process.locations) if free or _stops_time(location)]
+        if any(place in _behind(following, place) for place in places):
+            return True
+    return False
+
+
+def _channels(edge: Edge) -> frozenset[Variable]:
+    return frozenset() if edge.synchronisation is None else frozenset(roots(edge.synchronisation.channel))
+
+
+def _behind(following: Mapping[int, set[int]], place: int) -> set[int]:
+    """What is reached from a place by a step or more."""
+    pending, seen = list(following.get(place, ())), set(following.get(place, ()))
+    while pending:
+        for after in following.get(pending.pop(), set()) - seen:
+            seen.add(after)
+            pending.append(after)
+    return seen
 
 
 def _needs_time(verdict: Verdict) -> bool:

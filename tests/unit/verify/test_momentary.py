@@ -266,3 +266,98 @@ def test_on_random_networks_runs_end_where_the_definition_says() -> None:
             assert (verdict.answer is Answer.HOLDS) == expected, f"seed {seed}"
             found[expected] += 1
     assert enough(found[True] > 3 and found[False] > 10), found
+
+
+LOOP = """
+int[0, 3] n;
+process P() {{
+    clock x;
+    state S, A, B;
+    commit A, B;
+    init S;
+    trans S -> A {{ guard x >= 1; assign x = 0; }}, {edges};
+}}
+process Q() {{ state Q0; init Q0; }}
+system P, Q;
+"""
+
+
+@pytest.mark.parametrize(
+    ("edges", "formula", "noted"),
+    [
+        ("A -> B { }, B -> A { }", "G !P.A", True),  # again and again
+        ("A -> B { }, B -> B { }", "G !P.A", False),  # once
+        ("A -> B { }, B -> A { }", "G P.S", True),
+        ("A -> A { }", "G !P.A", True),
+        ("A -> A { guard n < 3; assign n = n + 1; }, A -> S { }", "G !P.A", False),  # the loop ends
+        ("A -> A { assign n = 1 - n; }, A -> S { }", "G !P.A", True),
+        ("A -> A { assign n = 1 - n; }, A -> S { }", "G !(P.A && n == 0)", True),
+        ("A -> A { guard x >= 1; }, A -> S { }", "G !P.A", False),
+        ("A -> S { }, B -> B { }", "G !P.B", False),  # B is not reached
+        ("A -> B { }, B -> B { }", "G (P.B -> F[0, 5] P.S)", True),
+        ("A -> B { }, B -> B { }", "G (P.B -> F P.S)", False),  # fails: without a deadline it counts
+    ],
+)
+def test_what_is_so_while_a_run_takes_steps_for_ever(edges: str, formula: str, noted: bool) -> None:
+    (verdict,) = tachk.loads(LOOP.format(edges=edges)).verify(formula)
+    assert verdict.answer is (Answer.FAILS if "F P.S" in formula else Answer.HOLDS)
+    words = "where runs take steps for ever in committed locations; that does not count"
+    assert any(words in note for note in verdict.notes) is noted
+
+
+def met_for_ever(network: Network, condition: LocationTest, most: int = 4000) -> bool | None:
+    """By the reference semantics, as `visited`: whether the states in which a location stops time have a cycle through
+    one with the condition."""
+    model = prepare(network)
+    states = [initial_state(model)]
+    following: dict[object, list[object]] = {}
+    met: set[object] = set()
+
+    def key(state: TimedState) -> object:
+        return state.discrete, tuple(min(value, 5) for value in state.clocks)
+
+    while states:
+        state = states.pop()
+        if key(state) in following:
+            continue
+        if len(following) > most:
+            return None
+        after = [each for _, each in successors(model, state)]
+        stopped = any(location.committed or location.urgent for location in model.current(state.discrete))
+        following[key(state)] = [key(each) for each in after] if stopped else []
+        if stopped and satisfies(model, state, condition):
+            met.add(key(state))
+        if not stopped:
+            with suppress(StepError):
+                after.append(delay(model, state, Fraction(1, 2)))
+        states += after
+    return any(state in behind(following, state) for state in met)
+
+
+def behind(following: dict[object, list[object]], state: object) -> set[object]:
+    """What is reached by a step or more."""
+    pending, seen = list(following[state]), set(following[state])
+    while pending:
+        fresh = set(following.get(pending.pop(), ())) - seen
+        seen |= fresh
+        pending += fresh
+    return seen
+
+
+def test_on_random_networks_runs_go_on_where_the_definition_says() -> None:
+    found = {True: 0, False: 0}
+    for seed in seeds(range(100)):
+        random = Random(seed)
+        case = random_case(random, Shape(deadlocks=False, clocks=1, processes=2, locations=3, constant=3))
+        condition = LocationTest(0, random.randrange(len(case.network.processes[0].locations)))
+        stopped = momentary._somebody_stops_time(case.network)
+        if stopped is None:
+            continue
+        query = momentary._left_again(0, stopped, condition)
+        (verdict,) = _decided_plainly(case.network, [query], Limits(states=5000))
+        expected = met_for_ever(case.network, condition)
+        if expected is not None and verdict.answer is not Answer.UNKNOWN:
+            assert (verdict.answer is Answer.FAILS) == expected, f"seed {seed}"
+            assert momentary._may_go_on(case.network) or not expected, f"seed {seed}"
+            found[expected] += 1
+    assert enough(found[True] > 3 and found[False] > 10), found
