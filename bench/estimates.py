@@ -33,9 +33,9 @@ def coverage() -> None:
     for confidence in CONFIDENCES:
         for half_width in HALF_WIDTHS:
             rule = StoppingRule(confidence, half_width)
-            last = len(rule.looks) - 1
+            last = len(rule.analyses) - 1
             lower = rule.places(last)
-            place = {runs: look for look, runs in enumerate(rule.looks)}
+            place = {runs: analysis for analysis, runs in enumerate(rule.analyses)}
             intervals = [
                 rule.interval(place[int(runs)], int(hits)) for runs, hits in zip(lower.runs, lower.hits, strict=True)
             ]
@@ -44,11 +44,11 @@ def coverage() -> None:
             tried = np.unique(np.clip(np.concatenate((ends - 1e-9, ends + 1e-9)), 1e-12, 0.5))
             tried = tried[:: max(1, len(tried) // TRIED)]
             least = min(_coverage(lower, lows, highs, float(p)) for p in tried)
-            first = next(look for look in range(last + 1) if rule.stops(look, 0))
+            first = next(analysis for analysis in range(last + 1) if rule.stops(analysis, 0))
             widest = float((highs - lows).max()) / (2 * half_width)
             print(
-                f"{confidence:10}  {half_width:7}  {least:14.6f}  {widest:20.4f}  {rule.looks[first]:9}  "
-                f"{rule.looks[-1]:12}",
+                f"{confidence:10}  {half_width:7}  {least:14.6f}  {widest:20.4f}  {rule.analyses[first]:9}  "
+                f"{rule.analyses[-1]:12}",
                 flush=True,
             )
 

@@ -33,7 +33,7 @@ SHAPES = {
     "everything": Shape(diagonals=True, priorities=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2),
     "copies": Shape(copies=0.5),
-    "copies and others": Shape(copies=0.4, apart=0.3, exact=0.4, priorities=True, receivers=1, blockers=1),
+    "copies and others": Shape(copies=0.4, own_data=0.3, exact=0.4, priorities=True, receivers=1, blockers=1),
     "copies and diagonals": Shape(copies=0.4, advances=False, diagonals=True, constant=3),
     "copies that stop": Shape(copies=0.5, stopwatches=True, clocks=2),
     "copies that stop and diagonals": Shape(
@@ -41,7 +41,7 @@ SHAPES = {
     ),
 }
 
-APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False, clocks=1)
+APART = Shape(own_data=0.9, committed=False, urgent_channels=False, broadcast=False, clocks=1)
 """Processes that seldom meet, for searches over local times."""
 
 LONG_TIMES = {

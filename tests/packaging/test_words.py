@@ -46,6 +46,12 @@ REPLACED = {
     "station": "location",
     "outlook": "dependencies of a location",
     "reading": "interpretation, semantics, parse, decoder",
+    "refusal": "rejection, diagnostic",
+    "refused": "rejected, unsupported",
+    "claim": "assertion, condition, clause, submitted value",
+    "look": "analysis, inspection, poll",
+    "looked": "explored, sampled",
+    "apart": "separate, disjoint, decomposed",
     "attempt": "parse outcome, try, strategy of a portfolio",
 }
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
@@ -70,6 +76,8 @@ EXCEPTIONS = {
     "SketchNode": "a drawing of a template",
     "SketchEdge": "a drawing of a template",
     "listeners": "sockets, or processes behind a relay",
+    "refusal": "a field of the documented Python API and of documented JSON",
+    "refusals": "a field of the documented Python API",
     "asked_of_all": "a field of documented JSON",
     "Pace": "the type of a documented option",
     "pace": "a documented option, and the rate of a writer",

@@ -150,7 +150,7 @@ class Domain(Protocol[N, T, P]):
 
     def loop(self, condition: Callable[[], T], body: Callable[[], T], test_first: bool, span: Span) -> T: ...
 
-    def claim(self, truth: T, span: Span) -> None:
+    def check_assertion(self, truth: T, span: Span) -> None:
         """Checks an assertion: a run-time error where it is not true."""
 
 
@@ -396,7 +396,7 @@ def run(statement: Statement, result: Type, domain: Domain[N, T, P]) -> T:
             domain.give_back(given)
             return domain.values.any_of([])
         case Assert(condition):
-            domain.claim(truth(condition, domain), condition.span)
+            domain.check_assertion(truth(condition, domain), condition.span)
         case _ as never:
             assert_never(never)
     return domain.values.all_of([])

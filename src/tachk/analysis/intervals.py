@@ -286,7 +286,7 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
             body()
         return _UNKNOWN
 
-    def claim(self, truth: Interval, span: Span) -> None:
+    def check_assertion(self, truth: Interval, span: Span) -> None:
         self.can_fail()
 
 

@@ -35,8 +35,8 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
     except InputError as error:
         print_diagnostics(error.diagnostics)
         errors = [found for found in error.diagnostics if found.severity is Severity.ERROR]
-        refused = bool(errors) and all(found.is_unsupported for found in errors)
-        return ExitStatus.UNSUPPORTED if refused else ExitStatus.BAD_INPUT
+        unsupported = bool(errors) and all(found.is_unsupported for found in errors)
+        return ExitStatus.UNSUPPORTED if unsupported else ExitStatus.BAD_INPUT
     except UnsupportedError as error:
         print_diagnostics([error.diagnostic])
         return ExitStatus.UNSUPPORTED

@@ -16,7 +16,7 @@ from tachk.meaning.run_view import RunNames
 from tachk.model.quantity import duration
 from tachk.simulation.formulas import formulas_for
 from tachk.simulation.stepping.files import read_submitted
-from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.rejections import rejection_diagnostic
 from tachk.simulation.stepping.replaying import replay_submitted
 
 
@@ -40,7 +40,7 @@ def run_script(arguments: ScriptArguments) -> ExitStatus:
     names = RunNames(about.model.network)
     replayed = replay_submitted(names, submitted)
     if replayed.refusal is not None:
-        raise InputError([refusal_diagnostic(replayed.refusal)])
+        raise InputError([rejection_diagnostic(replayed.refusal)])
     formulas = formulas_for(arguments.formulas, about.model.network, about.constants)
     if arguments.output is not None:
         write_run(arguments.output, names, replayed.trace, arguments.record, formulas, arguments.model, about.constants)

@@ -20,7 +20,7 @@ from tachk.report.run.trace_text import change_lines, event_lines
 from tachk.simulation.stepping.enabled import EnabledTransition
 from tachk.simulation.stepping.files import constants_of, read_submitted
 from tachk.simulation.stepping.reasons import why_no_delay
-from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.rejections import rejection_diagnostic
 from tachk.simulation.stepping.run_file import SUFFIX, run_text
 from tachk.simulation.stepping.session import NotPossibleError, Session
 
@@ -192,9 +192,9 @@ class Stepper:
         if other:
             options = " ".join(f"-D {name}={value}" for name, value in other.items())
             raise NotUnderstoodError(f"{rest} is a run of another model; start with {options}")
-        session, refusal = self.session.loaded(submitted)
-        if refusal is not None:
-            yield f"not all of it is a run: {refusal_diagnostic(refusal).message}"
+        session, rejection = self.session.loaded(submitted)
+        if rejection is not None:
+            yield f"not all of it is a run: {rejection_diagnostic(rejection).message}"
         yield from self._moved(session.at(session.position))
 
     def _quit(self, rest: str) -> Iterator[str]:

@@ -50,7 +50,7 @@ from tachk.simulation.statistics.estimate import Settings
 from tachk.simulation.statistics.sampling import RunSource
 from tachk.syntax.source_files import read_source
 from tachk.verify.answering import agreed
-from tachk.verify.verdict import Answer, Verdict, refused
+from tachk.verify.verdict import Answer, Verdict, all_unsupported
 from tachk.verify.verify import verify
 
 Formula = Query | UncheckedQuery
@@ -97,7 +97,7 @@ def _check(options: VerifytaOptions) -> ExitStatus:
     def verdicts_on(numbered: Sequence[tuple[int, Formula]]) -> dict[int, Verdict]:
         checked = [(number, formula) for number, formula in numbered if isinstance(formula, Query)]
         queries = tuple(query for _, query in checked)
-        found = refused(queries, model.refusals[0]) if model.refusals else _verdicts(network, queries, options)
+        found = all_unsupported(queries, model.refusals[0]) if model.refusals else _verdicts(network, queries, options)
         others = []
         for place, interpretation in interpretations:
             meant = _formulas(interpretation, source)

@@ -36,7 +36,7 @@ class RunningSearch(Protocol):
     """A search of the core, whatever it looks for."""
 
     def run(
-        self, expansions: int, seconds: float | None = None, look: Callable[[], None] | None = None
+        self, expansions: int, seconds: float | None = None, poll: Callable[[], None] | None = None
     ) -> _core.Status: ...
     def statistics(self) -> tuple[int, int, int, int]: ...
 

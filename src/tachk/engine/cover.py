@@ -81,7 +81,7 @@ class _TwoSearches:
         self._most: float = math.inf
 
     def run(
-        self, expansions: int, seconds: float | None = None, look: Callable[[], None] | None = None
+        self, expansions: int, seconds: float | None = None, poll: Callable[[], None] | None = None
     ) -> _core.Status:
         """Explores so many states or some more, as far as there are any. FINISHED also if a goal is reached;
         then there is no cover."""
@@ -89,7 +89,7 @@ class _TwoSearches:
         for _ in range(expansions // _TURN + 1):
             for search in tuple(self._all):
                 left = None if end is None else max(end - time.perf_counter(), 0.0)
-                status = search.run(_TURN, left, look) if search in self._running else _core.Status.RUNNING
+                status = search.run(_TURN, left, poll) if search in self._running else _core.Status.RUNNING
                 if status is _core.Status.TIME_LIMIT:
                     return status
                 if status is not _core.Status.RUNNING and self._ends(search, status):

@@ -104,30 +104,30 @@ class BudgetedSearch:
 
     def __init__(self, search: RunningSearch, *, stored: int | None = None, explored: int | None = None) -> None:
         self._search, self._stored, self._left = search, stored, explored
-        self._to_look = 0
+        self._until_check = 0
 
     def run(
-        self, expansions: int, seconds: float | None = None, look: Callable[[], None] | None = None
+        self, expansions: int, seconds: float | None = None, poll: Callable[[], None] | None = None
     ) -> _core.Status:
         end = None if seconds is None else time.perf_counter() + seconds
         while expansions > 0:
             if self._left == 0 or self._is_full():
                 return _core.Status.STATE_LIMIT
-            step = min(self._to_look, expansions, *(() if self._left is None else (self._left,)))
-            status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0), look)
+            step = min(self._until_check, expansions, *(() if self._left is None else (self._left,)))
+            status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0), poll)
             if status is not _core.Status.RUNNING:
                 return status
             expansions -= step
-            self._to_look -= step
+            self._until_check -= step
             if self._left is not None:
                 self._left -= step
         return _core.Status.RUNNING
 
     def _is_full(self) -> bool:
         """Looked at after every so many states, however the search is divided into calls."""
-        if self._to_look > 0:
+        if self._until_check > 0:
             return False
-        self._to_look = _STEP
+        self._until_check = _STEP
         return self._stored is not None and self.statistics()[1] >= self._stored
 
     def statistics(self) -> tuple[int, int, int, int]:
@@ -157,8 +157,8 @@ def _depth_first(problem: SearchProblem) -> _core.Explorer | None:
     that have just come near to a goal."""
     if not all(goal.disjuncts for goal in problem.goals if goal.decides):
         return None
-    apart = replace(problem.program, interchangeable=())
-    return _explorer(problem, apart, replace(problem.options, order=SearchOrder.DFS))
+    without_symmetry = replace(problem.program, interchangeable=())
+    return _explorer(problem, without_symmetry, replace(problem.options, order=SearchOrder.DFS))
 
 
 def _explorer(problem: SearchProblem, program: Program, options: Options) -> _core.Explorer:

@@ -68,7 +68,7 @@ def dropped_variable(name: ast.Identifier, kind: str, shape: Type | None, contex
 
 
 def declare_dropped_function(
-    node: ast.FunctionDeclaration, refusals: Sequence[Diagnostic], scope: Scope, context: Context
+    node: ast.FunctionDeclaration, reasons: Sequence[Diagnostic], scope: Scope, context: Context
 ) -> None:
     name = node.name
     context.findings.add(
@@ -76,15 +76,15 @@ def declare_dropped_function(
         name.span,
         f"tachk does not check the function `{name.name}`",
         "anything that calls it is refused",
-        tuple(Label(refusal.span, refusal.message) for refusal in refusals[:1]),
+        tuple(Label(reason.span, reason.message) for reason in reasons[:1]),
     )
-    scope.declare(name, DroppedSymbol(name.span, "function", refusals[0]), context.findings)
+    scope.declare(name, DroppedSymbol(name.span, "function", reasons[0]), context.findings)
 
 
 def declare_foreign_functions(node: ast.ForeignImport, scope: Scope, context: Context) -> None:
     """Declares the functions of another program, which only it can run. The names are those in front of a parenthesis,
     or of ``name = original(...)``."""
-    refusal = Diagnostic("E0750", f"functions of the foreign library {node.library!r} are not supported", node.span)
+    reason = Diagnostic("E0750", f"functions of the foreign library {node.library!r} are not supported", node.span)
     context.findings.add(
         "W0407",
         node.span,
@@ -95,7 +95,7 @@ def declare_foreign_functions(node: ast.ForeignImport, scope: Scope, context: Co
     for found in _FOREIGN_FUNCTION.finditer(text, text.find("{")):
         start = node.span.start + found.start(1)
         span = Span(node.span.source, start, start + len(found[1]))
-        scope.declare(ast.Identifier(span, found[1]), DroppedSymbol(span, "function", refusal), context.findings)
+        scope.declare(ast.Identifier(span, found[1]), DroppedSymbol(span, "function", reason), context.findings)
 
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)

@@ -91,7 +91,7 @@ class LoadedModel:
 
 
 def other_interpretations_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
-    """The other meanings of a model, each with the place of `default` that it was read with; see `priority_readings`.
+    """The other meanings of a model, each with its place of `default`; see `priority_interpretations`.
 
     The queries are those of the model, with the names of the interpretation.
     """
@@ -142,15 +142,15 @@ def with_constants(
     result = elaborate_each_property(items, loaded.document.span, overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())
-    refusals = tuple(found for found in findings.sorted() if found.is_unsupported)
+    unsupported = tuple(found for found in findings.sorted() if found.is_unsupported)
     return replace(
         loaded,
         _elaborated=result.network,
         queries=result.queries,
-        unchecked=explained(result.unchecked, refusals),
+        unchecked=explained(result.unchecked, unsupported),
         scope=result.scope,
         context=context,
-        refusals=refusals,
+        refusals=unsupported,
         overrides=overrides,
         recording=result.recording,
     )
@@ -167,14 +167,14 @@ def with_hybrid_clocks(loaded: LoadedModel, names: Collection[str]) -> LoadedMod
     result = elaborate_each_property(loaded.items, loaded.document.span, loaded.overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())
-    refusals = tuple(found for found in findings.sorted() if found.is_unsupported)
-    return replace(loaded, _elaborated=result.network, scope=result.scope, context=context, refusals=refusals)
+    unsupported = tuple(found for found in findings.sorted() if found.is_unsupported)
+    return replace(loaded, _elaborated=result.network, scope=result.scope, context=context, refusals=unsupported)
 
 
-def explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:
+def explained(unchecked: Iterable[UncheckedQuery], unsupported: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:
     """The queries, those that use the name of something refused with the reason."""
     return tuple(
-        query if query.family or query.diagnostics else replace(query, diagnostics=tuple(refusals[:1]))
+        query if query.family or query.diagnostics else replace(query, diagnostics=tuple(unsupported[:1]))
         for query in unchecked
     )
 

@@ -50,7 +50,7 @@ class Shape:
         blockers: how many further processes do the same but may also hinder the others, and talk to each other.
         companions: the largest number of further processes with a clock of their own that mostly move before their
             invariants end, and at once where time stands still.
-        apart: how often a process has clocks and variables that no other process uses, and few others.
+        own_data: how often a process has clocks and variables that no other process uses, and few others.
         exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others; with
             ``diagonals`` invariants compare two clocks.
         hurried: the share of the locations that are urgent or committed.
@@ -84,7 +84,7 @@ class Shape:
     receivers: int = 0
     blockers: int = 0
     companions: int = 0
-    apart: float = 0.0
+    own_data: float = 0.0
     exact: float = 0.0
     hurried: float = 0.2
     groups: int = 1
@@ -132,7 +132,7 @@ def random_case(random: Random, shape: Shape = Shape()) -> RandomCase:
         priority = random.randint(0, 1) if shape.priorities else 0
         process = network.process(f"P{number}", priority)
         used = parts
-        if shape.apart and random.random() < shape.apart:
+        if shape.own_data and random.random() < shape.own_data:
             used = _own(random, shape, parts, process)
             clocks, integers = [*mentioned.clocks, *used.clocks], [*mentioned.integers, *used.integers]
             mentioned = replace(mentioned, clocks=clocks, integers=integers)
@@ -269,22 +269,22 @@ def _receiver(random: Random, shape: Shape, parts: _NetworkParts, process: Proce
 
 def _blockers(random: Random, shape: Shape, parts: _NetworkParts, network: NetworkBuilder) -> None:
     """Processes with clocks, variables and channels of their own that also listen to the others."""
-    apart = _declare(random, shape, network, prefix="own_")
+    own = _declare(random, shape, network, prefix="own_")
     received = [channel for channel in parts.channels if channel[2] or random.random() < 0.2]
-    reads = replace(apart, integers=[*apart.integers, *parts.integers])
+    reads = replace(own, integers=[*own.integers, *parts.integers])
     for number in range(shape.blockers):
         process = network.process(f"B{number}")
-        locations = _locations(random, shape, apart, process)
+        locations = _locations(random, shape, own, process)
         for source in locations:
             for _ in range(random.randint(1, 2)):
                 if received and random.random() < 0.4:
                     channel, array, _, urgent = random.choice(received)
                     receive = channel[random.randint(0, 1)] if array else channel
-                    updates = [_update(random, shape, apart, [])] if random.random() < 0.5 else []
+                    updates = [_update(random, shape, own, [])] if random.random() < 0.5 else []
                     guard = _guard(random, shape, reads, [], with_clocks=not urgent)
                     process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
                 else:
-                    _edge(random, shape, apart, process, source, random.choice(locations))
+                    _edge(random, shape, own, process, source, random.choice(locations))
 
 
 def _companion(random: Random, parts: _NetworkParts, process: ProcessBuilder) -> None:

@@ -107,6 +107,6 @@ class RunRecord:
         met = [*(verdict.met for verdict in self.verdicts), *(answer.met for answer in self.estimates)]
         if False in met:
             return False
-        refused = any(query.diagnostics for query in self.not_checked)
-        open_ = self.blocking or refused or self.nothing_checked
+        wrong_queries = any(query.diagnostics for query in self.not_checked)
+        open_ = self.blocking or wrong_queries or self.nothing_checked
         return None if open_ or None in met else True

@@ -201,13 +201,13 @@ def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> Non
             console.print(Text(f"\n{query.name} cannot be checked:", style="yellow"))
             console.print(_rendered(found), soft_wrap=True)
     unknown: dict[tuple[str, RunTimeFault | None], list[str]] = {}
-    refused: dict[Diagnostic, list[str]] = {}
+    uncheckable: dict[Diagnostic, list[str]] = {}
     for verdict in record.verdicts:
         if verdict.unsupported is not None:
-            refused.setdefault(verdict.unsupported, []).append(verdict.query.name)
+            uncheckable.setdefault(verdict.unsupported, []).append(verdict.query.name)
         elif verdict.answer is Answer.UNKNOWN:
             unknown.setdefault((verdict.reason, verdict.fault), []).append(verdict.query.name)
-    for found, names in refused.items():
+    for found, names in uncheckable.items():
         console.print(Text(f"\n{_names_listed(names)} cannot be checked:", style="yellow"))
         console.print(_rendered(found), soft_wrap=True)
     for (reason, fault), names in unknown.items():
@@ -329,13 +329,13 @@ def _answer(record: RunRecord, verdict: Verdict) -> str:
 
 
 def _summary(record: RunRecord) -> Text:
-    refused = sum(bool(query.diagnostics) for query in record.not_checked)
+    uncheckable = sum(bool(query.diagnostics) for query in record.not_checked)
     judged: list[Verdict | StatisticalAnswer] = [
         *record.verdicts,
         *(answer for answer in record.estimates if answer.judged),
     ]
     estimated = len(record.verdicts) + len(record.estimates) - len(judged)
-    total = len(judged) + refused
+    total = len(judged) + uncheckable
     if record.nothing_checked:
         unread = any(not each.is_unsupported for query in record.not_checked for each in query.diagnostics)
         reason = "no query could be read" if unread else "tachk supports none of the given queries"
@@ -345,7 +345,7 @@ def _summary(record: RunRecord) -> Text:
     other = sum(map(record.leaves_the_model, record.verdicts))
     wrong = sum(answer.met is False for answer in judged) - other
     unknown = sum(answer.met is None for answer in judged)
-    parts = [f"{total - wrong - other - unknown - refused} of {total} as expected"] if total else []
+    parts = [f"{total - wrong - other - unknown - uncheckable} of {total} as expected"] if total else []
     if wrong:
         parts.append(f"{wrong} not")
     if other:
@@ -353,11 +353,11 @@ def _summary(record: RunRecord) -> Text:
         parts.append(f"{other} {verb} from what the model expects of other constants")
     if unknown:
         parts.append(f"{unknown} unknown")
-    if refused:
-        parts.append(f"{refused} cannot be checked")
+    if uncheckable:
+        parts.append(f"{uncheckable} cannot be checked")
     if estimated:
         parts.append(f"{estimated} estimated")
-    style = "red" if wrong else "yellow" if other or unknown or refused else "green"
+    style = "red" if wrong else "yellow" if other or unknown or uncheckable else "green"
     return Text(", ".join(parts), style=style)
 
 

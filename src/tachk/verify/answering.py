@@ -11,7 +11,7 @@ from tachk.frontend.loaded import LoadedModel, other_interpretations_of
 from tachk.frontend.priority_interpretations import FIRST
 from tachk.model.query import Query
 from tachk.verify.questions import Questions, checked
-from tachk.verify.verdict import Answer, Verdict, refused
+from tachk.verify.verdict import Answer, Verdict, all_unsupported
 from tachk.verify.verify import verify
 
 
@@ -31,7 +31,7 @@ def answers(
     Raises InputError and UnsupportedError as `verify` does.
     """
     if model.refusals:
-        return refused(queries, model.refusals[0])
+        return all_unsupported(queries, model.refusals[0])
     verdicts = verify(model.network, queries, options, limits, trace)
     if all(verdict.answer is Answer.UNKNOWN for verdict in verdicts):
         return verdicts

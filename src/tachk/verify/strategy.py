@@ -237,10 +237,10 @@ def _is_final(strategy: Strategy, verdict: Verdict) -> bool:
         return True
     if verdict.reason == STATE_LIMIT and strategy.states is not None:
         return False
-    return _claim(verdict) in strategy.exactness
+    return _exactness_needed(verdict) in strategy.exactness
 
 
-def _claim(verdict: Verdict) -> Exactness:
+def _exactness_needed(verdict: Verdict) -> Exactness:
     """The exactness that a strategy needs for its verdict to be right."""
     if verdict.answer is Answer.UNKNOWN:
         return Exactness.ERRORS

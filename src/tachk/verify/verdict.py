@@ -128,7 +128,7 @@ def none_begun(tasks: Iterable[Task], reason: str) -> dict[int, Verdict]:
     return {task.number: not_begun(task.query, reason) for task in tasks}
 
 
-def refused(queries: Iterable[Query], reason: Diagnostic) -> tuple[Verdict, ...]:
+def all_unsupported(queries: Iterable[Query], reason: Diagnostic) -> tuple[Verdict, ...]:
     """The verdicts about a model that has something tachk does not check, so that no query can be decided."""
     return tuple(unsupported(query, reason) for query in queries)
 

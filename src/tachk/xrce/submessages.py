@@ -189,7 +189,7 @@ class _HeaderWalk:
             {},
         )
         self.explain(found, at, size, ends, headless)
-        self.look_inside(found)
+        self.parse_contents(found)
         return found
 
     def explain(self, found: Submessages, at: Numbers, size: Numbers, ends: Numbers, headless: Flags) -> None:
@@ -220,7 +220,7 @@ class _HeaderWalk:
                 )
             found.problems[entry] = problem
 
-    def look_inside(self, found: Submessages) -> None:
+    def parse_contents(self, found: Submessages) -> None:
         for entry in np.flatnonzero(np.isin(found.kind, _STRUCTURED)).tolist():
             kind = SubmessageKind(int(found.kind[entry]))
             try:

@@ -59,7 +59,7 @@ SHAPES = (
     Shape(hurried=0.6, groups=2, clocks=1, processes=2, locations=3),
     Shape(language=True, faults=0.2, processes=3, locations=3, clocks=2),
     Shape(receivers=1, blockers=1, processes=2, clocks=1, locations=3),
-    Shape(apart=0.7, companions=2, processes=2, clocks=1, locations=3),
+    Shape(own_data=0.7, companions=2, processes=2, clocks=1, locations=3),
 )
 
 FEW_STATES = Limits(states=3000)

@@ -193,9 +193,9 @@ def _report(check: Checked, version: UppaalVersion | None, named: bool, out: Tex
     print(f"{check.model}: " + ", ".join(f"{n} {one if n == 1 else many}" for n, one, many in counts), file=out)
     if version is not None and check.portability is not None:
         print_diagnostics(check.portability)
-        refused = sum(found.severity is Severity.ERROR for found in check.portability)
-        otherwise = len(check.portability) - refused
-        print(f"{check.model}: {version.full_name} would refuse {refused}, treat otherwise {otherwise}", file=out)
+        rejected = sum(found.severity is Severity.ERROR for found in check.portability)
+        otherwise = len(check.portability) - rejected
+        print(f"{check.model}: {version.full_name} would refuse {rejected}, treat otherwise {otherwise}", file=out)
     if check.deep is not None and check.network is not None:
         from tachk.report.deep_report import print_deep_check
 

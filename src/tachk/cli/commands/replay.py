@@ -85,7 +85,7 @@ def run_replay(arguments: ReplayArguments) -> ExitStatus:
     from tachk.report.run.trace_text import print_trace
     from tachk.simulation.formulas import formulas_for
     from tachk.simulation.stepping.files import read_submitted
-    from tachk.simulation.stepping.refusals import refusal_diagnostic
+    from tachk.simulation.stepping.rejections import rejection_diagnostic
     from tachk.simulation.stepping.replaying import replay_submitted
 
     submitted = read_submitted(arguments.file, arguments.prop)
@@ -106,7 +106,7 @@ def run_replay(arguments: ReplayArguments) -> ExitStatus:
     else:
         where = f"step {replayed.refusal.step} of {steps} cannot be taken from {when} on"
         print(f"{arguments.file}: no run of {arguments.model}: {where}")
-        print_diagnostics([refusal_diagnostic(replayed.refusal)])
+        print_diagnostics([rejection_diagnostic(replayed.refusal)])
     statuses = [ExitStatus.AS_EXPECTED if replayed.refusal is None else ExitStatus.NOT_AS_EXPECTED]
     formulas = formulas_for(arguments.formulas, network, about.constants)
     if arguments.output is not None:

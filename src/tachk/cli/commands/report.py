@@ -169,9 +169,9 @@ def _status(runs: Sequence[Mapping[str, Any]]) -> ExitStatus:
         return ExitStatus.NOT_AS_EXPECTED
     open_ = any(result["answer"] == Answer.UNKNOWN.value for result in results)
     not_checked = [query for run in runs for query in run["not_checked"]]
-    refused = any(run["errors"] for run in runs) or any(query["errors"] for query in not_checked)
+    unsupported = any(run["errors"] for run in runs) or any(query["errors"] for query in not_checked)
     nothing = bool(not_checked) and not results
-    return ExitStatus.UNKNOWN if open_ or refused or nothing else ExitStatus.AS_EXPECTED
+    return ExitStatus.UNKNOWN if open_ or unsupported or nothing else ExitStatus.AS_EXPECTED
 
 
 def _facts(request: ReportArguments) -> Iterator[tuple[str, str]]:

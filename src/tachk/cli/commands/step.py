@@ -68,7 +68,7 @@ def run_step(arguments: StepArguments) -> ExitStatus:
     from tachk.cli.stepper import Stepper
     from tachk.meaning.run_view import RunNames
     from tachk.simulation.stepping.files import read_submitted
-    from tachk.simulation.stepping.refusals import refusal_diagnostic
+    from tachk.simulation.stepping.rejections import rejection_diagnostic
     from tachk.simulation.stepping.session import Session
 
     check_job()
@@ -76,9 +76,9 @@ def run_step(arguments: StepArguments) -> ExitStatus:
     about = model_of_run(arguments.model, arguments.definitions, submitted)
     session = Session.begin(RunNames(about.model.network))
     if submitted is not None:
-        session, refusal = session.loaded(submitted)
-        if refusal is not None:
-            print_diagnostics([refusal_diagnostic(refusal)])
+        session, rejection = session.loaded(submitted)
+        if rejection is not None:
+            print_diagnostics([rejection_diagnostic(rejection)])
     return _converse(Stepper(session, arguments.model, about.constants, arguments.seed), sys.stdin.isatty())
 
 

@@ -382,9 +382,9 @@ def _statuses(record: RunRecord) -> Iterable[ExitStatus]:
         yield ExitStatus.BAD_INPUT
     if False in met:
         yield ExitStatus.NOT_AS_EXPECTED
-    refused = any(query.diagnostics for query in record.not_checked)
+    wrong_queries = any(query.diagnostics for query in record.not_checked)
     unsupported = any(verdict.unsupported is not None for verdict in record.verdicts)
-    if record.blocking or record.nothing_checked or refused or unsupported:
+    if record.blocking or record.nothing_checked or wrong_queries or unsupported:
         yield ExitStatus.UNSUPPORTED
     if None in met:
         yield ExitStatus.UNKNOWN

@@ -146,13 +146,13 @@ def refuse_hybrid(network: Network, what: str) -> None:
     co-simulation"."""
     for variable in network.all_variables():
         if variable.drawn is not None:
-            raise UnsupportedError(_refused(variable.span, what, "random initial values", "write a number"))
+            raise UnsupportedError(_unsupported(variable.span, what, "random initial values", "write a number"))
         if variable.has_hybrid_clocks:
             mend = "give the clock the rates 0 and 1 only, or leave it out"
-            raise UnsupportedError(_refused(variable.span, what, "hybrid clocks", mend))
+            raise UnsupportedError(_unsupported(variable.span, what, "hybrid clocks", mend))
 
 
-def _refused(span: Span, what: str, unknown: str, mend: str) -> Diagnostic:
+def _unsupported(span: Span, what: str, unknown: str, mend: str) -> Diagnostic:
     return Diagnostic(
         "E0729",
         f"{what} knows no {unknown}",

@@ -11,7 +11,7 @@ import z3
 
 from tachk.base.job import check_job
 from tachk.base.words import Direction
-from tachk.engine.smt.machine import PossibleFault, refused
+from tachk.engine.smt.machine import PossibleFault, unsupported
 from tachk.engine.smt.terms import Formula, all_of, any_of, conj, neg
 from tachk.model.network import Edge, Network
 from tachk.model.run import Participant
@@ -107,7 +107,7 @@ def actions(network: Network, moment: EdgesOfMoment, priorities: Sequence[int]) 
             continue
         if len(found) == _ACTIONS:
             what = f"priorities or deadlocks where a step can be made in more than {_ACTIONS} ways"
-            raise refused(what, choice.instances[0].edge.spans[0])
+            raise unsupported(what, choice.instances[0].edge.spans[0])
         taking = {id(instance) for instance in choice.instances}
         others = [i.fires for i in moment.instances if id(i) not in taking]
         taken = all_of([*(i.fires for i in choice.instances), neg(any_of(others))])

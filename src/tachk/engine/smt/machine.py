@@ -140,7 +140,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         try:
             return compute(operator, left, right)
         except ValueError as error:
-            raise refused(f"this expression: {error}", span) from None
+            raise unsupported(f"this expression: {error}", span) from None
 
     def compare_clocks(
         self,
@@ -169,7 +169,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
 
     def deadlock(self, span: Span) -> Formula:
         if self.is_deadlock is None:
-            raise refused("deadlock", span)
+            raise unsupported("deadlock", span)
         return self.is_deadlock()
 
     def each(self, variable: Variable) -> Iterator[None]:
@@ -196,7 +196,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
             result = action()
         else:
             doomed = self.doomed
-            result, changes = self.storage.apart(action)
+            result, changes = self.storage.undone(action)
             self.storage.apply(changes, condition)
             self.doomed = doomed
         self.path = outer
@@ -273,7 +273,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         for condition, clock in [] if source is None else self._clocks_at(source):
             advanced = stored[CLOCK_VALUE, clock]
             if advanced.high + offset.high > CONSTANT_HIGH:
-                raise refused("a clock that may be advanced so far in one step", span)
+                raise unsupported("a clock that may be advanced so far in one step", span)
             from_clock = choose(condition, stored[CLOCK_SOURCE, clock], from_clock)
             more = choose(condition, compute(BinaryOperator.ADD, advanced, offset), more)
         for condition, clock in self._clocks_at(target):
@@ -281,7 +281,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
                 self.storage.write(cell, choose(condition, value, stored[cell]))
 
     def refuse(self, what: str, span: Span) -> None:
-        raise refused(what, span)
+        raise unsupported(what, span)
 
     def _clocks_at(self, place: SymbolicPlace) -> list[tuple[Formula, int]]:
         found: list[tuple[Formula, int]] = []
@@ -296,7 +296,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         self.frame[variable] = place
 
     def operate(self, call: Call, arguments: Callable[[], Sequence[SymbolicCells]]) -> SymbolicCells:
-        raise refused("floating point arithmetic", call.span)
+        raise unsupported("floating point arithmetic", call.span)
 
     def call(self, function: Function, places: Sequence[SymbolicPlace]) -> SymbolicCells:
         self.frame.update(zip(function.parameters, places, strict=True))
@@ -340,8 +340,8 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
 
         if isinstance(test, bool):
             return side(True, then if test else otherwise)
-        first, then_changes = self.storage.apart(lambda: side(test, then))
-        second, other_changes = self.storage.apart(lambda: side(neg(test), otherwise))
+        first, then_changes = self.storage.undone(lambda: side(test, then))
+        second, other_changes = self.storage.undone(lambda: side(neg(test), otherwise))
         if first is False:
             self.storage.apply(other_changes)
         elif second is False:
@@ -369,13 +369,13 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
                 break
             alive = conj(alive, self._unless_doomed(body))
         else:
-            raise refused(f"a loop that may take more than {ROUNDS} rounds", span)
+            raise unsupported(f"a loop that may take more than {ROUNDS} rounds", span)
         self.path = outer
         if exits:
             self.storage.continue_from(exits, segments)
         return any_of(condition for condition, _ in exits)
 
-    def claim(self, truth: Formula, span: Span) -> None:
+    def check_assertion(self, truth: Formula, span: Span) -> None:
         self.goes_wrong(neg(truth), RuntimeErrorKind.ASSERT, span)
 
     def _unless_doomed(self, body: Callable[[], Formula]) -> Formula:
@@ -391,7 +391,7 @@ def or_false(found: Formula | None) -> Formula:
     return False if found is None else found
 
 
-def refused(what: str, span: Span) -> UnsupportedError:
+def unsupported(what: str, span: Span) -> UnsupportedError:
     return UnsupportedError(
         Diagnostic("E0745", f"the engine smt does not encode {what}", span, "ask the zone engine: --engine zone")
     )

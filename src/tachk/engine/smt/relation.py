@@ -18,7 +18,7 @@ from tachk.base.job import check_job
 from tachk.engine.smt.actions import Instance, SymbolicAction, TooManyComparisonsError, actions, sometimes, unblocked
 from tachk.engine.smt.conditions import certain, guard
 from tachk.engine.smt.frame import ClocksOf, StateFrame, fresh_frame, machine_of, participants
-from tachk.engine.smt.machine import Machine, PossibleFault, refused
+from tachk.engine.smt.machine import Machine, PossibleFault, unsupported
 from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engine.smt.terms import (
     Formula,
@@ -306,7 +306,7 @@ class _Encoder:
 
     def _refuse_clock(self, instance: Instance) -> None:
         if instance.edge.guard is not None and reads_clock(instance.edge.guard):
-            raise refused("a clock guard on an urgent channel", instance.edge.guard.span)
+            raise unsupported("a clock guard on an urgent channel", instance.edge.guard.span)
 
     def _stopped(self) -> dict[int, Formula]:
         """The clocks that may stand still, with when they do."""
@@ -319,7 +319,7 @@ class _Encoder:
                     for condition, named in machine.clocks_named(clock):
                         found[named] = disj(found.get(named, False), conj(stands, condition))
         if machine.faults:
-            raise refused("a rate that may go wrong", machine.faults[0].span)
+            raise unsupported("a rate that may go wrong", machine.faults[0].span)
         return {clock: formula for clock, formula in found.items() if formula is not False}
 
     # ---- single actions ----------------------------------------------------------------------------------------------
@@ -369,7 +369,7 @@ class _Encoder:
             return stuck, [replace(fault, condition=from_now_on(fault.condition)) for fault in wrong]
         except TooManyComparisonsError:
             what = "deadlock where what is possible later depends on clocks in too many ways"
-            raise refused(what, self.network.processes[0].span) from None
+            raise unsupported(what, self.network.processes[0].span) from None
 
     # ---- the step ----------------------------------------------------------------------------------------------------
 
@@ -453,7 +453,7 @@ class _Encoder:
                 continue
             self._bind(machine, instance)
             machine.path = instance.fires
-            _, changed = machine.storage.apart(lambda edge=instance.edge: machine.execute(edge.updates))  # type: ignore[misc]
+            _, changed = machine.storage.undone(lambda edge=instance.edge: machine.execute(edge.updates))  # type: ignore[misc]
             changes.append((instance.fires, changed))
         machine.path = True
         for fires, changed in changes:

@@ -84,7 +84,7 @@ def _decide(unrolled: Unrolled, proofs: Proofs | None, depth_limit: int | None) 
     fault = unrolled.entry_fault()
     while fault is None:
         unrolled.stay()
-        unrolled.look()
+        unrolled.note_reached_goals()
         unrolled.fail()
         if not unrolled.open:
             return None, ""

@@ -12,7 +12,7 @@ from tachk.base.records import dataclass
 from tachk.engine.outcome import TIME_LIMIT
 from tachk.engine.smt.terms import Formula
 
-_LOOK = 0.1
+_POLL_SECONDS = 0.1
 """Seconds between two looks at the keyboard while z3 works."""
 
 
@@ -74,13 +74,13 @@ class SolverOptions:
         thread.start()
         try:
             while thread.is_alive():
-                thread.join(_LOOK)
+                thread.join(_POLL_SECONDS)
                 if thread.is_alive() and self.report is not None:
                     self.report()
         except BaseException:
             while thread.is_alive():  # until it has heard
                 solver.interrupt()
-                thread.join(_LOOK / 10)
+                thread.join(_POLL_SECONDS / 10)
             raise
         answer = found[0]
         if isinstance(answer, BaseException):

@@ -46,7 +46,7 @@ class Storage:
         self.journal.setdefault(cell, self.cells.get(cell))
         self.cells[cell] = value
 
-    def apart(self, action: Callable[[], _T]) -> tuple[_T, dict[Cell, SymbolicNumber]]:
+    def undone(self, action: Callable[[], _T]) -> tuple[_T, dict[Cell, SymbolicNumber]]:
         """Does something and takes it back: what it gave, and the cells that it changed."""
         outer, self.journal = self.journal, {}
         result = action()

@@ -43,7 +43,7 @@ class Unrolled:
         """Says that the runs keep the invariants where they have come to, and wait there for a while."""
         self._solver.add(self.relation.at(self.relation.stay, self._frames[-1]))
 
-    def look(self) -> None:
+    def note_reached_goals(self) -> None:
         """Notes the goals that are reached in the last frame."""
         for number in self.open:
             if self._is_possible(self.relation.at(self.targets.goals[number], self._frames[-1])):

@@ -198,11 +198,11 @@ def _search(terms: NetworkTerms, blocks: list[Block], most_failures: int = MOST_
     groups = []
     for each in classes:
         if len(each.members) > 1:
-            refused = order_matters(terms.network, terms.reader.known, each.members)
-            if refused is None:
+            reason = order_matters(terms.network, terms.reader.known, each.members)
+            if reason is None:
                 groups.append(each)
             else:
-                asymmetry = asymmetry or Asymmetry(each.members[0], each.members[1], refused)
+                asymmetry = asymmetry or Asymmetry(each.members[0], each.members[1], reason)
     return _OrbitSearch(blocks, groups, asymmetry)
 
 

@@ -111,17 +111,17 @@ def load_model(
         raise InputError(by_place((*unreadable, *beyond_damage(unreadable, further, items))))
     if findings.has_mistakes:
         raise InputError(findings.sorted())
-    refusals, warnings = _distinguished(findings)
+    unsupported, warnings = _distinguished(findings)
     return LoadedModel(
         result.network,
         result.queries,
-        explained(result.unchecked, refusals),
+        explained(result.unchecked, unsupported),
         warnings,
         document,
         tuple(items),
         result.scope,
         context,
-        refusals=refusals,
+        refusals=unsupported,
         overrides=overrides,
         recording=result.recording,
     )
@@ -213,7 +213,7 @@ def _load_xml(
     result = elaborate_each_property(items, read.document.span, overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())
-    refusals, warnings = _distinguished(findings)
+    unsupported, warnings = _distinguished(findings)
     broken = []
     for query in read.broken:
         own = DiagnosticCollector()
@@ -222,14 +222,14 @@ def _load_xml(
     return LoadedModel(
         result.network,
         result.queries,
-        tuple(sorted((*explained(result.unchecked, refusals), *broken), key=lambda query: query.span.start)),
+        tuple(sorted((*explained(result.unchecked, unsupported), *broken), key=lambda query: query.span.start)),
         warnings,
         read.document,
         stated,
         result.scope,
         context,
         read.layout,
-        refusals,
+        unsupported,
         overrides,
     )
 

@@ -49,13 +49,13 @@ def name_repairs(items: Iterable[ast.Item], formulas: Iterable[object] = ()) -> 
     queried = names_in(tuple(formulas))
     repairs = {}
     for name in declared:
-        reason = refusal(name, name in queried)
+        reason = naming_conflict(name, name in queried)
         if reason is not None:
             repairs[name] = reason
     return repairs
 
 
-def refusal(name: str, in_query: bool) -> str | None:
+def naming_conflict(name: str, in_query: bool) -> str | None:
     """The reason why a model cannot declare a name; None if it can."""
     if name in WORDS_4_1:
         return "a word of UPPAAL's language"

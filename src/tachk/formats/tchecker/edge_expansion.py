@@ -14,7 +14,7 @@ from tachk.analysis.fold import Known, fold, fold_place, known_cell, negate
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.base.words import Direction
-from tachk.formats.tchecker.expression_writer import TermPrinter, cells, initial_cells, refused, written_out
+from tachk.formats.tchecker.expression_writer import TermPrinter, cells, initial_cells, unsupported, written_out
 from tachk.formats.tchecker.leaves import leaf_types
 from tachk.frontend.declarations.channels import channel_variable
 from tachk.model.cell_layout import cell_range
@@ -52,7 +52,7 @@ def choices(edge: Edge, known: Known) -> Iterator[Known]:
     for values in ranges:
         total *= len(values)
     if total > MAXIMUM_EDGES:
-        raise refused(f"select, and this one stands for {total} edges", edge.spans[0])
+        raise unsupported(f"select, and this one stands for {total} edges", edge.spans[0])
     for chosen in product(*ranges):
         yield Known(known.values, {**known.bound, **dict(zip(edge.selects, chosen, strict=True))})
 
@@ -104,7 +104,7 @@ class EdgeExpansion:
                 (n for n in walk(place) if isinstance(n, Index) and not isinstance(n.index, Constant)), None
             )
             if computed is None or not isinstance(computed.base.type, ArrayType):
-                raise refused("such choice of a channel", edge.synchronisation.span)
+                raise unsupported("such choice of a channel", edge.synchronisation.span)
             low, size = computed.base.type.low, computed.base.type.size
             for value in reversed(range(low, low + size)):
                 test = Binary(BinaryOperator.EQUAL, computed.index, Constant(value), BOOL, computed.span)

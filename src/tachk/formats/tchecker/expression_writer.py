@@ -49,7 +49,7 @@ _ARITHMETIC = {
 }
 
 
-def refused(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
+def unsupported(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
     return UnsupportedError(Diagnostic("E0802", f"TChecker has no {what}", span, help_))
 
 
@@ -120,9 +120,9 @@ class TermPrinter:
                     indices.append((index, base.type))
                     node = base
                 case Conditional():
-                    raise refused("choice between variables", place.span, "use two edges")
+                    raise unsupported("choice between variables", place.span, "use two edges")
                 case _:
-                    raise refused("such access to a variable", place.span)
+                    raise unsupported("such access to a variable", place.span)
 
     def _constant(self, index: Expression) -> int:
         assert isinstance(index, Constant), "an index that is computed makes its variable an array"
@@ -148,11 +148,11 @@ class TermPrinter:
             case Conditional(condition, then, otherwise):
                 return f"(if {self.condition(condition)} then {self.term(then)} else {self.term(otherwise)})"
             case Call(function):
-                raise refused(f"functions: `{function.name}` is called", expression.span, "write out what it does")
+                raise unsupported(f"functions: `{function.name}` is called", expression.span, "write out what it does")
             case Assign() | Increment() | Comma():
-                raise refused("assignment inside an expression", expression.span, "make it an update of its own")
+                raise unsupported("assignment inside an expression", expression.span, "make it an update of its own")
             case Binary(operator) if operator not in COMPARISONS and operator not in CONNECTIVES:
-                raise refused(f"operator `{operator.value}`", expression.span)
+                raise unsupported(f"operator `{operator.value}`", expression.span)
             case _:
                 return f"(if {self.condition(expression)} then 1 else 0)"
 
@@ -224,7 +224,7 @@ class TermPrinter:
         """A comparison of a clock."""
         sign = "<" if atom.strict else "<="
         if atom.left is not None and atom.right is not None:
-            raise refused("comparison of two clocks", atom.span, "measure the difference with a clock of its own")
+            raise unsupported("comparison of two clocks", atom.span, "measure the difference with a clock of its own")
         if atom.left is not None:
             return f"{self.place(atom.left)} {sign} {self.term(atom.bound)}"
         assert atom.right is not None, "an atom names a clock"
@@ -248,7 +248,7 @@ class TermPrinter:
             case Assign(target, value, _, None) if isinstance(target.type, ArrayType | RecordType):
                 places = list(cells(target))
                 if isinstance(value, Aggregate) and set(_variables(value)) & set(_variables(target)):
-                    raise refused("simultaneous assignment", update.span)
+                    raise unsupported("simultaneous assignment", update.span)
                 yield from (self._assignment(place, item) for place, item in zip(places, cells(value), strict=True))
             case Assign(target, value, _, operator):
                 if operator is not None:
@@ -260,7 +260,7 @@ class TermPrinter:
                 return
             case _:
                 self.term(update)  # refuses calls
-                raise refused("update without an effect", update.span, "leave it out")
+                raise unsupported("update without an effect", update.span, "leave it out")
 
     def _assignment(self, target: Expression, value: Expression) -> str:
         if isinstance(target.type, BoolType) and not isinstance(value.type, BoolType):
@@ -273,7 +273,7 @@ class TermPrinter:
     def _clock_value(self, value: Expression) -> str:
         whole = clock_sum(value)
         if whole is None:
-            raise refused("such value of a clock", value.span)
+            raise unsupported("such value of a clock", value.span)
         if whole.clock is None:
             return self.term(value) if isinstance(value, Constant) else f"0 + {self.term(value)}"
         clock = self.place(whole.clock)

@@ -21,7 +21,7 @@ from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choices
-from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, refused, written_out
+from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, unsupported, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
 from tachk.frontend.loaded import LoadedModel
@@ -67,14 +67,14 @@ def to_tchecker(network: Network, queries: Sequence[Query] = (), name: str = "ne
 class _Exporter:
     network: Network
     known: Known
-    refusals: list[UnsupportedError] = field(default_factory=list)
+    errors: list[UnsupportedError] = field(default_factory=list)
     taken: set[str] = field(default_factory=lambda: set(_WORDS))
     names: dict[tuple[Variable, tuple[str, ...]], str] = field(default_factory=dict)
     lines: list[str] = field(default_factory=list)
 
     def run(self, queries: Sequence[Query], name: str) -> TCheckerModel:
         self._check_features()
-        self._raise_refusals()
+        self._raise_errors()
         processes = [self._fresh(process.name) for process in self.network.processes]
         arrays = {v for e in self._expressions() for v in _computed(e)}
         for variable in self.network.all_variables():
@@ -83,17 +83,17 @@ class _Exporter:
         labels = [query_labels(query, self.network, self.known, f"q{i}") for i, query in enumerate(queries, 1)]
         body: list[str] = []
         edges = [self._flat_edges(process, printer) for process in self.network.processes]
-        self._raise_refusals()
+        self._raise_errors()
         vectors, events, kept = self._synchronise(edges, processes)
         for number, process in enumerate(self.network.processes):
             body += ["", f"process:{processes[number]}"]
             body += self._locations(number, processes[number], printer, labels)
             for edge, event in kept[number]:
                 body.append(self._edge(process, processes[number], edge, event))
-        self._raise_refusals()
+        self._raise_errors()
         head = [f"system:{_sanitised(name)}", "", *(f"event:{event}" for event in events)]
         head += ["", *self._declarations(printer)]
-        self._raise_refusals()
+        self._raise_errors()
         remarks = [f"# {line}" for found in labels for line in found.remarks()]
         text = "\n".join([*head, *body, "", *vectors, *([""] if remarks else []), *remarks])
         return TCheckerModel(re.sub(r"\n{3,}", "\n\n", text).strip() + "\n", tuple(labels))
@@ -122,13 +122,13 @@ class _Exporter:
                     self._refuse("clocks that stand still", location.rates[0][0].span)
 
     def _refuse(self, what: str, span: Span, help_: str | None = None) -> None:
-        self.refusals.append(refused(what, span, help_))
+        self.errors.append(unsupported(what, span, help_))
 
-    def _raise_refusals(self) -> None:
+    def _raise_errors(self) -> None:
         """Raises the first refusal; the others are labels of it."""
-        if not self.refusals:
+        if not self.errors:
             return
-        first, *others = dict.fromkeys(refusal.diagnostic for refusal in self.refusals)
+        first, *others = dict.fromkeys(error.diagnostic for error in self.errors)
         labels = tuple(Label(other.span, other.message) for other in others if other.span.source is first.span.source)
         raise UnsupportedError(Diagnostic(first.code, first.message, first.span, first.help, labels))
 
@@ -206,7 +206,7 @@ class _Exporter:
             try:
                 result += expansion.expanded(edge)
             except UnsupportedError as error:
-                self.refusals.append(error)
+                self.errors.append(error)
         return result
 
     # ---- synchronisation --------------------------------------------------------------------------------------------
@@ -291,11 +291,11 @@ class _Exporter:
             parts = [printer.condition(written_out(c, self.known)) for c in split.integers]
             for condition, atom in split.clocks:
                 if condition is not None:
-                    raise refused("invariants in which a clock condition depends on variables", atom.span)
+                    raise unsupported("invariants in which a clock condition depends on variables", atom.span)
                 parts.append(printer.atom(atom))
             return " && ".join(part for part in parts if part != "1 == 1")
         except UnsupportedError as error:
-            self.refusals.append(error)
+            self.errors.append(error)
             return ""
 
     def _edge(self, process: Process, name: str, edge: FlatEdge, event: str) -> str:

@@ -70,12 +70,12 @@ def condition_findings(items: Iterable[ast.Item], version: str) -> Iterator[Diag
             for binding in edge.selects:
                 local = local.binding(binding.name.name, binding.type)
             if edge.guard is not None and not _takes(edge.guard, local, _GUARD):
-                yield _refused("a guard", edge.guard, version)
+                yield _rejected("a guard", edge.guard, version)
     for item in listed:
         if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.QueryFormula):
             for predicate in (item.formula.predicate, *item.formula.operands):
                 if predicate is not None and kind_of(predicate, names) is ConditionKind.WRONG:
-                    yield _refused("a query", predicate, version)
+                    yield _rejected("a query", predicate, version)
 
 
 def _invariant(invariant: ast.Expression, names: TextTypes, version: str) -> Iterator[Diagnostic]:
@@ -88,10 +88,10 @@ def _invariant(invariant: ast.Expression, names: TextTypes, version: str) -> Ite
         mend = "write `<=`; a lower bound belongs into the guards of the edges that lead here"
         yield Diagnostic("E0818", message, node.span, mend)
     if not equal or kind_of(invariant, names) is not ConditionKind.GUARD:
-        yield _refused("an invariant", invariant, version)
+        yield _rejected("an invariant", invariant, version)
 
 
-def _refused(what: str, condition: ast.Expression, version: str) -> Diagnostic:
+def _rejected(what: str, condition: ast.Expression, version: str) -> Diagnostic:
     return Diagnostic("E0823", f"{version} does not take this condition about clocks in {what}", condition.span, _MEND)
 
 

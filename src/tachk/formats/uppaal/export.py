@@ -11,7 +11,7 @@ from tachk.formats.layout_json import read_layout_beside
 from tachk.formats.plain.expansion import expand
 from tachk.formats.plain.observer_templates import with_observers
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery
-from tachk.formats.uppaal.limits import refuses_deadlock
+from tachk.formats.uppaal.limits import rejects_deadlock
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.writer import print_uppaal
 from tachk.frontend.loaded import LoadedModel
@@ -159,4 +159,4 @@ def _with_formula(query: PlainQuery, watched: LoadedModel) -> PlainQuery:
 
 
 def _queries(plain: PlainModel) -> str:
-    return print_queries(plain.queries, refuses_deadlock(plain))
+    return print_queries(plain.queries, rejects_deadlock(plain))

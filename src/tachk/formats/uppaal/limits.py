@@ -11,7 +11,7 @@ from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind
 
 
-def refuses_deadlock(plain: PlainModel) -> bool:
+def rejects_deadlock(plain: PlainModel) -> bool:
     """Whether UPPAAL refuses every query about deadlocks of a model: it has priorities, or a template, used or not,
     receives broadcasts under clock guards. With observers in it, the answer would not be about the model."""
     if plain.observed:
@@ -23,7 +23,7 @@ def refuses_deadlock(plain: PlainModel) -> bool:
     return any(_receives_with_clock(template, plain.declarations) for template in plain.templates)
 
 
-def refused(formula: ast.PropertyFormula, always: bool) -> bool:
+def is_rejected(formula: ast.PropertyFormula, always: bool) -> bool:
     """Whether UPPAAL refuses a query because of the word ``deadlock``, or because it is a temporal formula.
 
     Args:

@@ -21,7 +21,7 @@ from tachk.formats.plain.declaration_forms import (
 from tachk.formats.plain.expansion import expand_document
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.condition_types import condition_findings
-from tachk.formats.uppaal.limits import refuses_deadlock
+from tachk.formats.uppaal.limits import rejects_deadlock
 from tachk.formats.uppaal.query_asides import is_set_aside
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
@@ -44,7 +44,7 @@ _REASON = "where channels or processes have priorities, or a receiver of a broad
 
 def query_findings(model: LoadedModel, version: str) -> Iterator[Diagnostic]:
     """One error for each query that the version refuses; it does not see those that an export made comments."""
-    never = refuses_deadlock(expand_document(ast.Document(model.document.span, model.items)))
+    never = rejects_deadlock(expand_document(ast.Document(model.document.span, model.items)))
     for query in model.queries:
         if is_set_aside(query.span):
             continue

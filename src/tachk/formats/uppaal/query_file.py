@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tachk.formats.plain.plain_model import PlainQuery
-from tachk.formats.uppaal.limits import refused
+from tachk.formats.uppaal.limits import is_rejected
 from tachk.formats.uppaal.query_asides import set_aside
 from tachk.syntax import ast
 from tachk.syntax.printing.query_printer import print_expected, print_query
@@ -23,15 +23,15 @@ def print_queries(queries: Iterable[PlainQuery], without_deadlock: bool = False)
     Args:
         without_deadlock: UPPAAL refuses every query about deadlocks of the model. What it refuses is a comment.
     """
-    return "\n".join(_query(query, refused(query.formula, without_deadlock)) for query in queries)
+    return "\n".join(_query(query, is_rejected(query.formula, without_deadlock)) for query in queries)
 
 
-def _query(query: PlainQuery, is_refused: bool) -> str:
+def _query(query: PlainQuery, rejected: bool) -> str:
     lines = []
     comment = ": ".join(part for part in (query.name, query.comment) if part)
     if comment:
         lines += ["/*", *comment.replace("*/", "* /").split("\n"), "*/"]
-    if is_refused:
+    if rejected:
         return "\n".join([*lines, set_aside(print_query(query.formula))]) + "\n"
     lines.append(" \\\n".join(line.strip() for line in print_query(query.formula).splitlines() if line.strip()))
     if isinstance(query.expectation, ast.ConditionalExpectation):

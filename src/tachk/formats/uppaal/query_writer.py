@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tachk.base.span import Source
 from tachk.formats.plain.plain_model import PlainModel, PlainQuery
-from tachk.formats.uppaal.limits import refused, refuses_deadlock
+from tachk.formats.uppaal.limits import is_rejected, rejects_deadlock
 from tachk.formats.uppaal.query_asides import aside_in, set_aside
 from tachk.formats.uppaal.query_reader import (
     MEASURES,
@@ -38,7 +38,7 @@ class QueryView:
 def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLayout]) -> tuple[QueryView, ...]:
     """All entries of the list of queries. What the layout does not know comes last, what UPPAAL would refuse to check
     is a comment."""
-    refuses = refuses_deadlock(plain)
+    rejects = rejects_deadlock(plain)
     properties = {item.name.name: item for item in model.items if isinstance(item, ast.PropertyDeclaration)}
     known = {query.name: query for query in plain.queries}
     views = []
@@ -46,14 +46,14 @@ def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLa
         if not layout.name:
             views.append(QueryView(layout.formula or "", layout.comment or "", layout.options, layout.results))
         elif layout.name in known:
-            views.append(_view(known.pop(layout.name), properties[layout.name], layout, refuses))
+            views.append(_view(known.pop(layout.name), properties[layout.name], layout, rejects))
     rest = list(_asides(model, views))
     place = 0
     for query in known.values():
         node = properties[query.name]
         if node.span.source is model.document.span.source:
             place = node.span.start
-        rest.append((place, _view(query, node, QueryLayout(query.name), refuses)))
+        rest.append((place, _view(query, node, QueryLayout(query.name), rejects)))
     return (*views, *(view for _, view in sorted(rest, key=lambda entry: entry[0])))
 
 
@@ -71,9 +71,9 @@ def _asides(model: LoadedModel, listed: Sequence[QueryView]) -> Iterator[tuple[i
             yield comment.span.start, QueryView(formula, said)
 
 
-def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout, refuses: bool) -> QueryView:
+def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout, rejects: bool) -> QueryView:
     formula = print_query(query.formula)
-    if refused(query.formula, refuses):
+    if is_rejected(query.formula, rejects):
         formula = set_aside(formula)
     results = layout.results
     if layout.formula is not None:

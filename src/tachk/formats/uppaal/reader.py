@@ -23,7 +23,7 @@ from tachk.syntax.picture_layout import Layout, TemplateLayout
 from tachk.syntax.query_files import BrokenQuery, expectation_in
 
 _DTD = re.compile(r"DTD Flat System (\d+\.\d+)")
-_READ_APART = {"declaration", "template", "instantiation", "system", "queries"}
+_READ_SEPARATELY = {"declaration", "template", "instantiation", "system", "queries"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ class _NtaReader:
 
     def _extra(self) -> tuple[str, ...]:
         """Elements that are kept as they are."""
-        extra = [element for element in self.root.children if element.name not in _READ_APART]
+        extra = [element for element in self.root.children if element.name not in _READ_SEPARATELY]
         for element in extra:
             if element.name == "lsc":
                 message = "tachk keeps message sequence charts but does not check them"
@@ -134,7 +134,7 @@ class _NtaReader:
     def _comments(self, texts: Extracted, items: Iterable[ast.Item]) -> tuple[ast.Comment, ...]:
         """The comments of all sections and labels, but for those in blocks that are kept as text."""
         raw = [item.span for item in items if isinstance(item, ast.GanttDeclaration | ast.ForeignImport)]
-        spans = [texts.text(e) for name in _READ_APART for e in self.root.all(name) if e.name in _SECTIONS]
+        spans = [texts.text(e) for name in _READ_SEPARATELY for e in self.root.all(name) if e.name in _SECTIONS]
         spans += [span for template in self.templates for span in template.code(texts)]
         spans += self.queries.formulas(texts)
         found = [comment for span in spans if "/" in span.text for comment in comments_within(span)]

@@ -46,7 +46,7 @@ IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 _COMMENT = re.compile(r"^[ \t]*(//[^\n]*|/\*[\s\S]*?\*/)[ \t]*(?:\n|\Z)", re.MULTILINE)
 _OTHER_LABELS = ("testcode", "testcodeEnter", "testcodeExit")
-_READ_APART = {"name", "parameter", "declaration", "location", "branchpoint", "init", "transition"}
+_READ_SEPARATELY = {"name", "parameter", "declaration", "location", "branchpoint", "init", "transition"}
 _SHOWN = {"exponentialrate": "exponential rate", "assignment": "update"}
 
 
@@ -274,7 +274,7 @@ class TemplateReader:
             classic=True,
             doc=doc,
         )
-        extra = tuple(e.span.text for e in self.element.children if e.name not in _READ_APART)
+        extra = tuple(e.span.text for e in self.element.children if e.name not in _READ_SEPARATELY)
         picture = TemplateLayout(
             None if self.name_element is None else _point(self.name_element),
             nodes,

@@ -104,7 +104,7 @@ class _ExpatReader:
         try:
             self.parser.Parse(self.source.text.encode(_ENCODING, "surrogatepass"), True)
         except expat.ExpatError as error:
-            raise self.refusal(error) from None
+            raise self.as_input_error(error) from None
         assert self.root is not None, "a well-formed document has an element"
         return Tree(self.root, self.public_id)
 
@@ -115,7 +115,7 @@ class _ExpatReader:
         start = min(self.here(), len(self.source.text))
         return Span(self.source, start, min(start + length, len(self.source.text)))
 
-    def refusal(self, error: expat.ExpatError) -> InputError:
+    def as_input_error(self, error: expat.ExpatError) -> InputError:
         what = expat.ErrorString(error.code)
         start = min(self.offsets.character(max(self.parser.ErrorByteIndex, 0)), len(self.source.text))
         message = f"this is not well-formed XML: {what}"

@@ -46,9 +46,9 @@ def declare_function(node: ast.FunctionDeclaration, scope: Scope, context: Conte
         symbol = _function(node, scope, context)
     finally:
         context.findings, context.in_function = found, outer
-    refusals = [diagnostic for diagnostic in own.sorted() if diagnostic.is_unsupported]
-    if refusals and not own.has_mistakes:
-        declare_dropped_function(node, refusals, scope, context)
+    reasons = [diagnostic for diagnostic in own.sorted() if diagnostic.is_unsupported]
+    if reasons and not own.has_mistakes:
+        declare_dropped_function(node, reasons, scope, context)
         return
     found.extend(own.sorted())
     scope.declare(node.name, symbol, found)

@@ -58,13 +58,13 @@ class ExpectationClause:
     conditional: bool = False
 
 
-def claim(expected: ast.Expected | None, scope: Scope, context: Context) -> ExpectationClause:
+def expectation_clause(expected: ast.Expected | None, scope: Scope, context: Context) -> ExpectationClause:
     """The outcome that is expected with the values of the constants; nothing after a report."""
     if expected is None:
         return ExpectationClause()
     if isinstance(expected, str):
         return ExpectationClause(Expectation(expected))
-    otherwise = claim(expected.otherwise, scope, context)
+    otherwise = expectation_clause(expected.otherwise, scope, context)
     value = condition(expected.condition, scope, context)
     cells = None if value is None else context.constant_cells(value, "the condition of an expectation")
     if cells is None:

@@ -48,8 +48,8 @@ def elaborate_temporal(
     own_name = fresh_name(OBSERVER, set(scope.names()))
     try:
         built = build_observer(formula, own_name)
-    except NoObserver as refusal:
-        context.error("E0730", refusal.span, refusal.reason, refusal.help)
+    except NoObserver as error:
+        context.error("E0730", error.span, error.reason, error.help)
         return None
     process, _ = elaborate_process(
         built.template, own_name, Scope(scope), Declared(own_name), ChannelTable(set()), context

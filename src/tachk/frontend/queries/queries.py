@@ -15,7 +15,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition, expression, integral
 from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.findings import DiagnosticCollector
-from tachk.frontend.queries.expectations import claim
+from tachk.frontend.queries.expectations import expectation_clause
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Binary, Constant, Deadlock, Expression, Unary
 from tachk.model.network import Signal
@@ -64,7 +64,7 @@ def elaborate_query(
     expectation: ast.Expected | None = None,
 ) -> Query | None:
     """A query with its names resolved, in a scope that has the processes; None after a report."""
-    expected = claim(expectation, scope, context)
+    expected = expectation_clause(expectation, scope, context)
     if isinstance(formula, ast.TemporalFormula):
         from tachk.frontend.queries.observer_processes import elaborate_temporal
 
@@ -211,7 +211,7 @@ def elaborate_properties(
             )
         seen.setdefault(name, node.name.span)
         if isinstance(node.formula, ast.UncheckedFormula):
-            expected = claim(node.expectation, scope, context)
+            expected = expectation_clause(node.expectation, scope, context)
             unchecked.append(_unchecked(node.formula, name, node.title, expected.expectation))
             continue
         own = DiagnosticCollector()
@@ -264,7 +264,7 @@ def elaborate_entries(
             unchecked.append(wrong_query(name, entry.text, entry.comment, entry.span, own))
             continue
         if isinstance(entry.formula, ast.UncheckedFormula):
-            expected = claim(entry.expectation, scope, replace(context, findings=own))
+            expected = expectation_clause(entry.expectation, scope, replace(context, findings=own))
             unchecked.append(_unchecked(entry.formula, name, entry.comment, expected.expectation))
             continue
         inner = replace(context, findings=own)

@@ -123,8 +123,8 @@ def beginnings(goal: Everywhere) -> list[Beginning]:
     return [one for one in possible if not any(_is_better(other, one) for other in possible)]
 
 
-def _begun(task: TableauTask, claims: Iterable[ast.Expression], pasts: frozenset[HeldBefore]) -> Beginning:
-    return Beginning(task, _claimed(task, conjunction(claims)), pasts)
+def _begun(task: TableauTask, conditions: Iterable[ast.Expression], pasts: frozenset[HeldBefore]) -> Beginning:
+    return Beginning(task, _conditions_to_require(task, conjunction(conditions)), pasts)
 
 
 def _is_better(one: Beginning, other: Beginning) -> bool:
@@ -170,29 +170,29 @@ def moves(task: TableauTask) -> Iterator[ObserverMoveTask]:
 
 
 def _change(
-    task: TableauTask, phase: str, valuation: Valuation, claims: Iterable[ast.Expression], renewed: bool = True
+    task: TableauTask, phase: str, valuation: Valuation, conditions: Iterable[ast.Expression], renewed: bool = True
 ) -> Iterator[ObserverMoveTask]:
     goal = _goal(task)
     after = _next(task, phase, valuation, renewed)
-    claimed = conjunction((*claims, *_values(goal, valuation)))
+    required = conjunction((*conditions, *_values(goal, valuation)))
     if phase == DURING and not _may_stay_undecided(goal, valuation):
         return
-    if not is_false(claimed) and not is_false(conjunction((*claimed, *requirement(after)))):
-        yield ObserverMoveTask(after, _claimed(after, claimed))
+    if not is_false(required) and not is_false(conjunction((*required, *requirement(after)))):
+        yield ObserverMoveTask(after, _conditions_to_require(after, required))
 
 
-def _claimed(task: TableauTask, claims: Conjunction) -> Conjunction:
+def _conditions_to_require(task: TableauTask, conditions: Conjunction) -> Conjunction:
     """The conditions to claim at an instant; none if the task requires as much, and its memory of the instant cannot
     allow more than is allowed."""
     goal = _goal(task)
     required = conjunction(requirement(task))
-    if goal.kept or not claims <= required:
-        return claims
+    if goal.kept or not conditions <= required:
+        return conditions
     allowed = _at(goal, goal.allowed, task.before)
     if allowed == truth(True, allowed.span):
         return frozenset()
     stays = all(is_false(conjunction((allowed, *_values(goal, other)))) for other in _others(task))
-    return frozenset() if stays else claims
+    return frozenset() if stays else conditions
 
 
 # ---- tasks ----------------------------------------------------------------------------------------------------------

@@ -21,11 +21,11 @@ def location_names(states: Sequence[State], idle: State | None, taken: Collectio
 
 def _wanted_name(state: State) -> str:
     tasks = [item for item in state if isinstance(item, TableauTask)]
-    claims = any(isinstance(item, Settling) for item in state)
+    is_settling = any(isinstance(item, Settling) for item in state)
     watched = sorted((item for item in state if isinstance(item, Seen)), key=repr)
     if not tasks:
         return "Violated"
-    if claims:
+    if is_settling:
         return "Triggered"
     if watched:
         return "".join(_past_name(item) for item in watched)

@@ -103,10 +103,10 @@ class Tableau:
     def _begun(self, branch: GoalBranch) -> tuple[State, Conjunction]:
         wanted = pasts_wanted(branch.tasks, self.saved)
         pasts = [Seen(past, "initial") for past in wanted if is_there_initially(past)]
-        claims = self._settling(branch.now, FRESH)
-        if not branch.tasks and not claims:
+        settling = self._settling(branch.now, FRESH)
+        if not branch.tasks and not settling:
             return SHOWN, frozenset()
-        return numbered(frozenset((*branch.tasks, *claims, *pasts)))[0], branch.now
+        return numbered(frozenset((*branch.tasks, *settling, *pasts)))[0], branch.now
 
     # ---- what a state requires --------------------------------------------------------------------------------------
 
@@ -311,16 +311,16 @@ class Tableau:
 
     def _settled(self, state: State) -> Iterator[TableauStep]:
         """The claim of an instant has lasted; a step that waits until it fails, unless nothing else is left."""
-        claim = next((item for item in state if isinstance(item, Settling)), None)
-        if claim is None or is_false(self.requirement(state)):
+        settling = next((item for item in state if isinstance(item, Settling)), None)
+        if settling is None or is_false(self.requirement(state)):
             return
-        rest = state - {claim}
+        rest = state - {settling}
         if not any(isinstance(item, TableauTask) for item in rest):
-            yield TableauStep(state, SHOWN, (positive(claim.clock),))
-        elif not claim.conditions <= self.requirement(rest):
-            ending = conjunction((negated(all_of(claim.conditions, self.span)),))
+            yield TableauStep(state, SHOWN, (positive(settling.clock),))
+        elif not settling.conditions <= self.requirement(rest):
+            ending = conjunction((negated(all_of(settling.conditions, self.span)),))
             if not self._is_goal(rest, ending):
-                yield from self._made(state, rest, (), ending, claim)
+                yield from self._made(state, rest, (), ending, settling)
 
     def _is_goal(self, state: State, condition: Conjunction) -> bool:
         """Whether all that is left is to see the condition once from now on: then there is no better moment."""
@@ -334,11 +334,11 @@ class Tableau:
         """Pasts begin to be watched as soon as they can be, for an earlier beginning is never worse; and are given up
         when what has to last does not."""
         watched = {item.past: item for item in state if isinstance(item, Seen)}
-        claim = next((item for item in state if isinstance(item, Settling)), None)
+        settling = next((item for item in state if isinstance(item, Settling)), None)
         for past in sorted(pasts_wanted(state, self.saved), key=repr):
             item = watched.get(past)
             if item is None:
-                yield from self._begin(state, past, claim)
+                yield from self._begin(state, past, settling)
                 continue
             without = state - {item}
             required = self._requirement(item)
@@ -354,7 +354,7 @@ class Tableau:
             if not is_false(fails):
                 yield from self._past_step(state, without, fails, ())
 
-    def _begin(self, state: State, past: Past, claim: Settling | None) -> Iterator[TableauStep]:
+    def _begin(self, state: State, past: Past, settling: Settling | None) -> Iterator[TableauStep]:
         if isinstance(past, HeldFor) and past.length is None:
             return
         item = Seen(past, "on", (FRESH,))
@@ -364,8 +364,8 @@ class Tableau:
             yield from self._past_step(state, others | {item}, condition, (), forced=True)
             return
         clocks: tuple[ClockGuard, ...] = ()
-        if claim is not None:
-            state_after, clocks = state - {claim} | {item}, (positive(claim.clock),)
+        if settling is not None:
+            state_after, clocks = state - {settling} | {item}, (positive(settling.clock),)
         else:
             state_after = state | {item}
         for step in self._past_step(state, state_after, frozenset(), clocks, forced=not clocks):

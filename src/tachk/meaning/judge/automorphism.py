@@ -78,11 +78,11 @@ class Automorphisms:
                 leaves = self.behaviour.of((process, number), self.behaviour.limits(process, number))
                 if any(leaf.answer is FAULT for leaf in leaves):
                     raise IndivisibleError("an invariant or a rate may be a run-time error")
-        self._predicate_parts = [self._taken_apart(predicate) for predicate in self.predicates]
+        self._predicate_parts = [self._decomposed(predicate) for predicate in self.predicates]
         if not all(map(self._has_no_error, self._predicate_parts)):
             raise IndivisibleError("what is asked for may be a run-time error")
 
-    def _taken_apart(self, predicate: Expression) -> Part:
+    def _decomposed(self, predicate: Expression) -> Part:
         part = part_of(predicate)
         return part if self._has_no_error(part) else PredicateAtom(predicate, True, ())
 

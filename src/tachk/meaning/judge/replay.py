@@ -45,8 +45,8 @@ def _after(model: PreparedNetwork, state: TimedState, step: TimedStep) -> TimedS
     return waited if step.transition is None else fire(model, waited, step.transition)
 
 
-def _compare(number: int, computed: TimedState, claimed: TimedState) -> None:
-    if computed.discrete != claimed.discrete:
+def _compare(number: int, computed: TimedState, submitted: TimedState) -> None:
+    if computed.discrete != submitted.discrete:
         raise ReplayError(number, "locations or variables differ from the computed ones")
-    if computed.clocks != claimed.clocks or computed.time != claimed.time:
+    if computed.clocks != submitted.clocks or computed.time != submitted.time:
         raise ReplayError(number, "clock values or the time differ from the computed ones")

@@ -140,7 +140,7 @@ def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _Bounded
     """With the smallest zones that contain two of the given ones, which differ in few bounds, in place of these."""
     zones = canonical(columns.matrices(dimension))
     number = np.arange(len(zones))  # of each zone, what it has become
-    refused: set[bytes] = set()
+    rejected: set[bytes] = set()
     found = True
     while found and len(np.unique(number)) > enough:
         found = False
@@ -149,7 +149,7 @@ def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _Bounded
             pair = zones[[one, other]].tobytes()
             if checker.is_tired():
                 break
-            if pair in refused:
+            if pair in rejected:
                 continue
             merged = np.where(number == other, one, number)
             widest = zones.copy()
@@ -157,7 +157,7 @@ def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _Bounded
             if checker.accepts(_all_constraints(columns, widest[merged])):
                 zones, number, found = widest, merged, True
                 break
-            refused.add(pair)
+            rejected.add(pair)
     return _all_constraints(columns, zones[number])
 
 

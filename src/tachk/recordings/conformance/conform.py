@@ -212,17 +212,17 @@ def conform(
     refusing = [answer for answer in answers if answer.accepted is not True]
     if not refusing:
         return replace(found, accepted=True, runs=tuple(_run(answer, run) for answer in answers))
-    refused = [answer for answer in refusing if answer.accepted is False]
-    found = replace(found, accepted=False if refused else None, reason="" if refused else refusing[0].reason)
+    rejected = [answer for answer in refusing if answer.accepted is False]
+    found = replace(found, accepted=False if rejected else None, reason="" if rejected else refusing[0].reason)
     if not explain:
         return found
     try:
-        refusal = _earliest(search, refused or refusing)
+        rejection = _earliest(search, rejected or refusing)
     except StoppedError:
-        refusal = None
-    left_out = "where the recording leaves the model" if refused and refusal is None else ""
+        rejection = None
+    left_out = "where the recording leaves the model" if rejected and rejection is None else ""
     reached = tuple(one for answer in answers if (one := _reached(answer)) is not None)
-    return replace(found, refusal=refusal, reached=reached, left_out=left_out)
+    return replace(found, refusal=rejection, reached=reached, left_out=left_out)
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,7 +366,7 @@ def _run(answer: _SearchOutcome, exact: bool) -> ConformingRun:
 
 def _earliest(search: _ConformanceSearch, refusing: Sequence[_SearchOutcome]) -> Rejection | None:
     """The first place where the recording leaves the model, of all components that reject it."""
-    found = [refusal for answer in refusing if (refusal := _furthest(search, answer)) is not None]
+    found = [rejection for answer in refusing if (rejection := _furthest(search, answer)) is not None]
     return min(found, key=lambda each: (each.event is None, each.event or 0), default=None)
 
 

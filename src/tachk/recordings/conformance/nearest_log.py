@@ -87,13 +87,13 @@ def smallest_edit(
 
     Raises StoppedError.
     """
-    refusal = found.refusal
-    if refusal is None or refusal.event is None:
+    rejection = found.refusal
+    if rejection is None or rejection.event is None:
         return EditSearch(None)
     near = NearestLogSearch(network, mapping, recording, constants, found, limits)
     origin, scale = found.streams.origin, found.streams.scale
-    place = near.numbers.index(refusal.event)
-    likely = list(edits(near.recording, place, refusal.enabled_events, origin, scale))
+    place = near.numbers.index(rejection.event)
+    likely = list(edits(near.recording, place, rejection.enabled_events, origin, scale))
     for number, edit in enumerate(likely):
         if work is not None and near.work >= work:
             return EditSearch(None, len(likely) - number)

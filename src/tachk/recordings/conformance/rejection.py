@@ -124,19 +124,19 @@ def enabled_events(
         network, mapping: of which the other network was made.
         happened: how many events of each stream have happened.
     """
-    near = around(streams, happened)
-    product = trace_product(network, mapping, near, product.kept)
-    lenient, said = product.lenient(near)
+    next_streams = around(streams, happened)
+    product = trace_product(network, mapping, next_streams, product.kept)
+    lenient, said = product.lenient(next_streams)
     model = replace(prepare(lenient), most_cases=_CASES)
     start, zones = _start(model, product, happened, end), list(end.zones)
     clock = model.layout.initial[model.layout.first[product.now]]
     found: dict[tuple[int, tuple[tuple[str, int], ...]], tuple[int, int]] = {}
     pending: list[tuple[DiscreteState, list[Zone]]] = [(start, zones)]
     seen: dict[DiscreteState, list[Zone]] = {}
-    looked_at, whole = 0, True
-    while pending and looked_at < _STATES:
+    explored, whole = 0, True
+    while pending and explored < _STATES:
         check_job()
-        looked_at += 1
+        explored += 1
         discrete, arrived = pending.pop(0)
         try:
             here = symbolic.situation(model, discrete)

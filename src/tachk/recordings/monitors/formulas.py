@@ -284,8 +284,8 @@ def names_file(given: str | os.PathLike[str]) -> bool:
         return True
     if "\n" in given:
         return False
-    looks = given.endswith((*FORMULA_SUFFIXES, *MODEL_SUFFIXES)) and not re.search(r"\s", given)
-    return looks or os.path.isfile(given)  # unlike Path.is_file false for a text that is too long
+    is_path_like = given.endswith((*FORMULA_SUFFIXES, *MODEL_SUFFIXES)) and not re.search(r"\s", given)
+    return is_path_like or os.path.isfile(given)  # unlike Path.is_file false for a text that is too long
 
 
 def _checked(read: list[NamedFormula | tuple[Diagnostic, ...]], what: str) -> tuple[NamedFormula, ...]:

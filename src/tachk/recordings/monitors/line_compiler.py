@@ -63,13 +63,13 @@ class _LineChecker:
             text = quoted(node)
             match node.operator:
                 case BinaryOperator.MULTIPLY if _reads(node.left) and _reads(node.right):
-                    yield _refusal(node, f"{text}, a product of columns, is not linear between rows")
+                    yield _not_linear(node, f"{text}, a product of columns, is not linear between rows")
                 case BinaryOperator.DIVIDE if _reads(node.right):
-                    yield _refusal(node, f"{text}, a quotient with a column below, is not linear between rows")
+                    yield _not_linear(node, f"{text}, a quotient with a column below, is not linear between rows")
                 case BinaryOperator.DIVIDE if _constant(node.right) == 0:
                     yield Diagnostic("E0905", f"{text} divides by zero", node.span)
                 case BinaryOperator.MODULO:
-                    yield _refusal(node, f"{text}, a remainder, is not linear between rows")
+                    yield _not_linear(node, f"{text}, a remainder, is not linear between rows")
                 case _:
                     pass
 
@@ -124,7 +124,7 @@ class _LineChecker:
                     yield _no_first_instant(expression, becomes, None)
 
 
-def _refusal(node: ast.Expression, message: str) -> Diagnostic:
+def _not_linear(node: ast.Expression, message: str) -> Diagnostic:
     return Diagnostic("E0905", message, node.span, "with --interpolation constant values are held, and this is allowed")
 
 

@@ -170,7 +170,7 @@ class Monitor:
             self._refuse(
                 time, lambda name: more.get(name) if values is None else dict(values).get(name, more.get(name))
             )
-            truth = self._look()
+            truth = self._note_verdicts()
         if self._watch is not None:
             self._watch.update(time, values, more)
         self._locations, self._of_rows = locations, after
@@ -205,7 +205,7 @@ class Monitor:
                 lambda name: np.asarray(columns[name])[row],
                 row,
             )
-            truth = self._look()
+            truth = self._note_verdicts()
         if self._watch is not None:
             self._watch.push(times, columns, factor)
         self._locations, self._of_rows = locations, after
@@ -217,7 +217,7 @@ class Monitor:
         truth = self._group.advance(time)
         if truth is None:
             self._refuse(time)
-            truth = self._look()
+            truth = self._note_verdicts()
         if self._watch is not None:
             self._watch.advance(time)
         return truth
@@ -227,7 +227,7 @@ class Monitor:
         self._check_begun()
         if self._group.finish(time) is None:
             self._refuse(time)
-            self._look()
+            self._note_verdicts()
         if self._watch is not None:
             self._watch.finish(time)
         return self.verdicts
@@ -405,7 +405,7 @@ class Monitor:
                     f"{place}: column {column!r} has no value yet", "the first event gives every column a value"
                 )
 
-    def _look(self) -> Truth:
+    def _note_verdicts(self) -> Truth:
         """Notes what the last call has decided, while the rows that explain it are there still."""
         for number, watched in enumerate(self._watched):
             truth = Truth(self._group.verdict_of(number))

@@ -31,7 +31,7 @@ _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+")
 _ENDS_OF_LINES = "end lines with a line feed, and put names with other control characters between double quotes"
 
 
-_LOOKED_AT = 100
+_SAMPLE_LINES = 100
 """Lines that tell which columns hold numbers."""
 
 _BINARY = {
@@ -139,7 +139,7 @@ def _point(sample: bytes, separator: str) -> str:
 def _worded(sample: bytes, header: TraceHeader, separator: str, point: str) -> frozenset[str]:
     left = dict(enumerate(header.names))
     words = set()
-    for line in sample.decode("utf-8", "replace").splitlines()[:_LOOKED_AT]:
+    for line in sample.decode("utf-8", "replace").splitlines()[:_SAMPLE_LINES]:
         for place, cell in enumerate(() if line.startswith("#") else _cells(line.replace("\0", ""), separator)):
             text = cell.strip().lower()
             if place in left and text not in _MISSING:

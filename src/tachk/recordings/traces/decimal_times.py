@@ -101,7 +101,7 @@ def rounded(time: Fraction, decimals: int) -> Fraction:
     return Fraction(whole if time >= 0 else -whole, scale)
 
 
-def kept_apart(times: Sequence[Fraction], binary: Sequence[bool]) -> tuple[list[Fraction], int | None] | None:
+def separated(times: Sequence[Fraction], binary: Sequence[bool]) -> tuple[list[Fraction], int | None] | None:
     """The times, rounded if any of them was a binary number, and to how many decimals.
 
     None where no number of decimals keeps neighbours apart.

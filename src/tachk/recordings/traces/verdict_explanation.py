@@ -85,10 +85,10 @@ class Explainer:
 
     def signal(self, node: int) -> NodeSignal:
         """The signal of a node of the program over the trace."""
-        self._look_at((node,))
+        self._compute((node,))
         return self._known[node]
 
-    def _look_at(self, nodes: Sequence[int]) -> None:
+    def _compute(self, nodes: Sequence[int]) -> None:
         """Computes what nodes are worth. Their operands are mostly looked at next, and the trace need not be read again
         for them."""
         new = [node for node in nodes if node not in self._known]
@@ -103,7 +103,7 @@ class Explainer:
         start, size = 0, 1
         while start < len(nodes):
             group = nodes[start : start + size]
-            self._look_at(group)
+            self._compute(group)
             yield from (node for node in group if self._known[node].at(cell) is value)
             start, size = start + size, min(2 * size, _AT_ONCE)
 
@@ -263,7 +263,7 @@ class Explainer:
         reasons = [response] if trigger is None else [response, trigger]
         decided = max(self._decided(reason) for reason in reasons)
         last = self.cells - 1
-        if decided >= last or not any(self._looks_further(reason) for reason in reasons):
+        if decided >= last or not any(self._reaches_beyond(reason) for reason in reasons):
             return min(decided, last)
         return None if self.decide is None else min(2 * self.decide((decided + 1) // 2), last)
 
@@ -275,10 +275,10 @@ class Explainer:
             return self.cells - 1 if reason.window[1] is None else reason.window[1]
         return reason.cell
 
-    def _looks_further(self, reason: TruthReason) -> bool:
+    def _reaches_beyond(self, reason: TruthReason) -> bool:
         """Whether operands that the reasons say nothing about look ahead of the window of their operator."""
         if reason.parts and reason.kind is not NodeKind.UNTIL:
-            return any(self._looks_further(part) for part in reason.parts)
+            return any(self._reaches_beyond(part) for part in reason.parts)
         pending = list(self.program.nodes[reason.node].operands)
         while pending:
             node = self.program.nodes[pending.pop()]
@@ -329,8 +329,8 @@ def horizon(program: MonitorProgram) -> int:
     ahead: list[int] = []
     for node in program.nodes:
         reach = max((ahead[operand] for operand in node.operands), default=0)
-        looks_ahead = node.kind in _AHEAD
-        ahead.append(reach + (max(node.upper, node.lower) if looks_ahead else 0))
+        is_future = node.kind in _AHEAD
+        ahead.append(reach + (max(node.upper, node.lower) if is_future else 0))
     return ahead[-1]
 
 
@@ -339,8 +339,8 @@ def memory(program: MonitorProgram) -> int:
     behind: list[int] = []
     for node in program.nodes:
         reach = max((behind[operand] for operand in node.operands), default=0)
-        looks_back = node.kind in (NodeKind.ONCE, NodeKind.HISTORICALLY, NodeKind.SINCE)
-        behind.append(reach + (max(node.upper, node.lower) if looks_back else 0))
+        is_past = node.kind in (NodeKind.ONCE, NodeKind.HISTORICALLY, NodeKind.SINCE)
+        behind.append(reach + (max(node.upper, node.lower) if is_past else 0))
     return behind[-1]
 
 

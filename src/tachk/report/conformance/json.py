@@ -43,7 +43,7 @@ def _answer(found: Conformance) -> dict[str, Any]:
             ),
             Rejection: Fields(
                 "happened event state allowed=enabled_events allowed_whole=enabled_complete",
-                event=lambda refusal: None if refusal.event is None else events[refusal.event],
+                event=lambda rejection: None if rejection.event is None else events[rejection.event],
             ),
             PossibleEvent: Fields(
                 "event=name cells earliest latest",

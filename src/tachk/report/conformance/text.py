@@ -112,24 +112,24 @@ def coverage_to_text(covered: Sequence[Covered]) -> str:
 
 
 def _rejection_lines(found: Conformance) -> Iterator[str]:
-    refusal = found.refusal
-    if refusal is None:
+    rejection = found.refusal
+    if rejection is None:
         return
-    happened = refusal.happened
+    happened = rejection.happened
     yield f"the longest run goes along with {grouped(happened)} of them"
-    if refusal.event is None:
+    if rejection.event is None:
         yield "after the last event the model does something that was not recorded"
         return
-    event = found.recording.events[refusal.event]
+    event = found.recording.events[rejection.event]
     yield f"it leaves the model at {event.place}, at {recorded_time(found, event.time)}: {event_text(event)}"
-    if refusal.state:
-        yield f"  there the model is in {refusal.state}"
-    for enabled_event in refusal.enabled_events:
+    if rejection.state:
+        yield f"  there the model is in {rejection.state}"
+    for enabled_event in rejection.enabled_events:
         window = f"from {moment(found, enabled_event.earliest)}"
         if enabled_event.latest is not None:
             window += f" to {moment(found, enabled_event.latest)}"
         yield f"  the model allows {enabled_event_text(found, enabled_event)}, {window}"
-    if not refusal.enabled_events and refusal.enabled_complete:
+    if not rejection.enabled_events and rejection.enabled_complete:
         yield "  the model allows no event there"
-    if not refusal.enabled_complete:
+    if not rejection.enabled_complete:
         yield "  there may be other events that the model allows: it can go on in too many ways to look at all"

@@ -197,7 +197,7 @@ def _probability(network: Network, query: StatisticalQuery, path: PathProperty, 
     runs = settings.runs or path.runs
     if runs is None:
         rule = StoppingRule(settings.confidence, settings.half_width)
-        if rule.looks[-1] <= MOST_RUNS:
+        if rule.analyses[-1] <= MOST_RUNS:
             low, high = _sequential(sampler, rule)
             return _estimated(query, sampler.sample, low, high, "sequential", path.always)
         runs = runs_for(settings.confidence, settings.half_width)
@@ -218,12 +218,12 @@ def _sequential(sampler: Sampler, rule: StoppingRule) -> tuple[float, float]:
     """The interval under a rule. Runs that are unknown are counted twice, as hits and as none; each count stops on its
     own, and gives one end."""
     intervals: dict[bool, tuple[float, float]] = {}
-    for look, runs in enumerate(rule.looks):
+    for analysis, runs in enumerate(rule.analyses):
         sample = sampler.draw_up_to(runs)
         for as_hits in (False, True):
             hits = sample.hits + (sample.unknown if as_hits else 0)
-            if as_hits not in intervals and rule.stops(look, hits):
-                intervals[as_hits] = rule.interval(look, hits)
+            if as_hits not in intervals and rule.stops(analysis, hits):
+                intervals[as_hits] = rule.interval(analysis, hits)
         if len(intervals) == 2:
             break
     return intervals[False][0], intervals[True][1]

@@ -1,6 +1,6 @@
 """The number of runs to draw, and intervals that are exact for a number of runs that depends on them.
 
-The runs are looked at after certain numbers of them, and no more are drawn as soon as the interval is narrow enough.
+The runs are analysed after certain numbers of them, and no more are drawn as soon as the interval is narrow enough.
 The interval of Clopper and Pearson for a fixed number of runs would miss the probability more often than it says then.
 So the interval is made anew from what can happen under this rule: all the places where it may stop, in the order in
 which they speak for a larger probability (Armitage, "Numerical studies in the sequential estimation of a binomial
@@ -50,8 +50,8 @@ class StoppingRule:
         return 2 * self.half_width * slack
 
     @cached_property
-    def looks(self) -> tuple[int, ...]:
-        """After how many runs they are looked at; at the last of these numbers it stops in any case."""
+    def analyses(self) -> tuple[int, ...]:
+        """After how many runs they are analysed; at the last of these numbers it stops in any case."""
         z = _quantile(self.confidence)
         last = ceil((z / self._width) ** 2)
         while _width(np.array([last // 2]), last, z)[0] > self._width:
@@ -63,39 +63,39 @@ class StoppingRule:
 
     @cached_property
     def edges(self) -> tuple[int, ...]:
-        """For each look the number of hits up to which it stops, and likewise of misses; -1 where it never does."""
+        """For each analysis the number of hits up to which it stops, and likewise of misses; -1 where it never does."""
         z = _quantile(self.confidence)
         found = []
-        for runs in self.looks[:-1]:
+        for runs in self.analyses[:-1]:
             wide = _width(np.arange(runs // 2 + 1), runs, z) > self._width
             found.append(int(np.argmax(wide)) - 1 if wide.any() else runs)
-        return (*found, self.looks[-1])
+        return (*found, self.analyses[-1])
 
-    def stops(self, look: int, hits: int) -> bool:
-        runs, edge = self.looks[look], self.edges[look]
+    def stops(self, analysis: int, hits: int) -> bool:
+        runs, edge = self.analyses[analysis], self.edges[analysis]
         return hits <= edge or runs - hits <= edge
 
-    def interval(self, look: int, hits: int) -> tuple[float, float]:
+    def interval(self, analysis: int, hits: int) -> tuple[float, float]:
         """A confidence interval of the probability of a hit, for a place where the rule stops."""
-        runs = self.looks[look]
+        runs = self.analyses[analysis]
         if 2 * hits > runs:  # the rule is the same for hits and misses
-            low, high = self.interval(look, runs - hits)
+            low, high = self.interval(analysis, runs - hits)
             return 1 - high, 1 - low
         miss = (1 - self.confidence) / 2
-        places = self.places(look)
+        places = self.places(analysis)
         before = places.up_to(runs, hits - 1)
         there = places.up_to(runs, hits)
         low = 0.0 if len(before) == 0 else _first(lambda p: 1 - before.probability(p) > miss)[0]
         high = _first(lambda p: there.probability(p) < miss)[1]
         return max(0.0, low * (1 - _OUTWARDS)), min(1.0, high * (1 + _OUTWARDS))
 
-    def places(self, last_look: int) -> Places:
-        """The places up to a look where it may stop with at most as many hits as misses, from the least probability
-        of a hit that they speak for to the largest."""
+    def places(self, last_analysis: int) -> Places:
+        """The places where it may stop up to an analysis, with at most as many hits as misses, in the order in which
+        they speak for a larger probability of a hit."""
         runs_, hits_, shares_ = [], [], []
         shares = np.ones(1)
         runs = 0
-        for size, edge in zip(self.looks[: last_look + 1], self.edges, strict=False):
+        for size, edge in zip(self.analyses[: last_analysis + 1], self.edges, strict=False):
             while runs < size:
                 runs += 1
                 shares = _one_more_run(shares, runs)

@@ -25,7 +25,7 @@ from tachk.simulation.columns import all_columns, chosen_columns, columns_for
 from tachk.simulation.fault_injection import read_plan, with_faults
 from tachk.simulation.runs import Runs
 from tachk.simulation.stepping.files import check_determined, read_submitted
-from tachk.simulation.stepping.refusals import refusal_diagnostic
+from tachk.simulation.stepping.rejections import rejection_diagnostic
 from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import run_text
 from tachk.simulation.stepping.signals import signals_of
@@ -223,5 +223,5 @@ def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None 
     check_determined(model.network)
     names = RunNames(model.network)
     replayed = replay_submitted(names, read_submitted(Path(run), property))
-    refusal = None if replayed.refusal is None else refusal_diagnostic(replayed.refusal)
-    return Replay(names, replayed.trace, refusal)
+    rejection = None if replayed.refusal is None else rejection_diagnostic(replayed.refusal)
+    return Replay(names, replayed.trace, rejection)

@@ -30,7 +30,7 @@ _MOST_AT_ONCE = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class StepRefusal:
+class StepRejection:
     """Attributes:
     step: the first one that cannot be taken, from 1; 0 is the initial state.
     wanted: the submitted step; None for the initial state.
@@ -49,7 +49,7 @@ class Replayed:
     """
 
     trace: TimedTrace
-    refusal: StepRefusal | None
+    refusal: StepRejection | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +72,12 @@ def replay_submitted(names: RunNames, run: SubmittedRun) -> Replayed:
     nodes = [_ReachedState(start, None, None)]
     difference = _difference(names, start, run.initial)
     if difference:
-        return Replayed(TimedTrace(start, ()), StepRefusal(0, None, StepReason(difference)))
+        return Replayed(TimedTrace(start, ()), StepRejection(0, None, StepReason(difference)))
     for number, wanted in enumerate(run.steps, start=1):
         check_job()
         following = _after(names, nodes, wanted)
         if not following:
-            return Replayed(_trace(nodes[0]), StepRefusal(number, wanted, _why(names, nodes[0].state, wanted)))
+            return Replayed(_trace(nodes[0]), StepRejection(number, wanted, _why(names, nodes[0].state, wanted)))
         nodes = following
     return Replayed(_trace(nodes[0]), None)
 

@@ -10,7 +10,7 @@ from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import delay, fire
 from tachk.model.run import TimedState, TimedStep, TimedTrace
 from tachk.simulation.stepping.enabled import DelayWindow, EnabledSteps, EnabledTransition, enabled_steps
-from tachk.simulation.stepping.replaying import StepRefusal, beginning, replay_submitted
+from tachk.simulation.stepping.replaying import StepRejection, beginning, replay_submitted
 from tachk.simulation.stepping.submitted import SubmittedRun
 
 
@@ -76,7 +76,7 @@ class Session:
             raise NotPossibleError(known if self.steps else "no step has been taken yet")
         return Session(self.names, self.initial, self.steps, position)
 
-    def loaded(self, submitted: SubmittedRun) -> tuple[Session, StepRefusal | None]:
+    def loaded(self, submitted: SubmittedRun) -> tuple[Session, StepRejection | None]:
         """Another run in place of this one, as far as it is one."""
         replayed = replay_submitted(self.names, submitted)
         steps = replayed.trace.steps

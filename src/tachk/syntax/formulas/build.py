@@ -60,7 +60,7 @@ class TemporalExpression(ast.Node):
 
 
 @dataclass(frozen=True, slots=True)
-class RefusedPart(ast.Node):
+class MalformedPart(ast.Node):
     """In place of an interval that is wrong. It is reported when the whole formula is read, for there reading can go on
     behind it."""
 
@@ -92,20 +92,20 @@ class FormulaBuilder:
     def implies(self, children: Children) -> ast.BinaryExpression:
         return ast.BinaryExpression(span_of(children), BinaryOperator.IMPLY, children[0], children[2])
 
-    def interval(self, children: Children) -> Interval | RefusedPart:
+    def interval(self, children: Children) -> Interval | MalformedPart:
         opening, lower, _, upper, closing = children
         bound = None if isinstance(upper, Token) else upper
         for part in (lower, bound):
-            if isinstance(part, RefusedPart):
+            if isinstance(part, MalformedPart):
                 return part
         for one, other in () if bound is None else ((lower, bound), (bound, lower)):
             found = missing_unit(one, other)
             if found is not None:
-                return RefusedPart(one.span, found)
+                return MalformedPart(one.span, found)
         closed = bound is None or closing.text == "]"
         return Interval(span_of(children), lower, bound, opening.text == "[", closed)
 
-    def half_interval(self, children: Children) -> RefusedPart:
+    def half_interval(self, children: Children) -> MalformedPart:
         opening, *inside, closing = children
         span = span_of(children)
         if not inside:
@@ -117,12 +117,12 @@ class FormulaBuilder:
         else:
             message = "the bounds of an interval are separated by a comma"
             help_ = f"write {opening.text}{inside[0].span.text}, {inside[2].span.text}{closing.text}"
-        return RefusedPart(span, Diagnostic("E0130", message, span, help_))
+        return MalformedPart(span, Diagnostic("E0130", message, span, help_))
 
-    def duration(self, children: Children) -> Duration | RefusedPart:
+    def duration(self, children: Children) -> Duration | MalformedPart:
         expression, unit = children
         if unit is not None and unit.text not in UNITS:
-            return RefusedPart(unit.span, unknown_unit(unit.text, unit.span))
+            return MalformedPart(unit.span, unknown_unit(unit.text, unit.span))
         return Duration(span_of(children), _number(expression), unit.text if unit is not None else "")
 
     def temporal_formula(self, children: Children) -> WholeFormula:
@@ -174,7 +174,7 @@ def as_formula(expression: Any) -> Formula:
     """
     for found in measured(expression)[0]:
         raise Misplaced(found)
-    for part in nodes_of_kind(expression, RefusedPart):
+    for part in nodes_of_kind(expression, MalformedPart):
         raise Misplaced(part.diagnostic)
     return _formula(expression)
 
@@ -320,7 +320,7 @@ def _why(node: ast.Expression) -> str:
 
 def _state_expression(node: Any, why: str) -> ast.Expression:
     """An expression over one state, which has no temporal operator."""
-    for inner in nodes_of_kind(node, *_REFUSED):
+    for inner in nodes_of_kind(node, *_NOT_OF_ONE_STATE):
         match inner:
             case TemporalExpression(operator=operator):
                 help_ = (
@@ -350,4 +350,4 @@ def _state_expression(node: Any, why: str) -> ast.Expression:
     return result
 
 
-_REFUSED = (TemporalExpression, ast.AssignmentExpression, ast.IncrementExpression, ast.DeadlockExpression)
+_NOT_OF_ONE_STATE = (TemporalExpression, ast.AssignmentExpression, ast.IncrementExpression, ast.DeadlockExpression)

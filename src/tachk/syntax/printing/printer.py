@@ -219,12 +219,12 @@ def write_separated(writer: Writer, nodes: Iterable[_Node], write: Callable[[Wri
     has one."""
     previous: _Node | None = None
     for node in nodes:
-        writer.separate(previous, node, _stands_apart(previous) or _stands_apart(node))
+        writer.separate(previous, node, _is_separated(previous) or _is_separated(node))
         write(writer, node)
         previous = node
 
 
-def _stands_apart(item: Any) -> bool:
+def _is_separated(item: Any) -> bool:
     return isinstance(item, ast.Template | ast.FunctionDeclaration)
 
 

@@ -1,7 +1,7 @@
 """From the phrases of a sentence to its parts, one callback for each rule of grammar/sentences.lark.
 
-The callbacks get everything a rule matched, phrases as tokens. They raise `Refused` for a condition or a duration that
-cannot be read; `tachk.syntax.sentences.order` puts the parts together.
+The callbacks get everything a rule matched, phrases as tokens. They raise `Unreadable` for a condition or a duration
+that cannot be read; `tachk.syntax.sentences.order` puts the parts together.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tachk.syntax.formula import And, Atom, Duration, Formula, Not, Or, Rise
 from tachk.syntax.formulas.build import missing_unit
 from tachk.syntax.parsing.tokens import Token
 from tachk.syntax.sentences import tree as s
-from tachk.syntax.sentences.conditions import Refused, read_condition, read_duration, read_number, read_value
+from tachk.syntax.sentences.conditions import Unreadable, read_condition, read_duration, read_number, read_value
 
 Children = list[Any]
 
@@ -81,7 +81,7 @@ class SentenceBuilder:
     def becoming(self, children: Children) -> s.Becomes:
         _, condition, becomes, stays, lasting = children
         if stays is not None and _polarity(stays) != _polarity(becomes):
-            raise Refused(
+            raise Unreadable(
                 Diagnostic(
                     "E0144",
                     "what becomes true stays true, what becomes false stays false",
@@ -263,5 +263,5 @@ def _range(kind: type[_R], children: Children) -> _R:
         lower = replace(lower, unit=upper.unit)
     missing = missing_unit(upper, lower)
     if missing is not None:
-        raise Refused(missing)
+        raise Unreadable(missing)
     return kind(_span(children), lower, upper)

@@ -30,7 +30,7 @@ from tachk.syntax.sentences.text import Piece, cut
 _TEMPORAL_HELP = "a condition is about one instant; a property with operators like F and G is written as a formula"
 
 
-class Refused(Exception):
+class Unreadable(Exception):
     """A part of a sentence cannot be read."""
 
     def __init__(self, *diagnostics: Diagnostic) -> None:
@@ -49,10 +49,10 @@ def read_condition(span: Span) -> Formula:
         span = Span(span.source, pieces[0].span.start + 1, pieces[0].span.end - 1)
     formula, found = parse_formula(span)
     if formula is None or found:
-        raise Refused(*found)
+        raise Unreadable(*found)
     temporal = _temporal(formula)
     if temporal is not None:
-        raise Refused(Diagnostic("E0146", "a temporal operator inside a condition", temporal.span, _TEMPORAL_HELP))
+        raise Unreadable(Diagnostic("E0146", "a temporal operator inside a condition", temporal.span, _TEMPORAL_HELP))
     return formula
 
 
@@ -65,7 +65,7 @@ def read_value(span: Span) -> ast.Expression:
     formula = read_condition(span)
     if isinstance(formula, Atom):
         return formula.expression
-    raise Refused(
+    raise Unreadable(
         Diagnostic(
             "E0144",
             "a condition changes both when it becomes true and when it becomes false",
@@ -88,7 +88,7 @@ def read_number(span: Span) -> ast.Expression:
             isinstance(expression, ast.BinaryExpression) and expression.operator.group is not OperandGroup.ARITHMETIC
         ):
             return expression
-    raise Refused(
+    raise Unreadable(
         Diagnostic("E0144", "this is a condition, not a number", span, "write 'must be true', or name what is compared")
     )
 
@@ -106,13 +106,13 @@ def read_duration(span: Span) -> Duration:
 def _amount(piece: Piece) -> Fraction | ast.Expression:
     if piece.kind == "number":
         if is_huge(piece.text):
-            raise Refused(Diagnostic("E0005", "this number has too many digits", piece.span))
+            raise Unreadable(Diagnostic("E0005", "this number has too many digits", piece.span))
         return Fraction(piece.text)
     formula, found = parse_formula(piece.span)
     if found:
-        raise Refused(*found)
+        raise Unreadable(*found)
     if not isinstance(formula, Atom):
-        raise Refused(Diagnostic("E0144", "this is not a duration", piece.span, "write a number or a constant"))
+        raise Unreadable(Diagnostic("E0144", "this is not a duration", piece.span, "write a number or a constant"))
     match formula.expression:
         case ast.IntegerLiteral(value=value):
             return Fraction(value)

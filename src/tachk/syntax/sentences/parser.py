@@ -17,7 +17,7 @@ from tachk.syntax.formulas.tokens import is_sentence, lacks_full_stop
 from tachk.syntax.parsing.lalr import Stack
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.parsing.tokens import END, Token
-from tachk.syntax.sentences.conditions import Refused
+from tachk.syntax.sentences.conditions import Unreadable
 from tachk.syntax.sentences.order import assemble
 from tachk.syntax.sentences.parses import Correction, SentenceParse, SentenceParses, exact_phrases
 from tachk.syntax.sentences.printer import print_sentence
@@ -86,9 +86,9 @@ def _outcome(span: Span, parse: SentenceParse) -> _ParseOutcome:
         parts = None
         for token in parse.tokens:
             parts = stack.feed(Token(token.type, token.text, token.span))
-    except Refused as refused:
-        known = all(found.code in ("E0134", "E0144", "E0146") for found in refused.diagnostics)
-        return _ParseOutcome(None, refused.diagnostics, parse.corrections, 3 if known else 4)
+    except Unreadable as unreadable:
+        known = all(found.code in ("E0134", "E0144", "E0146") for found in unreadable.diagnostics)
+        return _ParseOutcome(None, unreadable.diagnostics, parse.corrections, 3 if known else 4)
     assert parts is not None, "a parse ends with the end of the text"
     sentence, found = assemble(span, parts)
     fault = 0 if not found else 1 if sentence is not None else 2

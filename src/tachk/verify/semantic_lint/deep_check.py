@@ -67,14 +67,14 @@ def interchange_parts(network: Network) -> tuple[LintAnswer, ...]:
         return ()
     symmetry = find_symmetry(network, [])
     lines: list[str] = []
-    refused = list(symmetry.differences)
+    differences = list(symmetry.differences)
     for each, table in tables_of(network, symmetry):
         if isinstance(table, AsymmetryReason):
             first, second = (network.processes[block[0]] for block in each.members[:2])
-            refused.append(Difference(first.template, first.name, second.name, table))
+            differences.append(Difference(first.template, first.name, second.name, table))
         else:
             lines.append(members_in_words(table.slots, table.cyclic, [process.name for process in network.processes]))
-    lines += _differences(refused)
+    lines += _differences(differences)
     return (LintAnswer(_QUESTION, "; ".join(lines)),) if lines else ()
 
 

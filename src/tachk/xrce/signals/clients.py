@@ -158,7 +158,7 @@ class Transfer:
             self.waiting.append((sent, MessageWait(known, row, time)))
         return longest
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Looks again whether something is open or lost."""
         receiver, sender, reached = self.receiver, self.sender, self.reached
         sent = sender.sent

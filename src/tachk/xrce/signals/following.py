@@ -200,7 +200,7 @@ class SignalTracker:
                 self._delivered(self._side.owner, (to_agent, stream), _item(found, entry, kind, octets))
                 self._stand()
             if self._changed:
-                self._look(self._row)
+                self._note_situation(self._row)
         self._rows += len(times)
         self._times.append(times)
         self._packets.append(messages.packets)
@@ -257,7 +257,7 @@ class SignalTracker:
         if vanished:
             self._complete, self._ordered = self._exchange.standing()
             self._inserted.append((self._rows, self.latest, 0))
-            self._look(self._rows)
+            self._note_situation(self._rows)
             self._rows += 1
 
     def waiting(self) -> MessageWait | None:
@@ -328,7 +328,7 @@ class SignalTracker:
             if not side.asleep:
                 side.asleep = True
                 side.sleep_log.note(row + count, (1,))
-            self._look(row + count)
+            self._note_situation(row + count)
             count += 1
         return count
 
@@ -393,7 +393,7 @@ class SignalTracker:
             stream.log.note(self._row, state.values())
         transfer = stream.transfer or stream.side.owner.transfer(stream)
         was_open, was_lost, was_unheard = transfer.open, transfer.lost, transfer.unheard
-        transfer.look()
+        transfer.update()
         to_agent = transfer.to_agent
         if transfer.open != was_open:
             self._open[to_agent] += transfer.open - was_open
@@ -460,7 +460,7 @@ class SignalTracker:
 
     # ---- all of it ----
 
-    def _look(self, row: int) -> None:
+    def _note_situation(self, row: int) -> None:
         """Notes the situation if it has changed."""
         self._changed = False
         asleep = [side for side in self.sides if side.asleep and side is side.owner.own_side]

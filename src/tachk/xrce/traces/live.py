@@ -107,7 +107,7 @@ class LivePackets:
         self._ports = ports
         self._stream = stream
         self._clock = clock
-        self._looked = 0
+        self._pruned_at = 0
         self._start: int | None = None
         self._reported = 0
         self._kept = np.zeros((2, 0), np.int64)
@@ -138,8 +138,8 @@ class LivePackets:
                     self._start = int(block.times[0])
                 if self._start is not None and (len(block.times) or waited > self._reported):
                     yield self._rows(block, wanted, waited)
-                if waited >= self._looked + GONE:
-                    self._looked = waited
+                if waited >= self._pruned_at + GONE:
+                    self._pruned_at = waited
                     self._tracker.forget_gone()
             if self._start is None and isinstance(decoder, SerialDecoder):
                 raise CaptureError("this is neither a pcap nor a pcapng capture, nor has it a message of a serial line")

@@ -16,7 +16,7 @@ def _stops(rule: StoppingRule, probability: float) -> dict[tuple[int, int], floa
     alive = [1.0]
     found = {}
     runs = 0
-    for look, size in enumerate(rule.looks):
+    for analysis, size in enumerate(rule.analyses):
         for _ in range(size - runs):
             alive = [
                 (alive[k] * (1 - probability) if k < len(alive) else 0.0) + (alive[k - 1] * probability if k else 0.0)
@@ -24,8 +24,8 @@ def _stops(rule: StoppingRule, probability: float) -> dict[tuple[int, int], floa
             ]
         runs = size
         for hits, share in enumerate(alive):
-            if rule.stops(look, hits):
-                found[look, hits] = share
+            if rule.stops(analysis, hits):
+                found[analysis, hits] = share
                 alive[hits] = 0.0
     return found
 
@@ -48,24 +48,24 @@ def test_the_coverage_is_never_below_the_confidence(confidence: float, half_widt
 
 def test_places_are_as_probable_as_runs_say() -> None:
     rule = StoppingRule(0.95, 0.1)
-    places = rule.places(len(rule.looks) - 1)
+    places = rule.places(len(rule.analyses) - 1)
     expected = _stops(rule, 0.3)
     found = {
-        (rule.looks.index(int(runs)), int(hits)): share
+        (rule.analyses.index(int(runs)), int(hits)): share
         for runs, hits, share in zip(places.runs, places.hits, places.probabilities(0.3), strict=True)
     }
-    for (look, hits), share in expected.items():
-        if 2 * hits <= rule.looks[look]:
-            assert found.get((look, hits), 0.0) == pytest.approx(share, abs=1e-12)
+    for (analysis, hits), share in expected.items():
+        if 2 * hits <= rule.analyses[analysis]:
+            assert found.get((analysis, hits), 0.0) == pytest.approx(share, abs=1e-12)
 
 
 def test_few_runs_are_enough_where_nothing_happens() -> None:
     rule = StoppingRule(0.95, 0.05)
-    first = next(look for look in range(len(rule.looks)) if rule.stops(look, 0))
-    assert rule.looks[first] < 60 < 400 < rule.looks[-1]
+    first = next(analysis for analysis in range(len(rule.analyses)) if rule.stops(analysis, 0))
+    assert rule.analyses[first] < 60 < 400 < rule.analyses[-1]
     low, high = rule.interval(first, 0)
-    assert low == 0 and high == pytest.approx(1 - 0.025 ** (1 / rule.looks[first]))
-    assert rule.interval(first, rule.looks[first]) == pytest.approx((1 - high, 1))
+    assert low == 0 and high == pytest.approx(1 - 0.025 ** (1 / rule.analyses[first]))
+    assert rule.interval(first, rule.analyses[first]) == pytest.approx((1 - high, 1))
 
 
 def test_a_fixed_number_of_runs() -> None:
@@ -77,8 +77,8 @@ def test_a_fixed_number_of_runs() -> None:
 
 def test_the_rule_treats_hits_and_misses_alike() -> None:
     rule = StoppingRule(0.95, 0.1)
-    look = len(rule.looks) - 2
-    runs = rule.looks[look]
-    for hits in np.linspace(0, rule.edges[look], 4).astype(int).tolist():
-        low, high = rule.interval(look, hits)
-        assert rule.interval(look, runs - hits) == pytest.approx((1 - high, 1 - low))
+    analysis = len(rule.analyses) - 2
+    runs = rule.analyses[analysis]
+    for hits in np.linspace(0, rule.edges[analysis], 4).astype(int).tolist():
+        low, high = rule.interval(analysis, hits)
+        assert rule.interval(analysis, runs - hits) == pytest.approx((1 - high, 1 - low))

@@ -88,7 +88,7 @@ def shortened(
             if (
                 free(a, b)
                 and _keeps_to_label(route, shorter, label)
-                and all(_apart(shorter, rival) for rival in rivals)
+                and all(_are_disjoint(shorter, rival) for rival in rivals)
                 and (start > 0 or spread(a, b, others))
                 and (end < len(route) - 1 or spread(b, a, others))
                 and crossings(((a, b),), others) <= crossings(tuple(pairwise(route[start : end + 1])), others)
@@ -113,7 +113,7 @@ def _to_label(route: Sequence[Point], label: Box) -> float:
     return min(distance_to_segment(Point(round(x), round(y)), a, b) for x, y in corners for a, b in pairwise(route))
 
 
-def _apart(route: Sequence[Point], rival: Sequence[Point]) -> bool:
+def _are_disjoint(route: Sequence[Point], rival: Sequence[Point]) -> bool:
     """Whether two edges between the same nodes are distinct in the drawing: one has a nail off the other's line."""
     inner = [(point, rival) for point in route[1:-1]] + [(point, route) for point in rival[1:-1]]
     return any(

@@ -29,7 +29,7 @@ from tachk.model.quantity import shortened
 from tachk.recordings.traces.arrivals import belongs, topic_of
 from tachk.recordings.traces.compressed import open_bytes, torn
 from tachk.recordings.traces.csv_beginning import ByteStream
-from tachk.recordings.traces.decimal_times import USUAL_DECIMALS, is_binary, kept_apart, rounded, shortest
+from tachk.recordings.traces.decimal_times import USUAL_DECIMALS, is_binary, rounded, separated, shortest
 from tachk.recordings.traces.location_names import location_names, locations_in
 from tachk.recordings.traces.logs.dates import is_date, seconds_of
 from tachk.recordings.traces.logs.sparse import sparse
@@ -102,7 +102,7 @@ class JsonRecording:
             if any(a == b and c != d for (a, b), (c, d) in zip(pairwise(times), pairwise(exact), strict=True)):
                 raise self._merged(exact)
         else:
-            counted = kept_apart(times, [binary for _, binary in short])
+            counted = separated(times, [binary for _, binary in short])
             if counted is None:
                 raise self._merged(times)
             times, decimals = counted

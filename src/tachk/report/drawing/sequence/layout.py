@@ -23,7 +23,7 @@ from tachk.report.drawing.sequence.chart import Chart, Message, Moment, Note, Ph
 LINE = 17
 """From one label to the next one below it."""
 
-_APART = LINE - 2
+_LABEL_DISTANCE = LINE - 2
 """The same where labels had to move; more than the height of a text."""
 
 _NEAR = 400
@@ -156,7 +156,7 @@ def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> ChartLayout:
     xs = _columns(chart)
     rows = _ChartRows(chart, axis)
     arrows = tuple(_arrow(message, rows, xs) for message in chart.messages)
-    labels = _apart([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()])
+    labels = _without_overlap([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()])
     bands = tuple(
         LifelineBand(
             phase, xs[phase.lifeline], rows.at(phase.begin), max(rows.at(phase.end), rows.at(phase.begin) + LINE)
@@ -382,7 +382,7 @@ def _late_arrivals(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Ite
             yield ChartLabel(text, x, y - 4, anchor, message.category.value, None, message.detail)
 
 
-def _apart(labels: Sequence[ChartLabel]) -> list[ChartLabel]:
+def _without_overlap(labels: Sequence[ChartLabel]) -> list[ChartLabel]:
     """Labels that would overlap others move down, and get a line to where they belong."""
     placed: list[ChartLabel] = []
     lowest: dict[tuple[float, str], float] = {}
@@ -394,10 +394,10 @@ def _apart(labels: Sequence[ChartLabel]) -> list[ChartLabel]:
 
 
 def _free(label: ChartLabel, placed: Sequence[ChartLabel], lowest: Mapping[tuple[float, str], float]) -> ChartLabel:
-    y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + _APART)
+    y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + _LABEL_DISTANCE)
     moved = label if y == label.y else _at(label, y)
     while above := [other for other in placed[-_NEAR:] if overlap(moved, other)]:
-        moved = _at(label, max(other.y for other in above) + _APART)
+        moved = _at(label, max(other.y for other in above) + _LABEL_DISTANCE)
     return moved
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.span import NOWHERE
 from tachk.model.quantity import decimal
-from tachk.simulation.stepping.replaying import StepRefusal
+from tachk.simulation.stepping.replaying import StepRejection
 from tachk.simulation.stepping.submitted import SubmittedStep
 
 
-def refusal_diagnostic(refusal: StepRefusal) -> Diagnostic:
+def rejection_diagnostic(rejection: StepRejection) -> Diagnostic:
     """A refused step at its line of the file, or at the place of the model that refuses it."""
-    labels = refusal.reason.labels
-    words = "the initial state" if refusal.wanted is None else f"step {refusal.step} ({_words(refusal.wanted)})"
-    message = f"{words} cannot be taken: {refusal.reason.message}"
-    span = None if refusal.wanted is None else refusal.wanted.span
+    labels = rejection.reason.labels
+    words = "the initial state" if rejection.wanted is None else f"step {rejection.step} ({_words(rejection.wanted)})"
+    message = f"{words} cannot be taken: {rejection.reason.message}"
+    span = None if rejection.wanted is None else rejection.wanted.span
     if span is None and labels:
         message += f": {labels[0].text}" if labels[0].text != "here" else ""
         span, labels = labels[0].span, labels[1:]
