@@ -190,6 +190,44 @@ def test_counts_of_the_complement(newer: None) -> None:
     assert int(hits) / int(runs) == pytest.approx(0.8, abs=0.1)
 
 
+# ---- Stratego --------------------------------------------------------------------------------------------------------
+
+
+def test_trees_of_strategies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`verifyta --seed N -sWqy`: lines that begin with the number of runs, right behind the verdict."""
+    monkeypatch.setenv("TACHK_VERIFYTA_FORM", "stratego")
+    lines = verifyta("E[<=2; 400](max: phase)", "--seed", "7", "-sqy").split("\n")
+    begin = next(number for number, line in enumerate(lines) if line.startswith("Verifying"))
+    assert lines[begin + 1] == " -- Formula is satisfied."
+    found = re.match(r"^\([\d]+ runs\) E\([\w]+\) = ([\d]+.[\d]+) ± ([\d]+.[\d]+)", lines[begin + 2])
+    assert found is not None
+    assert abs(float(found[1]) - 1.6) <= 3 * float(found[2])
+    assert "\n(50 runs) E(min) = ≈ 0\n" in verifyta("E[<=2; 50](min: phase)")
+
+
+def test_results_of_a_makefile(newer: None) -> None:
+    """The number of the formula, where it stands, its result and the values, line by line."""
+    out = verifyta("E[<=2; 400](max: phase)", "--alpha", "0.03", "--beta", "0.03", "--epsilon", "0.03")
+    verdict = next(line for line in out.splitlines() if "E(" in line)
+    assert re.search(r"^Verifying formula (\d+) at (.*?\.q:\d+)", out, re.M)
+    assert re.search(r"\((\d+) runs\) E\(\w+\) = ([\d\.]+) ± ([\d\.e\-\+]+) \((\d+)% CI\)", verdict)
+    assert re.search(r"Values in \[([0-9.]+),([0-9.]+)\].*?mean=([0-9.]+)", out)
+    probability = next(line for line in verifyta("Pr[<=2](<> A.t)", "--alpha", "0.03").splitlines() if "Pr(" in line)
+    found = re.search(r"\((\d+)/(\d+) runs\).*?\[([0-9.]+),([0-9.]+)\].*?(\d+)% CI", probability)
+    assert found is not None
+    assert found[5] == "97"
+
+
+def test_data_points_of_an_experiment() -> None:
+    """Each query's points behind a line that begins with a bracket and ends with a colon."""
+    lines = [
+        line.strip() for line in verifyta("simulate [<=10; 2] {(phase + 0.0) / 2}", "--seed", "428094").split("\n")
+    ]
+    assert sum(line.startswith("(") and line.endswith(":") for line in lines) == 1
+    points = [re.findall(r"\(([^,]+),\s*([^)]+)\)", line.split(":", 1)[1]) for line in lines if line.startswith("[")]
+    assert [[(float(first), float(last)) for first, last in run][-1] for run in points] == [(10, 2), (10, 2)]
+
+
 def test_an_unknown_form(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TACHK_VERIFYTA_FORM", "6")
     assert verifyta("Pr[<=2](<> A.t)", status=2) == ""

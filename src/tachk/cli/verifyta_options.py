@@ -169,7 +169,8 @@ def help_text(program: str) -> str:
     lines += [
         "",
         "With UPPAAL_COMPILE_ONLY=1 in the environment the model is printed in UPPAAL's intermediate format. With",
-        "TACHK_VERIFYTA_FORM=5.0 answers to statistical queries look as UPPAAL 5.0 prints them, else as 4.1 does.",
+        "TACHK_VERIFYTA_FORM=5.0 answers to statistical queries look as UPPAAL 5.0 prints them, with stratego as",
+        "Stratego does, else as 4.1 does.",
     ]
     return "\n".join(lines) + "\n"
 

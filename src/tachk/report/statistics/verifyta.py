@@ -10,6 +10,8 @@ and version 5.0
 
      -- Formula is satisfied.
      -- Result: (2994167/4000000 runs) Pr(<> …) in [0.748116,0.748967] (95% CI)
+
+UPPAAL Stratego has the same words without ``-- Result:``, so that the line begins with the number of runs.
 """
 
 from __future__ import annotations
@@ -45,11 +47,17 @@ class Form(StrEnum):
 
     V4 = "4.1"
     V5 = "5.0"
+    STRATEGO = "stratego"
 
     @property
     def dots(self) -> str:
         """The placeholder for a condition."""
         return "..." if self is Form.V4 else "…"
+
+    @property
+    def result(self) -> str:
+        """The words before a result."""
+        return " -- Result: " if self is Form.V5 else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +133,7 @@ def _interval_lines(interval: str, hits: int, runs: int, form: Form, settings: S
         yield f"({runs} runs) {interval}"
         yield f"with confidence {settings.confidence:.6g}."
     else:
-        yield f" -- Result: ({hits}/{runs} runs) {interval} ({settings.confidence * 100:.6g}% CI)"
+        yield f"{form.result}({hits}/{runs} runs) {interval} ({settings.confidence * 100:.6g}% CI)"
 
 
 def path_of(found: Estimated) -> PathProperty | None:
@@ -167,7 +175,7 @@ def _test(found: Decided, form: Form, settings: Settings) -> Iterator[str]:
     if form is Form.V4:
         yield f"({runs} runs) {text}"
     else:
-        yield f" -- Result: ({hits}/{runs} runs) {text}"
+        yield f"{form.result}({hits}/{runs} runs) {text}"
     yield f"with confidence {settings.confidence:.6g}."
 
 
@@ -179,10 +187,10 @@ def _mean(found: Mean, form: Form, settings: Settings) -> Iterator[str]:
         return
     low, high = found.asymptotic
     if not isfinite(high - low) or high == low:
-        yield f" -- Result: ({runs} runs) {name} = ≈ {found.mean:.6g}"
+        yield f"{form.result}({runs} runs) {name} = ≈ {found.mean:.6g}"
     else:
         interval = f"{found.mean:.6g} ± {(high - low) / 2:.6g}"
-        yield f" -- Result: ({runs} runs) {name} = {interval} ({settings.confidence * 100:.6g}% CI)"
+        yield f"{form.result}({runs} runs) {name} = {interval} ({settings.confidence * 100:.6g}% CI)"
 
 
 def _values(values: NDArray[np.float64], bars: Bars) -> Iterator[str]:
