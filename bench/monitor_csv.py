@@ -16,7 +16,7 @@ from pathlib import Path
 from random import Random
 
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
-from tachk.recordings.monitors.offline import EvaluationOptions, judge, prepare
+from tachk.recordings.monitors.offline import EvaluationOptions, evaluate_formulas, prepare
 from tachk.recordings.monitors.online import Monitor
 from tachk.recordings.traces.core_monitor import monitor_truth
 from tachk.recordings.traces.trace_csv import open_csv
@@ -50,7 +50,7 @@ def main(arguments: list[str]) -> None:
 
 
 def whole(named: Sequence[NamedFormula], table: Path, robustness: bool) -> None:
-    judge(named, open_csv(table), EvaluationOptions(robustness=robustness))
+    evaluate_formulas(named, open_csv(table), EvaluationOptions(robustness=robustness))
 
 
 def online(named: Sequence[NamedFormula], table: Path) -> None:

@@ -85,10 +85,10 @@ def _recurrent(steps: Steps) -> Steps:
     """The edges that are left when those go that can be taken only finitely often for what is left."""
     while True:
         check_job()
-        kept = _on_cycles(_answered(_undone(steps)))
-        if kept == steps:
+        remaining = _on_cycles(_answered(_undone(steps)))
+        if remaining == steps:
             return steps
-        steps = kept
+        steps = remaining
 
 
 def _on_cycles(steps: Iterable[EdgeStep]) -> Steps:
@@ -96,11 +96,11 @@ def _on_cycles(steps: Iterable[EdgeStep]) -> Steps:
     by_process: dict[int, list[EdgeStep]] = {}
     for step in steps:
         by_process.setdefault(step.process, []).append(step)
-    kept: list[EdgeStep] = []
+    inner_steps: list[EdgeStep] = []
     for own in by_process.values():
         component = components((step.source, step.target) for step in own)
-        kept += (step for step in own if component[step.source] == component[step.target])
-    return frozenset(kept)
+        inner_steps += (step for step in own if component[step.source] == component[step.target])
+    return frozenset(inner_steps)
 
 
 def _answered(steps: Steps) -> Steps:

@@ -492,12 +492,12 @@ class Model(Estimable):
         named = (property,) if isinstance(property, str) else tuple(property)
         questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
         grid = grid_of_values(over)
-        judge = None
+        formula_runs = None
         if monitor is not None:
-            from tachk.verify.campaign.judged_runs import judged_runs
+            from tachk.verify.campaign.evaluated_runs import evaluated_runs
 
-            judge = judged_runs(monitor, str(until), runs, seed)
-        common = options or Options(), limits or Limits(), settings, judge
+            formula_runs = evaluated_runs(monitor, str(until), runs, seed)
+        common = options or Options(), limits or Limits(), settings, formula_runs
         job, compute = verification(self._written, grid.names, questions, *common), computing(processes, dask)
         return Sweep(self.path, run_campaign(grid, job, store, compute, seconds, progress, GridPart(*part), merge))
 

@@ -18,7 +18,7 @@ from tachk.recordings.monitors.formulas import (
     check_order,
     names_file,
 )
-from tachk.recordings.monitors.offline import ending_of, formulas_of, interpolation_of, judge, selected
+from tachk.recordings.monitors.offline import ending_of, evaluate_formulas, formulas_of, interpolation_of, selected
 from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, cell_time
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.logs.joined import with_decimals
@@ -82,7 +82,7 @@ def monitor(
     evaluation = EvaluationOptions(ending, interpolation_of(interpolation), robustness, time_robustness)
     recording = with_decimals(open_trace(trace, time, unit, ports, run), decimals)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and names_file(formula) else ""
-    return MonitorReport(judge(formulas, recording, evaluation, source))
+    return MonitorReport(evaluate_formulas(formulas, recording, evaluation, source))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -40,7 +40,7 @@ def write_run(
         write(0, recorded.trace)
 
 
-def judged_run(names: RunNames, run: TimedTrace, formulas: tuple[NamedFormula, ...], name: str) -> dict[str, Truth]:
+def evaluated_run(names: RunNames, run: TimedTrace, formulas: tuple[NamedFormula, ...], name: str) -> dict[str, Truth]:
     """The verdict of each formula."""
     if not formulas:
         return {}

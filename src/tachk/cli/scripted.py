@@ -9,7 +9,7 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.records import dataclass
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.run_signals import judged_run, write_run
+from tachk.cli.run_signals import evaluated_run, write_run
 from tachk.cli.simulated_model import model_of_run
 from tachk.cli.trace_arguments import exit_status
 from tachk.meaning.run_view import RunNames
@@ -44,7 +44,7 @@ def run_script(arguments: ScriptArguments) -> ExitStatus:
     formulas = formulas_for(arguments.formulas, about.model.network, about.constants)
     if arguments.output is not None:
         write_run(arguments.output, names, replayed.trace, arguments.record, formulas, arguments.model, about.constants)
-    truths = judged_run(names, replayed.trace, formulas, str(arguments.file))
+    truths = evaluated_run(names, replayed.trace, formulas, str(arguments.file))
     texts = {formula.name: formula.text for formula in formulas}
     end = replayed.trace.states[-1].time
     if arguments.form == "json":

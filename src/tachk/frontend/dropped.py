@@ -121,7 +121,7 @@ def refuse_use(node: ast.NameExpression | ast.MemberExpression, symbol: DroppedS
     context.error("E0750", node.span, f"the {symbol.description} `{name}` is not supported here", advice)
 
 
-def kept_of_update(update: ast.Expression, scope: Scope) -> ast.Expression | None:
+def checked_part_of_update(update: ast.Expression, scope: Scope) -> ast.Expression | None:
     """The part of an update that stays. An assignment to a dropped variable leaves its value, if computing that may
     change something or fail, and else nothing."""
     if not isinstance(update, ast.AssignmentExpression) or not is_dropped(update.target, scope):

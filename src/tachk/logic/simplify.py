@@ -98,10 +98,12 @@ def _joined(
                     return TruthConstant(span, not neutral)
             else:
                 parts[part] = None
-    kept = [part for part in parts if not (isinstance(part, dual) and any(inner in parts for inner in part.operands))]
-    if not kept:
+    parts_left = [
+        part for part in parts if not (isinstance(part, dual) and any(inner in parts for inner in part.operands))
+    ]
+    if not parts_left:
         return TruthConstant(span, neutral)
-    return kept[0] if len(kept) == 1 else kind(span, tuple(kept))
+    return parts_left[0] if len(parts_left) == 1 else kind(span, tuple(parts_left))
 
 
 def _implication(node: Implies) -> Formula:

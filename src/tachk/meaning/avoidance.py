@@ -96,10 +96,10 @@ def recurring(
         back = here
         for state, transition in reversed(list(zip(states, loop, strict=True))):
             back = _before(situations[state], transition, back, goals[state])
-        kept = symbolic.intersections(here, back)
-        if not dbm.subtract_all(here, kept):
+        avoiding = symbolic.intersections(here, back)
+        if not dbm.subtract_all(here, avoiding):
             break
-        here = dbm.without_covered(kept)
+        here = dbm.without_covered(avoiding)
     return here
 
 

@@ -55,7 +55,7 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
                 diagonals.update(_differences(comparison, low, high, layout))
             elif len(clocks) > 2:
                 raise ValueError(f"{comparison.span}: a comparison with more than two clocks")
-    _carry(clock_copies(network), maximum, diagonals, compared)
+    _copy_constants(clock_copies(network), maximum, diagonals, compared)
     values = _values(network, layout)
     for i, j, raw in diagonals:
         for number in (i, j):
@@ -110,7 +110,9 @@ def clock_copies(network: Network) -> list[Copies]:
     return found
 
 
-def _carry(copies: Sequence[Copies], maximum: list[int], diagonals: set[Constraint], compared: set[int]) -> None:
+def _copy_constants(
+    copies: Sequence[Copies], maximum: list[int], diagonals: set[Constraint], compared: set[int]
+) -> None:
     """Hands the constants of a clock on to the clocks that it is set to. Raises ValueError if that never ends, which
     differences of clocks may cause."""
     changed = True

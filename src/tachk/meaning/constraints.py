@@ -232,15 +232,17 @@ def tidied(condition: Disjunction) -> Disjunction:
 
     A product of disjunctions over a few clocks stays small if it is tidied after each factor.
     """
-    kept: dict[Conjunction, dict[tuple[int, int], int]] = {}
+    conjunctions: dict[Conjunction, dict[tuple[int, int], int]] = {}
     for constraints in condition:
         tightest = _tightest(constraints)
         if tightest is not None:
-            kept.setdefault(tuple(sorted((i, j, raw) for (i, j), raw in tightest.items())), tightest)
-    if len(kept) > _FEW:
-        return list(kept)
-    others = list(kept.values())
-    return [c for c, own in kept.items() if not any(other is not own and _implies(own, other) for other in others)]
+            conjunctions.setdefault(tuple(sorted((i, j, raw) for (i, j), raw in tightest.items())), tightest)
+    if len(conjunctions) > _FEW:
+        return list(conjunctions)
+    others = list(conjunctions.values())
+    return [
+        c for c, own in conjunctions.items() if not any(other is not own and _implies(own, other) for other in others)
+    ]
 
 
 def _tightest(constraints: Conjunction) -> dict[tuple[int, int], int] | None:

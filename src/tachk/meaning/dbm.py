@@ -273,11 +273,11 @@ def subtract_all(federation: Iterable[Zone], removed: Iterable[Zone]) -> Federat
 
 def without_covered(federation: Iterable[Zone]) -> Federation:
     """The same valuations in no zones that another one includes."""
-    kept: Federation = []
+    maximal: Federation = []
     for zone in federation:
-        if not any(includes(other, zone) for other in kept):
-            kept = [other for other in kept if not includes(zone, other)] + [zone]
-    return kept
+        if not any(includes(other, zone) for other in maximal):
+            maximal = [other for other in maximal if not includes(zone, other)] + [zone]
+    return maximal
 
 
 def contains(zone: Zone, clocks: Sequence[Fraction]) -> bool:

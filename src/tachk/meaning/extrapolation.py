@@ -13,11 +13,11 @@ def widen(constants: ClockConstants, zone: Zone) -> Federation:
     for diagonal in constants.diagonals:
         sides = (diagonal, dbm.complement(diagonal))
         pieces = [part for piece in pieces for side in sides if (part := dbm.constrain(piece, side)) is not None]
-    return [_kept_to_its_side(constants, dbm.extrapolate_max(piece, constants.maximum), piece) for piece in pieces]
+    return [_limited_to_its_side(constants, dbm.extrapolate_max(piece, constants.maximum), piece) for piece in pieces]
 
 
-def _kept_to_its_side(constants: ClockConstants, widened: Zone, piece: Zone) -> Zone:
+def _limited_to_its_side(constants: ClockConstants, widened: Zone, piece: Zone) -> Zone:
     sides = (side for diagonal in constants.diagonals for side in (diagonal, dbm.complement(diagonal)))
-    kept = dbm.constrain_all(widened, (side for side in sides if side[2] >= piece[side[0], side[1]]))
-    assert kept is not None
-    return kept
+    limited = dbm.constrain_all(widened, (side for side in sides if side[2] >= piece[side[0], side[1]]))
+    assert limited is not None
+    return limited

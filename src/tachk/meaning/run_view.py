@@ -80,12 +80,12 @@ class TransitionView:
     Attributes:
         channel: empty for an internal edge.
         moves: the sender's first.
-        carried: what a synchronisation leaves in meta variables: what its processes tell each other.
+        payload: the values that a synchronisation passes in meta variables.
     """
 
     channel: str
     moves: tuple[ProcessMove, ...]
-    carried: tuple[tuple[str, int], ...] = ()
+    payload: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,9 +237,9 @@ class RunNames:
             number = channel_number(synchronisation.channel, scratch)
             channel = self._channel(self.layout.channel_cells[number])
         moves = tuple(self._move(participant) for participant in transition.participants)
-        return TransitionView(channel, moves, self._carried(before, transition) if channel else ())
+        return TransitionView(channel, moves, self._payload(before, transition) if channel else ())
 
-    def _carried(self, before: DiscreteState, transition: Transition) -> tuple[tuple[str, int], ...]:
+    def _payload(self, before: DiscreteState, transition: Transition) -> tuple[tuple[str, int], ...]:
         if not self._metas:
             return ()
         try:

@@ -84,20 +84,20 @@ class Judgement:
 
 def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
     """The report for people."""
-    for judged in judgements:
-        header, found = judged.certificate.header, judged.certificate
-        yield f"{'✓' if judged.accepted else '✗'} {header.name}: {judged.query.text}"
+    for judgement in judgements:
+        header, found = judgement.certificate.header, judgement.certificate
+        yield f"{'✓' if judgement.accepted else '✗'} {header.name}: {judgement.query.text}"
         size = f"{_count(found.zones, 'zone')} of {_count(found.groups, 'discrete state')}"
-        by = f" by the {judged.checker.value} checker" if judged.checker is not None else ""
-        if judged.accepted:
-            yield f"    accepted{by}: it {judged.proved}, by {size}"
-            for members in judged.exchanged():
+        by = f" by the {judgement.checker.value} checker" if judgement.checker is not None else ""
+        if judgement.accepted:
+            yield f"    accepted{by}: it {judgement.proved}, by {size}"
+            for members in judgement.exchanged():
                 yield f"    {for_all(members)}"
             continue
-        yield f"    rejected{by}: {judged.reason}"
-        if (state := judged.state()) is not None:
+        yield f"    rejected{by}: {judgement.reason}"
+        if (state := judgement.state()) is not None:
             yield f"    at        {state}"
-        if text := judged.transition():
+        if text := judgement.transition():
             yield f"    by        {text}"
 
 
@@ -115,11 +115,11 @@ _PLAIN = PlainData(
         Judgement: Fields(
             "property=certificate.header.name query=query.text kind=certificate.header.kind checker accepted proves "
             "discrete_states=certificate.groups zones=certificate.zones exchanged seconds reason state transition",
-            proves=lambda judged: judged.proved if judged.accepted else None,
+            proves=lambda judgement: judgement.proved if judgement.accepted else None,
             exchanged=Judgement.exchanged,
-            reason=lambda judged: judged.reason or None,
+            reason=lambda judgement: judgement.reason or None,
             state=Judgement.state,
-            transition=lambda judged: judged.transition() or None,
+            transition=lambda judgement: judgement.transition() or None,
         ),
         ZoneState: Fields(
             "zone=number locations variables constraints",

@@ -163,8 +163,8 @@ def _transition(event: TransitionView, written_spans: _WrittenSpans) -> dict[str
         "channel": event.channel or None,
         "participants": [_participant(move, written_spans) for move in event.moves],
     }
-    if event.carried:
-        transition["carries"] = dict(event.carried)
+    if event.payload:
+        transition["carries"] = dict(event.payload)
     return transition
 
 

@@ -330,12 +330,12 @@ def _answer(record: RunRecord, verdict: Verdict) -> str:
 
 def _summary(record: RunRecord) -> Text:
     uncheckable = sum(bool(query.diagnostics) for query in record.not_checked)
-    judged: list[Verdict | StatisticalAnswer] = [
+    is_counted: list[Verdict | StatisticalAnswer] = [
         *record.verdicts,
-        *(answer for answer in record.estimates if answer.judged),
+        *(answer for answer in record.estimates if answer.is_counted),
     ]
-    estimated = len(record.verdicts) + len(record.estimates) - len(judged)
-    total = len(judged) + uncheckable
+    estimated = len(record.verdicts) + len(record.estimates) - len(is_counted)
+    total = len(is_counted) + uncheckable
     if record.nothing_checked:
         unread = any(not each.is_unsupported for query in record.not_checked for each in query.diagnostics)
         reason = "no query could be read" if unread else "tachk supports none of the given queries"
@@ -343,8 +343,8 @@ def _summary(record: RunRecord) -> Text:
     if total == 0 and not estimated:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")
     other = sum(map(record.leaves_the_model, record.verdicts))
-    wrong = sum(answer.met is False for answer in judged) - other
-    unknown = sum(answer.met is None for answer in judged)
+    wrong = sum(answer.met is False for answer in is_counted) - other
+    unknown = sum(answer.met is None for answer in is_counted)
     parts = [f"{total - wrong - other - unknown - uncheckable} of {total} as expected"] if total else []
     if wrong:
         parts.append(f"{wrong} not")

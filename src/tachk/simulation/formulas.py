@@ -13,7 +13,7 @@ from tachk.model.network import Network
 from tachk.recordings.monitors.compiler import arrival_argument, column_name
 from tachk.recordings.monitors.conditions import with_numbers_as_conditions
 from tachk.recordings.monitors.formulas import NamedFormula, beside_columns, formula_source, formulas_in
-from tachk.recordings.monitors.offline import judge
+from tachk.recordings.monitors.offline import evaluate_formulas
 from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
@@ -104,5 +104,5 @@ def truths_on(trace: Trace, formulas: tuple[NamedFormula, ...]) -> dict[str, Tru
     recording = open_trace(trace)
     whole = (each.within(recording.columns) for each in formulas)
     conditions = [replace(each, formula=with_numbers_as_conditions(each.formula)) for each in whole]
-    verdicts = judge(conditions, recording, EvaluationOptions(robustness=False)).verdicts
+    verdicts = evaluate_formulas(conditions, recording, EvaluationOptions(robustness=False)).verdicts
     return {verdict.name: verdict.truth for verdict in verdicts}

@@ -186,16 +186,16 @@ def _write_vcd(trace: Trace, out: TextIO) -> None:
     comment = f"{trace.name}\n{time_comment(trace.unit)}"
     with VCDWriter(out, timescale=scale, date="", comment=comment) as dump:
         variables = {}
-        kept = dict(_columns(trace))
-        for name, values in kept.items():
+        columns = dict(_columns(trace))
+        for name, values in columns.items():
             scope, _, own = name.rpartition(".")
             kind, size = _vcd_kind(trace, name)
             if kind == "real":
-                kept[name] = values = list(map(_ExactDouble, values))
+                columns[name] = values = list(map(_ExactDouble, values))
             variables[name] = dump.register_var(scope or "model", own, kind, size=size, init=values[0])
         for row, time in enumerate(trace.times.tolist()):
             for name, variable in variables.items():
-                dump.change(variable, int(time * tick), kept[name][row])
+                dump.change(variable, int(time * tick), columns[name][row])
         dump.close(int(trace.end * tick))
 
 

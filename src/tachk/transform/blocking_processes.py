@@ -45,18 +45,18 @@ def without_blocking(network: Network, targets: Sequence[Expression]) -> Transfo
     return reduced(network, _trimmed(network, cone), Exactness.UNREACHABLE)
 
 
-def only_blocking(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> set[int]:
+def only_blocking(network: Network, targets: Sequence[Expression], required: Collection[int] = ()) -> set[int]:
     """The processes that make nothing possible for what targets need nor for those that are to be kept, and use up no
     monotone counter of theirs; none where every action counts."""
     if every_action_counts(network, targets):
         return set()
-    return set(range(len(network.processes))) - _cone(network, targets, kept).members
+    return set(range(len(network.processes))) - _cone(network, targets, required).members
 
 
-def trimmed_to(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> Network:
+def trimmed_to(network: Network, targets: Sequence[Expression], required: Collection[int] = ()) -> Network:
     """The network with all processes that only block frozen, where they block nothing, and without the updates of the
     others that change nothing they need."""
-    return _trimmed(network, _cone(network, targets, kept))
+    return _trimmed(network, _cone(network, targets, required))
 
 
 def _trimmed(network: Network, cone: _Cone) -> Network:
@@ -193,14 +193,14 @@ class _Cone:
 
 
 def _cone(
-    network: Network, targets: Sequence[Expression], kept: Collection[int], ignored: Collection[Variable] = ()
+    network: Network, targets: Sequence[Expression], required: Collection[int], ignored: Collection[Variable] = ()
 ) -> _Cone:
     """The dependencies of the targets, where ignored writes make nothing possible."""
     known = known_values(network, targets)
     deeds = [_deeds(network, process, known, ignored) for process in network.processes]
     cone = _Cone(known)
     cone.include(targets)
-    for number in sorted(kept):
+    for number in sorted(required):
         cone.add(number, network.processes[number])
     grows = True
     while grows:

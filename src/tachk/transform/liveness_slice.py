@@ -52,12 +52,12 @@ def liveness_preserving_slice(network: Network, targets: list[Expression]) -> Tr
         return unchanged(network)
     known = known_values(network, [])
     writers = _writers(network)
-    kept = {number for number in left_out if not _never_hinders(network.processes[number], known, writers)}
-    while left_out := only_blocking(network, targets, kept):
+    required = {number for number in left_out if not _never_hinders(network.processes[number], known, writers)}
+    while left_out := only_blocking(network, targets, required):
         noticed = _for_ever(network, left_out, known)
         if not noticed:
-            return reduced(network, trimmed_to(network, targets, kept), Exactness.INFINITE_RUNS)
-        kept |= noticed
+            return reduced(network, trimmed_to(network, targets, required), Exactness.INFINITE_RUNS)
+        required |= noticed
     return unchanged(network)
 
 
@@ -123,19 +123,19 @@ def _lets_happen(edge: Edge, ends: list[Ends], known: Known) -> bool:
 
 def _may_enter(edge: Edge, ends: list[Ends], known: Known) -> bool:
     """Whether the invariant behind an edge holds certainly when it has been taken."""
-    return all(_is_kept(clock, end, edge, ends[edge.source], known) for clock, end in ends[edge.target].items())
+    return all(_is_bounded(clock, end, edge, ends[edge.source], known) for clock, end in ends[edge.target].items())
 
 
-def _is_kept(clock: Expression, end: int, edge: Edge, before: Ends, known: Known) -> bool:
-    kept = before.get(clock, end + 1) <= end
+def _is_bounded(clock: Expression, end: int, edge: Edge, before: Ends, known: Known) -> bool:
+    is_bounded = before.get(clock, end + 1) <= end
     for update in edge.updates:
         if written_variables([update]).isdisjoint(roots(clock)):
             continue
-        kept = False
+        is_bounded = False
         if isinstance(update, Assign) and isinstance(update.target.type, ClockType) and update.target == clock:
             value = fold(update.value, known)
-            kept = isinstance(value, Constant) and 0 <= value.value <= end
-    return kept
+            is_bounded = isinstance(value, Constant) and 0 <= value.value <= end
+    return is_bounded
 
 
 def _goes_on(process: Process, source: int, ends: list[Ends], known: Known) -> bool:

@@ -258,7 +258,7 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: SearchedRun) -> V
     problem = "it has no delays"
     try:
         with unhurried(LEAST_SECONDS_FOR_DELAYS), limited(SECONDS_FOR_DELAYS):
-            run = _judged(model, verdict.query, searched)
+            run = _replayed_run(model, verdict.query, searched)
     except StoppedError:
         return replace(verdict, notes=(*verdict.notes, NO_DELAYS)) if outcome.exact else verdict
     except ReplayError as error:
@@ -270,7 +270,7 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: SearchedRun) -> V
     return verdict
 
 
-def _judged(model: PreparedNetwork, query: Query, searched: SearchedRun) -> TimedTrace | None:
+def _replayed_run(model: PreparedNetwork, query: Query, searched: SearchedRun) -> TimedTrace | None:
     """The run with its delays, as one of the model; None if there are none. Raises ReplayError."""
     assert searched.outcome.run is not None
     obligation, instrumented = searched.obligation, searched.instrumented

@@ -48,7 +48,7 @@ def _of_process(whole: Process, part: Process, known: Known) -> Iterator[str]:
         if fails or any(edge_can_fail(edge, known) for edge in whole.edges):
             yield whole.name
         return
-    for edge, kept in zip(whole.edges, part.edges, strict=True):
+    for edge, remaining in zip(whole.edges, part.edges, strict=True):
         for update in edge.updates:
-            if update not in kept.updates and edge_can_fail(edge, known, [update]):
+            if update not in remaining.updates and edge_can_fail(edge, known, [update]):
                 yield from sorted(variable.name for variable in written_variables([update]))

@@ -119,7 +119,7 @@ class StreamState:
             self._seen = {number for number in self._seen if number >= behind}
             self._known = {number for number in self._known if number >= behind}
 
-    def carries(self, number: int, place: int, item: Item) -> bool:
+    def note_item(self, number: int, place: int, item: Item) -> bool:
         """Notes what a message carries. Returns whether it carried something else before."""
         if number < self.arrived:
             return False

@@ -17,7 +17,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
-from tachk.recordings.monitors.offline import judge
+from tachk.recordings.monitors.offline import evaluate_formulas
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace_files import open_trace
@@ -97,7 +97,7 @@ def proved_on_runs(seed: int, runs: int = 6, forms: tuple[str, ...] = FORMS) -> 
     for run in drawn.draw(drawing, range(runs), RecordedChanges(observed=True)):
         if run.ending is SimulationEnding.INITIAL:
             continue
-        record = judge(formulas, open_trace(drawn.trace(run)), EvaluationOptions(robustness=False))
+        record = evaluate_formulas(formulas, open_trace(drawn.trace(run)), EvaluationOptions(robustness=False))
         for formula, judged in zip(formulas, record.verdicts, strict=True):
             yield JudgedProof(seed, formula.text, run.number, run.ending, judged.truth)
 

@@ -12,7 +12,7 @@ from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, S
 from tachk.meaning.run_view import RunNames
 from tachk.model.random_networks import Shape, random_case
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
-from tachk.recordings.monitors.offline import judge
+from tachk.recordings.monitors.offline import evaluate_formulas
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
@@ -78,5 +78,6 @@ def judged_twice(seed: int, runs: int = 4, formulas: int = 4) -> Iterator[Judged
 
 def _truths(formulas: list[NamedFormula], trace: Trace) -> list[Truth]:
     return [
-        verdict.truth for verdict in judge(formulas, open_trace(trace), EvaluationOptions(robustness=False)).verdicts
+        verdict.truth
+        for verdict in evaluate_formulas(formulas, open_trace(trace), EvaluationOptions(robustness=False)).verdicts
     ]

@@ -25,7 +25,7 @@ from tachk.formats.loading.load import load_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.templates import instances
 from tachk.recordings.monitors.formulas import read_formulas
-from tachk.recordings.monitors.offline import judge
+from tachk.recordings.monitors.offline import evaluate_formulas
 from tachk.recordings.traces.trace_files import open_trace
 from tachk.syntax import ast
 
@@ -193,7 +193,7 @@ def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
     for text in ("p", "F[0,1] p"):
         (formula,) = read_formulas(text)
         with pytest.raises(OutOfTimeError), limited(1.5):
-            judge((formula,), open_trace(str(tmp_path / "m.csv")))
+            evaluate_formulas((formula,), open_trace(str(tmp_path / "m.csv")))
 
 
 def test_what_a_template_assigns_to_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import tachk
 from tachk.cli.main import app
 from tachk.recordings.monitors.formulas import formula_source
-from tachk.verify.campaign.judged_runs import JudgedRuns
+from tachk.verify.campaign.evaluated_runs import EvaluatedRuns
 
 MODEL = """
 const int T = 1;
@@ -71,11 +71,11 @@ def test_each_cell_of_a_sweep_has_its_constants(model: str, formula: str) -> Non
 def test_a_store_knows_what_formulas_said(model: str) -> None:
     """A file of formulas may change while its name stays."""
     Path("f.stl").write_text("const C = 2\na: F[0, C] P.B\n", encoding="utf-8")
-    before = str(JudgedRuns(formula_source("f.stl")))
+    before = str(EvaluatedRuns(formula_source("f.stl")))
     Path("f.stl").write_text("const C = 3\na: F[0, C] P.B\n", encoding="utf-8")
-    assert str(JudgedRuns(formula_source("f.stl"))) != before
+    assert str(EvaluatedRuns(formula_source("f.stl"))) != before
     Path("g.stl").write_text("const C = 2\na: F[0, C] P.B\n", encoding="utf-8")
-    assert str(JudgedRuns(formula_source("g.stl"))) == before
+    assert str(EvaluatedRuns(formula_source("g.stl"))) == before
 
 
 def test_only_chosen_constants_replace_those_of_the_formulas(model: str) -> None:
@@ -93,7 +93,7 @@ def test_only_chosen_constants_replace_those_of_the_formulas(model: str) -> None
 
 
 def test_formulas_are_read_once(model: str) -> None:
-    judge = JudgedRuns(formula_source("m.ta"), "9", 3)
+    judge = EvaluatedRuns(formula_source("m.ta"), "9", 3)
     Path("m.ta").write_text("no model any more", encoding="utf-8")
     assert judge.names == ("reached",)
 

@@ -103,12 +103,12 @@ def _judgements(model: LoadedModel, certificates: Sequence[CertificateReader], c
     for certificate in certificates:
         started = time.monotonic()
         query = _query(model, certificate.header)
-        reason, objection, judge = _made_for_another(certificate.header, network, own), None, None
+        reason, objection, used_checker = _made_for_another(certificate.header, network, own), None, None
         if not reason:
-            judge = checker
+            used_checker = checker
             objection = check_proof(network, query, certificate, checker)
             reason = objection.reason if objection is not None else ""
-        yield Judgement(network, query, certificate, judge, reason, objection, time.monotonic() - started)
+        yield Judgement(network, query, certificate, used_checker, reason, objection, time.monotonic() - started)
 
 
 def _made_for_another(header: CertificateHeader, network: Network, own: str) -> str:

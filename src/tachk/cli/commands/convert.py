@@ -105,14 +105,14 @@ def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], 
     if layout is not None and wrong:
         comments = {query.name: query.comment for query in layout.queries}
         layout = without_properties(layout, document, wrong)
-        kept: list[ast.Item] = []
+        items: list[ast.Item] = []
         for item in document.items:
             if isinstance(item, ast.PropertyDeclaration) and item.name.name in wrong:
                 said = comments.get(item.name.name)
                 aside.append(_aside(item.span, item.formula.span.text, comment_of(item) if said is None else said))
             else:
-                kept.append(item)
-        document = replace(document, items=tuple(kept))
+                items.append(item)
+        document = replace(document, items=tuple(items))
     properties = [item for path in query_files for item in _properties(path, document.span)]
     if properties:
         document = replace(document, items=(*document.items, *properties))

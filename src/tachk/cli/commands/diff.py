@@ -78,8 +78,8 @@ def _expanded(model: api.Model) -> PlainModel:
     wrong = {query.name: query.text for query in loaded.unchecked if query.is_wrong}
     in_comments = (wrong_query_in(comment.text) for comment in loaded.document.comments)
     texts = [*wrong.values(), *(text for text in in_comments if text is not None)]
-    kept = tuple(query for query in plain.queries if query.name not in wrong)
-    return replace(plain, queries=kept, wrong=tuple(" ".join(text.split()) for text in texts))
+    right_queries = tuple(query for query in plain.queries if query.name not in wrong)
+    return replace(plain, queries=right_queries, wrong=tuple(" ".join(text.split()) for text in texts))
 
 
 def _as_written(path: str) -> PlainModel:

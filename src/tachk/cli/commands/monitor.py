@@ -110,7 +110,7 @@ def run_monitor(
     """Judges a trace, whole or row by row."""
     from tachk.cli.trace_arguments import exit_status, print_warnings
     from tachk.recordings.monitors.formulas import names_file
-    from tachk.recordings.monitors.offline import judge
+    from tachk.recordings.monitors.offline import evaluate_formulas
     from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 
     formulas = arguments.formulas()
@@ -137,7 +137,7 @@ def run_monitor(
     recording = arguments.recording()
     if isinstance(recording, SeveralRuns):
         return _run_several(recording, formulas, evaluation, violations, reporting)
-    record = judge(formulas, recording, evaluation, source)
+    record = evaluate_formulas(formulas, recording, evaluation, source)
     print_warnings(record.trace.warnings)
     if arguments.called is not None:
         record = replace(record, trace=replace(record.trace, name=arguments.called))
@@ -161,7 +161,7 @@ def _run_several(
 ) -> ExitStatus:
     """Judges each run of a file."""
     from tachk.cli.trace_arguments import exit_status
-    from tachk.recordings.monitors.offline import judge
+    from tachk.recordings.monitors.offline import evaluate_formulas
 
     if reporting.form not in ("text", "json") or violations.signals is not None:
         raise UsageError(
@@ -170,7 +170,7 @@ def _run_several(
         )
     from tachk.report.monitor.several_runs import print_runs, runs_to_json
 
-    records = {number: judge(formulas, run, evaluation) for number, run in recording.runs.items()}
+    records = {number: evaluate_formulas(formulas, run, evaluation) for number, run in recording.runs.items()}
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form == "text":
             print_runs(recording.name, records, console(out), violations.all_violations)

@@ -62,9 +62,9 @@ def run_plot(arguments: TraceArguments, evaluation: EvaluationOptions, drawn: Pl
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
     from tachk.api.monitoring import MonitorReport
     from tachk.cli.trace_arguments import print_warnings
-    from tachk.recordings.monitors.offline import judge
+    from tachk.recordings.monitors.offline import evaluate_formulas
 
-    record = judge(arguments.formulas(), arguments.recording(), evaluation, arguments.formula)
+    record = evaluate_formulas(arguments.formulas(), arguments.recording(), evaluation, arguments.formula)
     print_warnings(record.trace.warnings)
     MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)
     print(f"written: {drawn.output}")

@@ -77,7 +77,7 @@ class ReplayArguments:
 
 def run_replay(arguments: ReplayArguments) -> ExitStatus:
     """Executes the run, and prints and writes the steps that the model allows."""
-    from tachk.cli.run_signals import judged_run, write_run
+    from tachk.cli.run_signals import evaluated_run, write_run
     from tachk.cli.simulated_model import model_of_run
     from tachk.cli.trace_arguments import exit_status
     from tachk.meaning.run_view import RunNames, view_trace
@@ -111,7 +111,7 @@ def run_replay(arguments: ReplayArguments) -> ExitStatus:
     formulas = formulas_for(arguments.formulas, network, about.constants)
     if arguments.output is not None:
         write_run(arguments.output, names, trace, arguments.record, formulas, arguments.model, about.constants)
-    truths = judged_run(names, trace, formulas, str(arguments.file))
+    truths = evaluated_run(names, trace, formulas, str(arguments.file))
     for name, truth in truths.items():
         print(f"{name}: {truth}")
     return worst([*statuses, exit_status(set(truths.values()))])

@@ -218,7 +218,7 @@ class _Tally:
             kind, span = run.fault
             self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
 
-    def judge(self, name: str, number: int, truth: Truth) -> None:
+    def count(self, name: str, number: int, truth: Truth) -> None:
         from tachk.recordings.traces.node_signal import Truth
 
         self.truths.setdefault(name, Counter())[truth] += 1
@@ -263,7 +263,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     with nullcontext() if file is None else run_files(file, model, definitions, arguments.runs) as write:
         numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
-        for run, violating in _judged(drawn, runs, formulas, tally):
+        for run, violating in _evaluated(drawn, runs, formulas, tally):
             counted = iter(runs.counts(run))
             tally.done.update(dict(zip(wanted.done, counted, strict=False)))
             tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
@@ -294,7 +294,7 @@ def _run_scripted(arguments: SimulateArguments, script: Path) -> ExitStatus:
     )
 
 
-def _judged(
+def _evaluated(
     drawn: Iterator[Simulated], runs: Runs, formulas: tuple[NamedFormula, ...], tally: _Tally
 ) -> Iterator[tuple[Simulated, bool]]:
     """The runs, and whether each is written. Where a limit or the user ends that, the tally says so."""
@@ -302,16 +302,16 @@ def _judged(
 
     try:
         for run in drawn:
-            kept = _is_kept(runs, run, formulas, tally) if len(run.times) else not formulas
+            is_written = _is_written(runs, run, formulas, tally) if len(run.times) else not formulas
             tally.add(run)
-            yield run, kept
+            yield run, is_written
     except StoppedError as error:
         tally.stopped = error.reason
     except KeyboardInterrupt:
         tally.stopped = INTERRUPTED
 
 
-def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tally: _Tally) -> bool:
+def _is_written(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tally: _Tally) -> bool:
     """Judges a run; whether it is written: there are no formulas, or one is false on it."""
     from tachk.recordings.traces.node_signal import Truth
     from tachk.simulation.formulas import truths_on
@@ -320,7 +320,7 @@ def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tal
         return True
     truths = truths_on(runs.trace(run), formulas)
     for name, truth in truths.items():
-        tally.judge(name, run.number, truth)
+        tally.count(name, run.number, truth)
     return Truth.FALSE in truths.values()
 
 

@@ -108,24 +108,24 @@ def network_bounds(
     symmetric: frozenset[int] | None = frozenset(),
 ) -> list[tuple[LocationBounds, ...]]:
     """The bounds at every location of each process. Arguments as for `process_bounds`, for each process."""
-    carried: list[Carried] = [([{} for _ in own], [{} for _ in own]) for own in invariants]
+    copied: list[CopiedBounds] = [([{} for _ in own], [{} for _ in own]) for own in invariants]
     while True:
         found = [
             process_bounds(own, leaving, everywhere, symmetric, more)
-            for own, leaving, more in zip(invariants, edges, carried, strict=True)
+            for own, leaving, more in zip(invariants, edges, copied, strict=True)
         ]
         lower = [[dict(location.lower) for location in process] for process in found]
         upper = [[dict(location.upper) for location in process] for process in found]
-        changed = [_carry(lower, edges, [more[0] for more in carried])]
-        changed += [_carry(upper, edges, [more[1] for more in carried])]
+        changed = [_copy_bounds(lower, edges, [more[0] for more in copied])]
+        changed += [_copy_bounds(upper, edges, [more[1] for more in copied])]
         if not any(changed):
             return found
 
 
-def _carry(
+def _copy_bounds(
     bounds: Sequence[Sequence[Mapping[int, int]]],
     edges: Sequence[Sequence[BoundEdge]],
-    carried: Sequence[list[dict[int, int]]],
+    copied: Sequence[list[dict[int, int]]],
 ) -> bool:
     """Passes bounds from clocks that copies set to those that they are set to; whether something is new."""
     changed = False
@@ -138,12 +138,12 @@ def _carry(
                     continue
                 passed = max(max(reached) - copy.least, 0)
                 if passed > bounds[process][edge.source].get(copy.source, -1):
-                    _raise(carried[process][edge.source], copy.source, passed)
+                    _raise(copied[process][edge.source], copy.source, passed)
                     changed = True
     return changed
 
 
-Carried = tuple[list[dict[int, int]], list[dict[int, int]]]
+CopiedBounds = tuple[list[dict[int, int]], list[dict[int, int]]]
 """Lower and upper bounds, for each location, that copies carry there."""
 
 
@@ -152,7 +152,7 @@ def process_bounds(
     edges: Iterable[BoundEdge],
     everywhere: tuple[Mapping[int, int], Mapping[int, int]] = ({}, {}),
     symmetric: frozenset[int] | None = frozenset(),
-    carried: Carried | None = None,
+    copied: CopiedBounds | None = None,
 ) -> tuple[LocationBounds, ...]:
     """The bounds at every location of one process, copies of clocks not counted.
 
@@ -160,19 +160,19 @@ def process_bounds(
         invariants: for each location.
         everywhere: lower and upper bounds that hold at every location, such as those of the queries.
         symmetric: the clocks whose lower and upper bounds must be equal; None means all.
-        carried: more bounds.
+        copied: more bounds.
     """
     count = len(invariants)
     lower: list[dict[int, int]] = [dict(everywhere[0]) for _ in range(count)]
     upper: list[dict[int, int]] = [dict(everywhere[1]) for _ in range(count)]
-    for bounds, more in zip((lower, upper), carried or (), strict=False):
+    for bounds, more in zip((lower, upper), copied or (), strict=False):
         for here, arriving in zip(bounds, more, strict=True):
             for clock, constant in arriving.items():
                 _raise(here, clock, constant)
     for location, constraints in enumerate(invariants):
         for constraint in constraints:
             collect(constraint, lower[location], upper[location])
-    kept: dict[tuple[int, int], frozenset[int]] = {}
+    common_resets: dict[tuple[int, int], frozenset[int]] = {}
     for edge in edges:
         into_lower = lower[edge.source]
         into_upper = upper[edge.source]
@@ -181,9 +181,9 @@ def process_bounds(
             if edge.both_directions:
                 collect(constraint, into_upper, into_lower)
         pair = edge.source, edge.target
-        kept[pair] = kept[pair] & edge.resets if pair in kept else edge.resets
+        common_resets[pair] = common_resets[pair] & edge.resets if pair in common_resets else edge.resets
     predecessors: list[list[tuple[int, frozenset[int]]]] = [[] for _ in range(count)]
-    for (source, target), resets in kept.items():
+    for (source, target), resets in common_resets.items():
         if source != target:
             predecessors[target].append((source, resets))
     _propagate(lower, predecessors)
@@ -274,7 +274,7 @@ def joined_copies(copies: Iterable[ClockCopy]) -> tuple[ClockCopy, ...]:
     return tuple(ClockCopy(clock, source, offset) for (clock, source), offset in sorted(least.items()))
 
 
-def carried_diagonals(
+def copied_diagonals(
     diagonals: Iterable[tuple[int, int, int]], copies: Collection[ClockCopy], most: int
 ) -> tuple[tuple[int, int, int], ...] | None:
     """The difference constraints (left, right, raw), and those that copies make of them; None if these are more than

@@ -11,7 +11,7 @@ from tachk.analysis.fold import Known, fold, fold_place, network_expressions
 from tachk.analysis.intervals import interval
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.span import Span
-from tachk.engine.compiler.bounds import ClockCopy, carried_diagonals
+from tachk.engine.compiler.bounds import ClockCopy, copied_diagonals
 from tachk.engine.compiler.condition_code import ConditionCompiler, check_bound
 from tachk.engine.compiler.slot_layout import SlotLayout
 from tachk.model.clock_sums import clock_assignments, clock_sum
@@ -92,10 +92,10 @@ class ClockUpdates:
                 if slot is not None:
                     yield self.layout.slots[slot].initial
 
-    def carried(self, diagonals: Sequence[tuple[int, int, int]], most: int) -> tuple[tuple[int, int, int], ...]:
+    def copied(self, diagonals: Sequence[tuple[int, int, int]], most: int) -> tuple[tuple[int, int, int], ...]:
         """The difference constraints between clocks, and what copies make of them. Raises UnsupportedError where these
         are more than so many, perhaps without end."""
-        found = carried_diagonals(diagonals, self.copies, most)
+        found = copied_diagonals(diagonals, self.copies, most)
         if found is None:
             raise _too_many_differences(most, next(span for copy, span in self.copies.items() if copy.largest > 0))
         return found

@@ -495,7 +495,7 @@ class _Lowering:
         """The difference constraints between clocks, and what copies make of them. Raises UnsupportedError where these
         are too many, perhaps without end."""
         written = _diagonals(ranges)
-        return self.clocks.carried(written, MAXIMAL_DIAGONALS)
+        return self.clocks.copied(written, MAXIMAL_DIAGONALS)
 
     def _place(self, observed: ObservedByGoal) -> tuple[int, int] | None:
         """A location where the constraint can be counted instead of everywhere: the predicate looks at it only there,

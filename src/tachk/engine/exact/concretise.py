@@ -141,12 +141,12 @@ def _assigned(stood: Mapping[int, Standstill], assigned: Iterable[tuple[int, int
     """When clocks stood still, behind assignments (clock, source, more) that all read what was there before them."""
     if not stood:
         return stood
-    kept = dict(stood)
+    standstills = dict(stood)
     for clock, source, _ in assigned:
-        kept.pop(clock, None)
+        standstills.pop(clock, None)
         if source in stood:
-            kept[clock] = stood[source]
-    return kept
+            standstills[clock] = stood[source]
+    return standstills
 
 
 def of_phase(

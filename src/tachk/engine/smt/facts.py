@@ -103,11 +103,13 @@ class ZonesAt:
 def _relevant(zone: Zone) -> list[Constraint]:
     """Constraints of a zone from which the others follow, as far as a look at every third clock shows it."""
     size = range(zone.dimension)
-    kept = {(i, j): raw for i, j, raw in zone.constraints() if i != j and raw < INFINITY}
-    for i, j in list(kept):
-        if any((i, k) in kept and (k, j) in kept and _sum(kept[i, k], kept[k, j]) <= kept[i, j] for k in size):
-            del kept[i, j]
-    return [(i, j, raw) for (i, j), raw in kept.items()]
+    bounds = {(i, j): raw for i, j, raw in zone.constraints() if i != j and raw < INFINITY}
+    for i, j in list(bounds):
+        if any(
+            (i, k) in bounds and (k, j) in bounds and _sum(bounds[i, k], bounds[k, j]) <= bounds[i, j] for k in size
+        ):
+            del bounds[i, j]
+    return [(i, j, raw) for (i, j), raw in bounds.items()]
 
 
 def _sum(left: int, right: int) -> int:

@@ -463,13 +463,13 @@ class _Encoder:
         """The moment at which a clock would have been 0, as the next frame sees it."""
         source, value = storage.cells[CLOCK_SOURCE, clock], storage.cells[CLOCK_VALUE, clock]
         if source.is_value(clock) is True and value.is_value(0) is True:
-            return self._kept(clock)
+            return self._clock_value(clock)
         moment: z3.ArithRef | None = None
         for number in source.values:
             is_source = source.is_value(number)
             if is_source is False:
                 continue
-            zero = self._kept(number) if number else self.frame.left
+            zero = self._clock_value(number) if number else self.frame.left
             moment = zero if moment is None or is_source is True else z3.If(is_source, zero, moment)
         assert moment is not None
         listed = of_each_value(value)
@@ -481,13 +481,13 @@ class _Encoder:
                 earlier = z3.If(condition, moment - number if number else moment, earlier)
         return earlier
 
-    def _kept(self, clock: int) -> z3.ArithRef:
+    def _clock_value(self, clock: int) -> z3.ArithRef:
         """The moment at which a clock that is not set would have been 0, as the next frame sees it."""
-        kept, stopped = self.frame.resets[clock - 1], self.stopped.get(clock, False)
+        since_reset, stopped = self.frame.resets[clock - 1], self.stopped.get(clock, False)
         if stopped is False:
-            return kept
-        later = kept + (self.frame.left - self.frame.entered)
-        return later if stopped is True else z3.If(stopped, later, kept)
+            return since_reset
+        later = since_reset + (self.frame.left - self.frame.entered)
+        return later if stopped is True else z3.If(stopped, later, since_reset)
 
 
 def _at_most_one(fires: Sequence[z3.BoolRef]) -> Formula:

@@ -75,7 +75,7 @@ class Importer:
             self.findings.extend(error.diagnostics)
             return []
         _, items = self.read(source)
-        kept: list[ast.Item] = []
+        resolved_items: list[ast.Item] = []
         for item in items:
             if isinstance(item, ast.SystemLine):
                 self.findings.add(
@@ -85,8 +85,8 @@ class Importer:
                     "move the system line to the importing file",
                 )
             elif not isinstance(item, ast.ProgressDeclaration | ast.GanttDeclaration):
-                kept.append(item)
-        return kept
+                resolved_items.append(item)
+        return resolved_items
 
 
 def _imports(document: ast.Document | None) -> list[ast.ImportDeclaration]:

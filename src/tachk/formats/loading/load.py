@@ -165,7 +165,7 @@ def _without_charts(
 ) -> tuple[ast.Item, ...]:
     """The items without the instances of message sequence charts, which are refused."""
     names = set(charts)
-    kept: list[ast.Item] = []
+    supported: list[ast.Item] = []
     for item in items:
         match item:
             case ast.Instantiation(name=name, template=template) if template.name in names:
@@ -175,10 +175,10 @@ def _without_charts(
                 for identifier in (i for group in groups for i in group if i.name in names):
                     _refuse_chart(identifier, findings)
                 running = (tuple(i for i in group if i.name not in names) for group in groups)
-                kept.append(replace(item, groups=tuple(group for group in running if group)))
+                supported.append(replace(item, groups=tuple(group for group in running if group)))
             case _:
-                kept.append(item)
-    return tuple(kept) if names else items
+                supported.append(item)
+    return tuple(supported) if names else items
 
 
 def _refuse_chart(name: ast.Identifier, findings: DiagnosticCollector) -> None:

@@ -132,8 +132,8 @@ class _DeclarationForms:
 
     def constant(self, node: ast.VariableDeclaration, type_: ast.TypeExpression) -> ast.VariableDeclaration:
         names = [each.name.name for each in node.declarators]
-        kept = any(name in self.assigned for name in names) or any(each.dimensions for each in node.declarators)
-        if kept or id(node) in self.fields:
+        is_variable = any(name in self.assigned for name in names) or any(each.dimensions for each in node.declarators)
+        if is_variable or id(node) in self.fields:
             return node
         empty = ast.StringLiteral(node.span, "")
         declarators = tuple(

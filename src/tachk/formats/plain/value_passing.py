@@ -35,7 +35,7 @@ class ValuePassing:
     taken: set[str]
     steps: list[PlainRewriting] = field(default_factory=list)
     names: dict[str, str] = field(default_factory=dict)
-    carried: dict[str, dict[str, ast.TypeExpression | None]] = field(default_factory=dict)
+    payloads: dict[str, dict[str, ast.TypeExpression | None]] = field(default_factory=dict)
 
     def expand(
         self, declarations: Typed, templates: Sequence[ast.Template], instantiations: Sequence[ast.Instantiation]
@@ -44,7 +44,7 @@ class ValuePassing:
         if not any(True for template in templates for _ in _passing(template)):
             return declarations, tuple(templates), tuple(instantiations)
         for template in templates:
-            own = self.carried.setdefault(template.name.name, {})
+            own = self.payloads.setdefault(template.name.name, {})
             parameters = {p.name.name for p in template.parameters}
             for label in _passing(template):
                 root = _root(label.channel)
@@ -67,19 +67,19 @@ class ValuePassing:
             changed = False
             for node in instantiations:
                 own = {p.name.name for p in node.parameters}
-                for wanted in list(self.carried.get(node.template.name, {})):
+                for wanted in list(self.payloads.get(node.template.name, {})):
                     argument = _argument(node, parameters[node.template.name], wanted)
                     root = _root(argument)
                     if root in own:
-                        mine = self.carried.setdefault(node.name.name, {})
+                        mine = self.payloads.setdefault(node.name.name, {})
                         if root not in mine:
                             mine[root] = None
                             changed = True
                         found = mine[root]
                     else:
                         found = self._type_of(root, argument.span)
-                    if found is not None and self.carried[node.template.name][wanted] is None:
-                        self.carried[node.template.name][wanted] = found
+                    if found is not None and self.payloads[node.template.name][wanted] is None:
+                        self.payloads[node.template.name][wanted] = found
                         changed = True
 
     def _type_of(self, channel: str, span: Span) -> ast.TypeExpression | None:
@@ -97,7 +97,7 @@ class ValuePassing:
     ) -> ast.Instantiation:
         parameters = _parameters_of(templates, instantiations)
         arguments = node.arguments
-        for wanted in self.carried.get(node.template.name, {}):
+        for wanted in self.payloads.get(node.template.name, {}):
             channel = _argument(node, parameters[node.template.name], wanted)
             arguments = (*arguments, _with_root(channel, self._name(_root(channel))))
         more = self._parameters(node.name.name, node.parameters)
@@ -105,7 +105,7 @@ class ValuePassing:
 
     def _parameters(self, owner: str, given: Sequence[ast.Parameter]) -> tuple[ast.Parameter, ...]:
         result = []
-        for name, type_ in self.carried.get(owner, {}).items():
+        for name, type_ in self.payloads.get(owner, {}).items():
             channel = next(p for p in given if p.name.name == name)
             span = channel.span
             known = type_ or ast.TypeExpression(span, (), ast.BuiltinType(span, "int"))

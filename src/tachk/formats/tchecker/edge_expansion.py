@@ -80,9 +80,9 @@ class EdgeExpansion:
             for guard in self._guards(edge, known, tests):
                 if "0 == 1" in guard:
                     continue
-                kept = tuple(part for part in guard if part != "1 == 1")
+                conditions = tuple(part for part in guard if part != "1 == 1")
                 direction = None if edge.synchronisation is None else edge.synchronisation.direction
-                yield FlatEdge(edge.source, edge.target, kept, updates, channel, direction, edge.spans[0])
+                yield FlatEdge(edge.source, edge.target, conditions, updates, channel, direction, edge.spans[0])
 
     def _channels(
         self, edge: Edge, known: Known

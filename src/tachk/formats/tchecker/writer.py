@@ -84,11 +84,11 @@ class _Exporter:
         body: list[str] = []
         edges = [self._flat_edges(process, printer) for process in self.network.processes]
         self._raise_errors()
-        vectors, events, kept = self._synchronise(edges, processes)
+        vectors, events, labelled = self._synchronise(edges, processes)
         for number, process in enumerate(self.network.processes):
             body += ["", f"process:{processes[number]}"]
             body += self._locations(number, processes[number], printer, labels)
-            for edge, event in kept[number]:
+            for edge, event in labelled[number]:
                 body.append(self._edge(process, processes[number], edge, event))
         self._raise_errors()
         head = [f"system:{_sanitised(name)}", "", *(f"event:{event}" for event in events)]
@@ -243,7 +243,7 @@ class _Exporter:
                     vectors += [f"sync:{processes[sender]}@{send}:{processes[r]}@{receive}" for r in others]
             if broadcast and users[Direction.SEND]:
                 self._check_weak(edges, (variable, cell))
-        kept = [
+        labelled = [
             [
                 (edge, internal if edge.channel is None else events[(*edge.channel, _direction(edge))])
                 for edge in own
@@ -251,8 +251,8 @@ class _Exporter:
             ]
             for number, own in enumerate(edges)
         ]
-        names = list(dict.fromkeys(event for own in kept for _, event in own))
-        return vectors, names, kept
+        names = list(dict.fromkeys(event for own in labelled for _, event in own))
+        return vectors, names, labelled
 
     def _check_weak(self, edges: Sequence[Sequence[FlatEdge]], channel: tuple[Variable, int]) -> None:
         for own in edges:

@@ -80,11 +80,11 @@ class QueriesReader:
             formula = element.first("formula")
             place = None if formula is None else formula_place(texts.text(formula))
             results = tuple(child.span.text for child in element.children if child.name in ("expect", "result"))
-            kept = QueryLayout("", options=_options(element.children), results=results)
+            query_layout = QueryLayout("", options=_options(element.children), results=results)
             comment = _child_text(element, "comment")
             if formula is None or place is None or _is_empty(place) or _HEADING.match(place.text):
                 text = formula.text or None if formula is not None else None
-                self.layouts.append(_with(kept, "", comment, text))
+                self.layouts.append(_with(query_layout, "", comment, text))
                 heading_text = heading(text or "", plain_text(comment))
                 if heading_text:
                     self.headings.append(ast.Comment(texts.tag(element), heading_text, True))
@@ -96,7 +96,7 @@ class QueriesReader:
             span = texts.text(formula)
             entry, diagnostics = parse_query(span.source, place.start, place.end)
             if entry is None or diagnostics:
-                self.layouts.append(_with(kept, "", comment, formula.text))
+                self.layouts.append(_with(query_layout, "", comment, formula.text))
                 self.broken.append(BrokenQuery(said.name, formula.text.strip(), plain_text(comment), span, diagnostics))
                 continue
             tag = texts.tag(element)
@@ -118,7 +118,7 @@ class QueriesReader:
             found.append(node)
             self.layouts.append(
                 _with(
-                    kept,
+                    query_layout,
                     said.name,
                     None if comment == comment_of(node) else comment,
                     None if formula.text == print_query(node.formula) and not results else formula.text,
@@ -168,7 +168,7 @@ def without_properties(layout: Layout, document: ast.Document, names: Collection
     """The layout in which some queries are kept as texts, because the document is to lose them."""
     nodes = {item.name.name: item for item in document.items if isinstance(item, ast.PropertyDeclaration)}
 
-    def kept(query: QueryLayout) -> QueryLayout:
+    def reread(query: QueryLayout) -> QueryLayout:
         if query.name not in names:
             return query
         node = nodes[query.name]
@@ -176,7 +176,7 @@ def without_properties(layout: Layout, document: ast.Document, names: Collection
         formula = print_query(node.formula) if query.formula is None else query.formula
         return QueryLayout("", comment, formula, query.options, query.results)
 
-    return replace(layout, queries=tuple(kept(query) for query in layout.queries))
+    return replace(layout, queries=tuple(reread(query) for query in layout.queries))
 
 
 def _automatic_name(number: int, taken: set[str]) -> str:
@@ -215,5 +215,5 @@ def _child_text(element: Element, name: str) -> str:
     return "" if child is None else child.text
 
 
-def _with(kept: QueryLayout, name: str, comment: str | None, formula: str | None) -> QueryLayout:
-    return QueryLayout(name, comment, formula, kept.options, kept.results)
+def _with(query_layout: QueryLayout, name: str, comment: str | None, formula: str | None) -> QueryLayout:
+    return QueryLayout(name, comment, formula, query_layout.options, query_layout.results)

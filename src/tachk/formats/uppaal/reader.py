@@ -154,8 +154,8 @@ def _undocumenting(comment: ast.Comment) -> ast.Comment:
 
 def _one_legacy_warning(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """The diagnostics; that labels are in the syntax of UPPAAL 3.x is said once."""
-    kept: list[Diagnostic] = []
+    reported: list[Diagnostic] = []
     for diagnostic in diagnostics:
-        if diagnostic.code != "W0101" or all(other.code != "W0101" for other in kept):
-            kept.append(diagnostic)
-    return tuple(kept)
+        if diagnostic.code != "W0101" or all(other.code != "W0101" for other in reported):
+            reported.append(diagnostic)
+    return tuple(reported)

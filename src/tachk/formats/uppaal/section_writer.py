@@ -63,12 +63,12 @@ class Sections:
         """The global declarations, and the comments that stand before the first template."""
         unit = [f"// one time unit is {self.plain.time_unit}"] if self.plain.time_unit else []
         text = self._text(self.before, unit, self.comments_before)
-        return (text if unit else self._kept(written, parse_declarations, self.before, text)) or ""
+        return (text if unit else self._as_written(written, parse_declarations, self.before, text)) or ""
 
     def system(self, written: str | None) -> str:
         """The instantiations and the system line with what stands beside it, and the comments of the properties."""
         text = self._text(self.after, [], self.comments_after)
-        return self._kept(written, parse_system, self.after, text) or ""
+        return self._as_written(written, parse_system, self.after, text) or ""
 
     def parameter(self, template: ast.Template, written: str | None) -> str | None:
         """The parameters; None where there is no such section."""
@@ -90,9 +90,9 @@ class Sections:
         text = self._text(template.declarations, [*doc, *([""] if doc else []), *head], [*between, *last])
         if doc and "\n".join(doc) not in (written or ""):
             return text
-        return self._kept(written, parse_declarations, template.declarations, text) or None
+        return self._as_written(written, parse_declarations, template.declarations, text) or None
 
-    def _kept(self, written: str | None, parse: Parse, meant: object, text: str) -> str | None:
+    def _as_written(self, written: str | None, parse: Parse, meant: object, text: str) -> str | None:
         """A section as it was written where that says the same, comments included, else as it is formatted.
 
         The comments of a section of the file that the model was read from are those of the model; a side file may be

@@ -20,8 +20,8 @@ _GLOBAL = "sys"
 def run_to_trace_xml(network: Network, run: TimedTrace) -> str:
     """The run as a symbolic trace: its transitions, with all valuations that can take them."""
     layout = cell_layout(network)
-    kept = [cell for cell, leaf in enumerate(layout.types) if not isinstance(leaf, ClockType | ChannelType)]
-    variables = [_identifier(layout.names[cell], network) for cell in kept]
+    value_cells = [cell for cell, leaf in enumerate(layout.types) if not isinstance(leaf, ClockType | ChannelType)]
+    variables = [_identifier(layout.names[cell], network) for cell in value_cells]
     clocks = [f"{_GLOBAL}.#t(0)", *(_identifier(layout.names[cell], network) for cell in layout.clock_cells)]
     root = Element("trace", initial_node="State1", trace_options="symbolic")
     _system(root, network, clocks, variables)
@@ -32,7 +32,7 @@ def run_to_trace_xml(network: Network, run: TimedTrace) -> str:
         names = " ".join(f"{process.name}.{process.locations[place].name}" for process, place in here)
         SubElement(root, "location_vector", id=f"LocVec{number}", locations=f"{names} ")
         vector = SubElement(root, "variable_vector", id=f"varvec.{number}")
-        for name, cell in zip(variables, kept, strict=True):
+        for name, cell in zip(variables, value_cells, strict=True):
             SubElement(vector, "variable_state", variable=name, value=str(state.values[cell]))
         SubElement(
             root,

@@ -78,8 +78,8 @@ class ChannelTable:
         if variable is None:
             context.error("E0402", span, "values can only be passed over a channel that is named directly")
             return None
-        carried: Type = INT if is_integral(type_) else type_
-        if not isinstance(carried, ScalarType | RecordType) and not is_integral(carried):
+        payload: Type = INT if is_integral(type_) else type_
+        if not isinstance(payload, ScalarType | RecordType) and not is_integral(payload):
             context.error(
                 "E0402", span, f"a {describe(type_)} cannot be passed over a channel", "pass an integer or a struct"
             )
@@ -88,7 +88,7 @@ class ChannelTable:
         if use.value is None:
             name = fresh_name(f"{variable.name}_value", self.taken)
             self.taken.add(name)
-            hidden = _with_leaf(variable.type, carried)
+            hidden = _with_leaf(variable.type, payload)
             use.value = Variable(
                 name,
                 hidden,
@@ -99,7 +99,7 @@ class ChannelTable:
                 carries=variable,
             )
         place = _same_path(channel, use.value)
-        if not same_shape(place.type, carried):
+        if not same_shape(place.type, payload):
             context.error(
                 "E0402",
                 span,

@@ -106,7 +106,7 @@ def declare(
 def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     left_out = None if node.type is None else dropped_kind(node.type)
     if left_out is not None and not (left_out in (FLOATING_VARIABLE, HYBRID_CLOCK) and context.keeps_doubles):
-        if left_out != FLOATING_CONSTANT or not _declare_kept(node, scope, declared, context):
+        if left_out != FLOATING_CONSTANT or not _declare_floating_constant(node, scope, declared, context):
             declare_dropped(node, left_out, _shapes(node, scope, context), scope, context)
         return
     _declare_each(node, scope, declared, context)
@@ -118,7 +118,9 @@ def _shapes(node: ast.VariableDeclaration, scope: Scope, context: Context) -> li
     return [reader.dimensions(DOUBLE, declarator.dimensions) for declarator in node.declarators]
 
 
-def _declare_kept(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> bool:
+def _declare_floating_constant(
+    node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context
+) -> bool:
     """Declares constants, unless something that is refused is all that is wrong with them."""
     found, own = context.findings, DiagnosticCollector()
     context.findings = own
@@ -293,15 +295,15 @@ def _constant(node: ast.Declarator, type_: Type, scope: Scope, declared: Declare
     if value is None:
         return None
     opened = not declared.owner and name in context.open_constants.names
-    kept = opened or keeps_names(value, wide, context)
-    cells = checked_cells(value, wide, f"the value of `{name}`", _noting_nothing(context) if kept else context)
+    is_named = opened or keeps_names(value, wide, context)
+    cells = checked_cells(value, wide, f"the value of `{name}`", _noting_nothing(context) if is_named else context)
     if cells is None:
         return None
     if is_integral(type_) and not declared.owner:
         declared.constants.append((name, cells[0]))
     if opened:
         return _open_constant(node.name, wide, cells, declared, context)
-    if kept:
+    if is_named:
         return ValueSymbol(value, False, "constant", node.name.span)
     return constant_symbol(name, wide, cells, "constant", node.name, declared, context)
 

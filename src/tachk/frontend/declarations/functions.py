@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from tachk.frontend.context import Context
-from tachk.frontend.dropped import declare_dropped_function, kept_of_update
+from tachk.frontend.dropped import checked_part_of_update, declare_dropped_function
 from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import comma, condition, expression, type_reader
@@ -221,10 +221,10 @@ class _FunctionBody:
             case ast.BlockStatement():
                 return self.block(node, Scope(scope))
             case ast.ExpressionStatement(_, inner):
-                kept = kept_of_update(inner, scope)
-                if kept is None:
+                remaining = checked_part_of_update(inner, scope)
+                if remaining is None:
                     return Block(())
-                value = expression(kept, scope, self.context)
+                value = expression(remaining, scope, self.context)
                 return None if value is None else Evaluate(value)
             case ast.EmptyStatement():
                 return Block(())

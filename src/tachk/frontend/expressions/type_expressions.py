@@ -197,10 +197,10 @@ class TypeReader:
         as a whole."""
         if all(is_floating(type_) for _, type_ in fields):
             return RecordType(name, tuple((field.name, type_) for field, type_ in fields))
-        kept, left_out = [], []
+        supported, left_out = [], []
         for place, (field, type_) in enumerate(fields):
             if not is_floating(type_):
-                kept.append((field.name, type_))
+                supported.append((field.name, type_))
                 continue
             left_out.append((place, field.name, type_))
             self.context.error(
@@ -209,7 +209,7 @@ class TypeReader:
                 f"tachk does not check the floating point field `{field.name}`",
                 "assignments to it are left out; anything that reads it is refused",
             )
-        return RecordType(name, tuple(kept), tuple(left_out))
+        return RecordType(name, tuple(supported), tuple(left_out))
 
     def is_used_as_hybrid(self, base: Type | None, name: str) -> bool:
         """Whether what a type declares with a name is a plain clock that a simulation takes for a hybrid one."""

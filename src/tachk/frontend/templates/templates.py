@@ -11,7 +11,7 @@ from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare
-from tachk.frontend.dropped import kept_of_update
+from tachk.frontend.dropped import checked_part_of_update
 from tachk.frontend.expressions.clock_constraints import convex, forbid
 from tachk.frontend.expressions.places import assignable, converted
 from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
@@ -227,10 +227,10 @@ class Body:
     def _updates(self, node: ast.EdgeDeclaration, scope: Scope) -> tuple[Expression, ...]:
         values = []
         for update in node.updates:
-            kept = kept_of_update(update, scope)
-            if kept is None:
+            checked = checked_part_of_update(update, scope)
+            if checked is None:
                 continue
-            value = expression(kept, scope, self.context)
+            value = expression(checked, scope, self.context)
             if value is not None and forbid(value, "an update", self.context):
                 values.append(value)
         return tuple(values)

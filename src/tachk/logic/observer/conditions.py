@@ -46,10 +46,10 @@ def all_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
 
 def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
     """The disjunction as one expression."""
-    kept = [part for part in dict.fromkeys(parts) if part != truth(False, span)]
-    if any(part == truth(True, span) for part in kept):
+    possible = [part for part in dict.fromkeys(parts) if part != truth(False, span)]
+    if any(part == truth(True, span) for part in possible):
         return truth(True, span)
-    return chain(BinaryOperator.OR, kept, span) if kept else truth(False, span)
+    return chain(BinaryOperator.OR, possible, span) if possible else truth(False, span)
 
 
 def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:

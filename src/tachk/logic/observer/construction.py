@@ -311,8 +311,8 @@ class _ObserverWriter:
 
     def _forgotten(self, source: State, target: State | None) -> list[ast.Expression]:
         """Updates that reset saved values that are not read any more, so that states become equal."""
-        kept = set() if target is None else self._saved_in(target)
-        return [self._assign(name, self._number(0)) for name in sorted(self._saved_in(source) - kept)]
+        saved_after = set() if target is None else self._saved_in(target)
+        return [self._assign(name, self._number(0)) for name in sorted(self._saved_in(source) - saved_after)]
 
     def _saved_in(self, state: State) -> set[str]:
         return {name for name in names_in(tuple(self.tableau.requirement(state))) if name in self.saved.values()}
@@ -403,5 +403,5 @@ def _explored(tableau: Tableau, span: Span) -> _Automaton:
         }
         grown = bool(more)
         useful |= more
-    kept = [state for state in steps if state in useful]
-    return _Automaton(kept, {state: [step for step in steps[state] if step.target in useful] for state in kept})
+    states = [state for state in steps if state in useful]
+    return _Automaton(states, {state: [step for step in steps[state] if step.target in useful] for state in states})

@@ -268,8 +268,8 @@ class Tableau:
         # A window that is over stays over, so that what is claimed may be settled first.
         ends = not tasks and not now
         if open_ is not None and not ends and not any(implies_positive(clock, open_.clock) for clock in clocks):
-            kept = self._settling(open_.conditions | now, FRESH if now else open_.clock)
-            target: State = frozenset((*after, *pasts, *kept))
+            settling = self._settling(open_.conditions | now, FRESH if now else open_.clock)
+            target: State = frozenset((*after, *pasts, *settling))
             if not is_endless(target):  # else both may be met again and again at one instant, in turn
                 condition = conjunction((*condition, *open_.conditions))
             yield from self._made(state, target, clocks, condition, None)
@@ -393,15 +393,15 @@ def _remembered(state: State, begun: HeldBefore) -> State:
 
     One clock tells for all such pasts: what begins now is of no use now, so that those which are needed can be used
     first. One that contradicts what begins is over."""
-    kept: set[Item] = set()
+    items: set[Item] = set()
     for item in state:
         match item:
             case Seen(past=HeldBefore(condition=condition), phase="on"):
                 if not is_false(conjunction((condition, begun.condition))):
-                    kept.add(replace(item, clocks=(FRESH,)))
+                    items.add(replace(item, clocks=(FRESH,)))
             case _:
-                kept.add(item)
-    return frozenset(kept)
+                items.add(item)
+    return frozenset(items)
 
 
 def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:

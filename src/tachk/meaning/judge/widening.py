@@ -125,15 +125,15 @@ def _without_groups(
     together: tuple[str, ...], columns: Columns, dimension: int, enough: int, checker: _BoundedChecker
 ) -> Columns:
     """Without the constraints that are not needed, of those that agree in what is named."""
-    kept = np.ones(len(columns.places), bool)
+    retained = np.ones(len(columns.places), bool)
     for constraints in _groups(columns, together, dimension):
         if checker.is_tired():
             break
-        fewer = kept.copy()
+        fewer = retained.copy()
         fewer[constraints] = False
         if checker.accepts(_with(columns, fewer)):
-            kept = fewer
-    return _with(columns, kept)
+            retained = fewer
+    return _with(columns, retained)
 
 
 def _with_hulls(columns: Columns, dimension: int, enough: int, checker: _BoundedChecker) -> Columns:
@@ -196,11 +196,11 @@ def _groups(columns: Columns, together: tuple[str, ...], dimension: int) -> list
     return sorted(groups, key=len, reverse=True)
 
 
-def _with(columns: Columns, kept: NDArray[np.bool_]) -> Columns:
+def _with(columns: Columns, retained: NDArray[np.bool_]) -> Columns:
     """With some of the constraints only."""
     zone = np.repeat(np.arange(len(columns.constraints)), columns.constraints)
-    constraints = np.bincount(zone[kept], minlength=len(columns.constraints))
-    return replace(columns, constraints=constraints, places=columns.places[kept], bounds=columns.bounds[kept])
+    constraints = np.bincount(zone[retained], minlength=len(columns.constraints))
+    return replace(columns, constraints=constraints, places=columns.places[retained], bounds=columns.bounds[retained])
 
 
 def _distinct(columns: Columns, width: int) -> StateBlock:

@@ -49,15 +49,15 @@ class IndependentComponent:
 
 def components_of(network: Network, mapping: RecordingMap, streams: EventStreams) -> tuple[IndependentComponent, ...]:
     """The finest division of what is left of the network in parts that share nothing but the time."""
-    kept = [number for number in range(len(network.processes)) if number not in mapping.replaced]
-    shared = _shareable(network, [network.processes[number] for number in kept], streams)
+    modelled = [number for number in range(len(network.processes)) if number not in mapping.replaced]
+    shared = _shareable(network, [network.processes[number] for number in modelled], streams)
     groups = _Groups()
-    for number in kept:
+    for number in modelled:
         groups.join(("process", number), _things_of(shared, network.processes[number]))
     for number, stream in enumerate(streams.streams):
         groups.join(("stream", number), _things_of_stream(shared, stream))
     found: dict[_Thing, tuple[list[int], list[int]]] = {}
-    for number in kept:
+    for number in modelled:
         found.setdefault(groups.first(("process", number)), ([], []))[0].append(number)
     for number in range(len(streams.streams)):
         found.setdefault(groups.first(("stream", number)), ([], []))[1].append(number)

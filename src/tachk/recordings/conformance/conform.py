@@ -198,11 +198,11 @@ def conform(
     late = mapping.late if late is None else late
     late = tolerance if late is None else late
     streams = make_streams(network, mapping, recording, constants, tolerance, late)
-    kept = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
-    whole = IndependentComponent(kept, tuple(range(len(streams.streams))))
+    modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
+    whole = IndependentComponent(modelled, tuple(range(len(streams.streams))))
     components = components_of(network, mapping, streams) if divide else (whole,)
     search = _ConformanceSearch(network, mapping, streams, options, limits, explain)
-    separately = len(components) > 1 and are_independent(network, kept, streams)
+    separately = len(components) > 1 and are_independent(network, modelled, streams)
     answers = search.separately(components, (0, ceil(tolerance))) if separately else None
     if answers is None:
         answers = [search.component(whole, streams)]

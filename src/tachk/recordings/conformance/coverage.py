@@ -31,9 +31,9 @@ class Covered:
 def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, ...]:
     """Each edge of the processes that no recording replaces. One run is counted for each accepted recording."""
     taken: Counter[tuple[int, int]] = Counter()
-    kept: set[int] = set()
+    modelled: set[int] = set()
     for run in (run for each in found for run in each.runs):
-        kept.update(run.product.kept)
+        modelled.update(run.product.modelled)
         for transition in map(run.product.lift_transition, run.path):
             for participant in () if transition is None else transition.participants:
                 taken[participant.process, participant.edge] += 1
@@ -46,6 +46,6 @@ def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, .
             edge.doc,
             taken[number, place],
         )
-        for number in sorted(kept)
+        for number in sorted(modelled)
         for place, edge in enumerate(network.processes[number].edges)
     )

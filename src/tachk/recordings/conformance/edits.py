@@ -16,7 +16,7 @@ from tachk.base.records import dataclass
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.rejection import PossibleEvent
 
-_NEAR = 6
+_NEIGHBOURS = 6
 """So many events before and behind the one that does not fit are tried."""
 _SHIFTS = tuple(sign * 2**n for n in range(11) for sign in (1, -1))
 
@@ -51,8 +51,8 @@ def edits(
         origin: the time of the recording at which the model starts.
         scale: units of the model in a unit of the recording.
     """
-    near = range(max(event - _NEAR, 0), min(event + _NEAR + 1, len(recording.events)))
-    around = sorted(near, key=lambda n: abs(n - event))
+    neighbours = range(max(event - _NEIGHBOURS, 0), min(event + _NEIGHBOURS + 1, len(recording.events)))
+    around = sorted(neighbours, key=lambda n: abs(n - event))
     yield from (Edit(event, what) for what in ("lost", "doubled"))
     now = (recording.events[event].time - origin) * scale
     for possible in enabled_events:

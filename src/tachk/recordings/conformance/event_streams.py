@@ -108,10 +108,10 @@ def make_streams(
     first = recording.events[0].time if recording.events else Fraction(0)
     spread = max(tolerance, late)
     origin = first - spread / scale if recording.start is None else recording.start
-    kept = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
+    modelled = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
     reader = _EventStreamReader(mapping, recording, constants)
     entries = reader.entries()
-    outgoing = [_is_output(visible, kept) for visible, _, _ in entries]
+    outgoing = [_is_output(visible, modelled) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
     clock = _RecordingClock.of(recording, origin, scale, (tolerance, late))
@@ -273,7 +273,7 @@ def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tupl
     return ((stream, position + 1),)
 
 
-def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:
+def _is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
     """Whether what is left of the model sends these events, and not what is outside."""
     if visible.direction is not None:
         return visible.direction is Direction.SEND
@@ -282,7 +282,7 @@ def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:
         edge.synchronisation is not None
         and edge.synchronisation.direction is Direction.SEND
         and channel_variable(edge.synchronisation.channel) is variable
-        for process in kept
+        for process in modelled
         for edge in process.edges
     )
 

@@ -90,15 +90,15 @@ def smallest_edit(
     rejection = found.refusal
     if rejection is None or rejection.event is None:
         return EditSearch(None)
-    near = NearestLogSearch(network, mapping, recording, constants, found, limits)
+    nearest_search = NearestLogSearch(network, mapping, recording, constants, found, limits)
     origin, scale = found.streams.origin, found.streams.scale
-    place = near.numbers.index(rejection.event)
-    likely = list(edits(near.recording, place, rejection.enabled_events, origin, scale))
+    place = nearest_search.numbers.index(rejection.event)
+    likely = list(edits(nearest_search.recording, place, rejection.enabled_events, origin, scale))
     for number, edit in enumerate(likely):
-        if work is not None and near.work >= work:
+        if work is not None and nearest_search.work >= work:
             return EditSearch(None, len(likely) - number)
-        if near.accepts(edited(near.recording, edit, scale)):
-            whole = replace(edit, event=near.numbers[edit.event])
+        if nearest_search.accepts(edited(nearest_search.recording, edit, scale)):
+            whole = replace(edit, event=nearest_search.numbers[edit.event])
             if accepts(edited(recording, whole, scale)):
                 return EditSearch(whole)
     return EditSearch(None)

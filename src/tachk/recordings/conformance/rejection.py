@@ -125,7 +125,7 @@ def enabled_events(
         happened: how many events of each stream have happened.
     """
     next_streams = around(streams, happened)
-    product = trace_product(network, mapping, next_streams, product.kept)
+    product = trace_product(network, mapping, next_streams, product.modelled)
     lenient, said = product.lenient(next_streams)
     model = replace(prepare(lenient), most_cases=_CASES)
     start, zones = _start(model, product, happened, end), list(end.zones)
@@ -174,7 +174,7 @@ def state_text(product: TraceProduct, end: FinalState) -> str:
     """The locations of the processes of the model."""
     processes = zip(product.network.processes, end.locations, strict=True)
     named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
-    return ", ".join(named[place] for place in product.places_of_kept)
+    return ", ".join(named[place] for place in product.places_of_modelled)
 
 
 def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteState, list[Zone]]:

@@ -41,8 +41,8 @@ class TraceProduct(Transformation):
     search tries the steps of the last processes first.
 
     Attributes:
-        kept: the numbers in the model of the processes that are left.
-        first_kept: the number of the first of them.
+        modelled: the numbers in the model of the processes that are left.
+        first_modelled: the number of the first of them.
         automata: for each stream the number of its trace automaton.
         now: the clock that nothing resets.
         positions: for each stream, how many of its events have happened.
@@ -50,8 +50,8 @@ class TraceProduct(Transformation):
         done: the condition that all events have happened and the recorded silence is over.
     """
 
-    kept: tuple[int, ...]
-    first_kept: int
+    modelled: tuple[int, ...]
+    first_modelled: int
     automata: tuple[int, ...]
     now: Variable
     positions: tuple[Variable, ...]
@@ -62,19 +62,19 @@ class TraceProduct(Transformation):
     def lift_transition(self, transition: Transition) -> Transition | None:
         """The part of the transition that processes of the model take; None if none takes part."""
         own = tuple(
-            replace(participant, process=self.kept[participant.process - self.first_kept])
+            replace(participant, process=self.modelled[participant.process - self.first_modelled])
             for participant in transition.participants
-            if participant.process in self.places_of_kept
+            if participant.process in self.places_of_modelled
         )
         return Transition(own) if own else None
 
     @property
-    def places_of_kept(self) -> range:
+    def places_of_modelled(self) -> range:
         """The numbers of the processes of the model."""
-        return range(self.first_kept, self.first_kept + len(self.kept))
+        return range(self.first_modelled, self.first_modelled + len(self.modelled))
 
     def _acts(self, process: int) -> bool:
-        return process in self.kept
+        return process in self.modelled
 
     def stream_of(self, transition: Transition) -> int | None:
         """The stream whose event the transition is; None if it is an internal transition of the model."""
@@ -107,19 +107,19 @@ class TraceProduct(Transformation):
 
 
 def trace_product(
-    network: Network, mapping: RecordingMap, streams: EventStreams, kept: tuple[int, ...], to_the_end: bool = False
+    network: Network, mapping: RecordingMap, streams: EventStreams, modelled: tuple[int, ...], to_the_end: bool = False
 ) -> TraceProduct:
     """The product of a network with a recording.
 
     Args:
-        kept: the numbers of the processes that are left.
+        modelled: the numbers of the processes that are left.
         to_the_end: the product is done only when no event of the recording can happen any more.
 
     Raises UsageError for what the model does not allow to be followed.
     """
     if network.has_priorities:
         raise UsageError("a model with priorities cannot be held against a recording", "leave out the priorities")
-    processes = tuple(network.processes[n] for n in kept)
+    processes = tuple(network.processes[n] for n in modelled)
     builder = NetworkBuilder("recording.", VariableKind.GLOBAL)
     now = builder.clock("now")
     positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(streams.streams)]
@@ -150,7 +150,7 @@ def trace_product(
         network,
         whole,
         Exactness.NOTHING,
-        kept,
+        modelled,
         order.index(len(hidden)) if processes else 0,
         places,
         now.expression.variable,
@@ -161,10 +161,10 @@ def trace_product(
     )
 
 
-def _receiving_last(streams: EventStreams, hidden: int, kept: int) -> tuple[list[int], tuple[int, ...]]:
+def _receiving_last(streams: EventStreams, hidden: int, modelled: int) -> tuple[list[int], tuple[int, ...]]:
     """The order of hidden processes, those that are kept and one for each stream, as numbers in that list: whoever
     receives what the model sends comes last. And the place of the process of each stream in that order."""
-    first = hidden + kept
+    first = hidden + modelled
     outputs = [first + number for number, stream in enumerate(streams.streams) if stream.outputs]
     inputs = [first + number for number, stream in enumerate(streams.streams) if not stream.outputs]
     order = [*range(hidden), *inputs, *range(hidden, first), *outputs]

@@ -37,7 +37,7 @@ from tachk.recordings.monitors.locations import located
 from tachk.recordings.monitors.mined import Mined, MinedTrace
 from tachk.recordings.monitors.mined_ranges import given_ranges
 from tachk.recordings.monitors.monotone import Monotonicity, Occurrence, joint_effect, occurrences
-from tachk.recordings.monitors.offline import counted, ending_of, formulas_of, judge, prepare, selected
+from tachk.recordings.monitors.offline import counted, ending_of, evaluate_formulas, formulas_of, prepare, selected
 from tachk.recordings.monitors.row_names import TIME, row_columns, with_row_columns
 from tachk.recordings.monitors.trace_semantics import HeldValues
 from tachk.recordings.monitors.value_names import with_named_values
@@ -199,7 +199,9 @@ class _ParameterSearch:
         record = None
         if place > 0:
             named = self._with(value(place - 1))
-            record = judge([named], open_trace(self.traces[worst]), EvaluationOptions(self.ending, robustness=False))
+            record = evaluate_formulas(
+                [named], open_trace(self.traces[worst]), EvaluationOptions(self.ending, robustness=False)
+            )
 
         def result_at(at: int) -> tuple[Fraction | None, bool]:
             """The border, and whether it belongs to what satisfies."""
@@ -271,8 +273,8 @@ class _ParameterSearch:
         return counted(self._measured(trace, value), self.ending) is not Truth.FALSE
 
     def _measured(self, trace: Trace, value: Fraction) -> Truth:
-        judged, (program,) = prepare([self._with(value)], open_trace(trace))
-        return HeldValues().truth(program, judged).measured
+        prepared, (program,) = prepare([self._with(value)], open_trace(trace))
+        return HeldValues().truth(program, prepared).measured
 
 
 def _bound(duration: syntax.Duration, named: NamedFormula, unit: str, parameter: Mapping[str, int]) -> Fraction:

@@ -43,7 +43,7 @@ from tachk.recordings.traces.verdict_explanation import never_triggered
 from tachk.syntax.formula import Formula
 
 
-def judge(
+def evaluate_formulas(
     formulas: Sequence[NamedFormula],
     recording: TraceSource,
     evaluation: EvaluationOptions = EvaluationOptions(),
@@ -61,25 +61,25 @@ def judge(
             "leave out the linear interpolation, or the robustness in time",
         )
     resolved = [located(named, recording.columns) for named in with_named_values(formulas, recording)]
-    record = _judged_at_once(resolved, recording, evaluation, source)
+    record = _evaluated_at_once(resolved, recording, evaluation, source)
     if all(verdict.measured is Truth.TRUE for verdict in record.verdicts):
         return record
     return replace(record, trace=replace(record.trace, value_names=names_of_values(formulas, recording)))
 
 
-def _judged_at_once(
+def _evaluated_at_once(
     formulas: Sequence[NamedFormula], recording: TraceSource, evaluation: EvaluationOptions, source: str
 ) -> MonitorRecord:
     if isinstance(recording, TableRecording) and evaluation.interpolation is Interpolation.CONSTANT and formulas:
         # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
         try:
-            return _judged(formulas, recording.supposed(), evaluation, source)
+            return _evaluated(formulas, recording.supposed(), evaluation, source)
         except (InputError, UsageError):
             pass  # the rows are out of order, or the trace has an error: below every row is checked first
-    return _judged(formulas, recording, evaluation, source)
+    return _evaluated(formulas, recording, evaluation, source)
 
 
-def _judged(
+def _evaluated(
     formulas: Sequence[NamedFormula], recording: TraceSource, evaluation: EvaluationOptions, source: str
 ) -> MonitorRecord:
     trace, programs = prepare(formulas, recording, evaluation.interpolation)

@@ -450,10 +450,10 @@ class Monitor:
 
     def _story(self, watched: _WatchedFormula) -> MonitorRecord | None:
         """The violation on the rows that are kept, if it is found there as the first one."""
-        ticks, kept, whole = self._group.kept()
+        ticks, values_of_rows, whole = self._group.kept()
         columns = {
             name: values if name in self._texts.columns else held_values(values, name, "the trace")
-            for name, values in zip(self.columns, kept, strict=True)
+            for name, values in zip(self.columns, values_of_rows, strict=True)
         }
         first = int(ticks[0])
         end = max(self._group.now(), int(ticks[-1])) - first

@@ -84,8 +84,8 @@ class RowNames:
         at_first = np.asarray(times) == int(ticks) if ticks.denominator == 1 else np.zeros(len(times), dtype=bool)
         added, after = self._after(first, at_first, flags)
         at = {TIME: np.asarray(times) / scale} if TIME in self.names else {}
-        kept = {name: column for name, column in columns.items() if name not in added}
-        return {**at, **added, **kept}, after
+        others = {name: column for name, column in columns.items() if name not in added}
+        return {**at, **added, **others}, after
 
     def _after(
         self, first: Fraction | None, at_first: NDArray[np.bool_], flags: Mapping[str, NDArray[np.bool_]]

@@ -31,7 +31,7 @@ _ROWS_AT_ONCE = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class JudgedTruth:
+class EvaluatedTruth:
     """Attributes:
     measured: what the trace says.
     lasting: what it would say if all values stayed for ever as they are at the end.
@@ -48,9 +48,9 @@ class TraceSemantics(Protocol):
         """The trace as reports count it, so that every instant which they tell is a whole number of half ticks."""
         ...
 
-    def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth: ...
+    def truth(self, program: MonitorProgram, trace: Trace) -> EvaluatedTruth: ...
 
-    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[EvaluatedTruth, RobustnessResult]:
         """The truth and the robustness."""
         ...
 
@@ -95,20 +95,20 @@ class HeldValues:
     def shown(self, trace: Trace) -> Trace:
         return trace
 
-    def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth:
+    def truth(self, program: MonitorProgram, trace: Trace) -> EvaluatedTruth:
         found = monitor_truth(program, trace)
-        return JudgedTruth(found.verdict, found.lasting)
+        return EvaluatedTruth(found.verdict, found.lasting)
 
-    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[EvaluatedTruth, RobustnessResult]:
         """A robustness that is not 0 has the sign of the truth under the same rules, so it is computed first."""
         if follows_from_truth(program):
             truth = self.truth(program, trace)
             return truth, infinite_robustness(truth.measured)
         robustness = monitor_robustness(program, trace)
         if robustness.low > 0:
-            return JudgedTruth(Truth.TRUE, Truth.TRUE), robustness
+            return EvaluatedTruth(Truth.TRUE, Truth.TRUE), robustness
         if robustness.high < 0:
-            return JudgedTruth(Truth.FALSE, Truth.FALSE), robustness
+            return EvaluatedTruth(Truth.FALSE, Truth.FALSE), robustness
         return self.truth(program, trace), robustness
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
@@ -140,11 +140,11 @@ class Lines:
         )
         return replace(program, nodes=nodes, ticks_per_unit=program.ticks_per_unit * self.parts)
 
-    def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth:
+    def truth(self, program: MonitorProgram, trace: Trace) -> EvaluatedTruth:
         found = truth_on_lines(program, trace, self.parts)
-        return JudgedTruth(found.verdict, found.lasting)
+        return EvaluatedTruth(found.verdict, found.lasting)
 
-    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[EvaluatedTruth, RobustnessResult]:
         truth = self.truth(program, trace)
         if follows_from_truth(program):
             return truth, infinite_robustness(truth.measured)

@@ -129,15 +129,15 @@ def part_of(program: MonitorProgram, nodes: Sequence[int]) -> tuple[MonitorProgr
             pending += program.nodes[node].operands
     if len(inside) == len(program.nodes):
         return program, list(nodes)
-    kept = [program.nodes[node] for node in sorted(inside)]
+    part_nodes = [program.nodes[node] for node in sorted(inside)]
     numbers = {node: number for number, node in enumerate(sorted(inside))}
-    read = {node.atom for node in kept if node.atom >= 0}
+    read = {node.atom for node in part_nodes if node.atom >= 0}
     columns: dict[int, int] = {}
     atoms = {atom: _of_columns(program.atoms[atom], columns) for atom in sorted(read)}
     places = {-1: -1, **{atom: number for number, atom in enumerate(atoms)}}
     parts = tuple(
         replace(node, operands=tuple(numbers[operand] for operand in node.operands), atom=places[node.atom])
-        for node in kept
+        for node in part_nodes
     )
     names = tuple(program.columns[column] for column in columns)
     return replace(program, columns=names, atoms=tuple(atoms.values()), nodes=parts), [numbers[node] for node in nodes]

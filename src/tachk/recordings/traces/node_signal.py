@@ -107,10 +107,10 @@ class NodeSignal:
 
     def stretches(self) -> list[tuple[int, int, Truth]]:
         """The longest stretches of one value: first cell, last cell, value."""
-        kept = np.concatenate(([0], np.flatnonzero(self.values[1:] != self.values[:-1]) + 1))
-        starts = self.starts[kept].tolist()
+        changes = np.concatenate(([0], np.flatnonzero(self.values[1:] != self.values[:-1]) + 1))
+        starts = self.starts[changes].tolist()
         ends = [start - 1 for start in starts[1:]] + [self.cells - 1]
-        values = self.values[kept].tolist()
+        values = self.values[changes].tolist()
         return [(start, end, Truth(value)) for start, end, value in zip(starts, ends, values, strict=True)]
 
     def runs(self, value: Truth, begin: int, end: int) -> CellRuns:
@@ -119,8 +119,8 @@ class NodeSignal:
         first = self.starts[same & ~np.concatenate(([False], same[:-1]))]
         ends = np.append(self.starts[1:] - 1, self.cells - 1)
         last = ends[same & ~np.concatenate((same[1:], [False]))]
-        kept = (first <= end) & (last >= begin)
-        return CellRuns(np.maximum(first[kept], begin), np.minimum(last[kept], end))
+        overlapping = (first <= end) & (last >= begin)
+        return CellRuns(np.maximum(first[overlapping], begin), np.minimum(last[overlapping], end))
 
     def _piece(self, cell: int) -> int:
         return int(np.searchsorted(self.starts, cell, side="right")) - 1

@@ -80,15 +80,15 @@ def _signal(
     high: NDArray[np.float64] | None,
 ) -> FormulaSignal:
     """Neighbouring pieces of the same value become one."""
-    kept = np.ones(len(cells), dtype=bool)
-    kept[1:] = truth[1:] != truth[:-1]
+    changed = np.ones(len(cells), dtype=bool)
+    changed[1:] = truth[1:] != truth[:-1]
     for bound in (low, high):
         if bound is not None:
-            kept[1:] |= bound[1:] != bound[:-1]
-    cells = cells[kept]
+            changed[1:] |= bound[1:] != bound[:-1]
+    cells = cells[changed]
     times = float(trace.origin) + (cells // 2) / trace.ticks_per_unit
-    low, high = (None if bound is None else bound[kept] for bound in (low, high))
-    return FormulaSignal(formula, times, cells % 2 == 1, truth[kept], low, high, cells)
+    low, high = (None if bound is None else bound[changed] for bound in (low, high))
+    return FormulaSignal(formula, times, cells % 2 == 1, truth[changed], low, high, cells)
 
 
 def operand_of_always(program: MonitorProgram) -> int:

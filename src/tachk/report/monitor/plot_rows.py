@@ -60,9 +60,9 @@ def formula_rows(verdict: MonitorVerdict) -> FormulaRows:
             if operand not in order:
                 order[operand] = None
                 pending.append(operand)
-    kept = [node for node in order if node == root or not _is_plain(program, node)][:MOST_ROWS]
-    texts = tuple(program.nodes[node].text for node in kept)
-    return FormulaRows(tuple(kept), texts, tuple(explainer.signal(node) for node in kept))
+    drawn = [node for node in order if node == root or not _is_plain(program, node)][:MOST_ROWS]
+    texts = tuple(program.nodes[node].text for node in drawn)
+    return FormulaRows(tuple(drawn), texts, tuple(explainer.signal(node) for node in drawn))
 
 
 def _is_plain(program: MonitorProgram, node: int) -> bool:
@@ -117,9 +117,9 @@ def line(trace: Trace, column: str, begin: float, end: float) -> tuple[NDArray[n
     first = max(int(trace.times.searchsorted(begin, side="right")) - 1, 0)
     last = int(trace.times.searchsorted(end, side="right")) + 1
     times = trace.times[first:last]
-    kept = np.append(times[1:] != times[:-1], True)  # of several rows for one instant the last one counts
-    points = times[kept].astype(np.float64)
-    values = trace.columns[column][first:last][kept].astype(np.float64)
+    last_of_instant = np.append(times[1:] != times[:-1], True)  # of several rows for one instant the last one counts
+    points = times[last_of_instant].astype(np.float64)
+    values = trace.columns[column][first:last][last_of_instant].astype(np.float64)
     if len(points) > MOST_POINTS:
         points, values = _extremes(points, values)
     stop = max(min(end, float(trace.end)), points[-1])

@@ -324,15 +324,15 @@ def _label(text: str, taken: float = 0.0) -> str:
     def fits(shown: str) -> bool:
         return bool(TextPath((0, 0), shown, size=_LABEL).get_extents().width <= room)
 
-    def shortened(kept: int) -> str:
-        return f"{text[: kept // 2]}…{text[len(text) - (kept - kept // 2) :]}"
+    def shortened(letters: int) -> str:
+        return f"{text[: letters // 2]}…{text[len(text) - (letters - letters // 2) :]}"
 
     if len(text) <= _SHORTEST_LABEL or (len(text) <= _LONGEST_LABEL and fits(text)):
         return text
     # Each length keeps the characters of the one below it and one more.
     lengths = range(_SHORTEST_LABEL + 1, min(len(text), _LONGEST_LABEL))
-    kept = bisect_left(lengths, True, key=lambda length: not fits(shortened(length))) + _SHORTEST_LABEL
-    return shortened(kept)
+    letters = bisect_left(lengths, True, key=lambda length: not fits(shortened(length))) + _SHORTEST_LABEL
+    return shortened(letters)
 
 
 def _short(text: str, most: int) -> str:

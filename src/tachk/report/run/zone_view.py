@@ -106,8 +106,8 @@ def constraint_texts(zone: Zone, clocks: Sequence[str]) -> tuple[str, ...]:
         for clock in range(1, zone.dimension)
         if first[clock] != clock
     ]
-    kept = [clock for clock in range(zone.dimension) if first[clock] == clock]
-    for i, j, raw in _needed(zone, kept):
+    representatives = [clock for clock in range(zone.dimension) if first[clock] == clock]
+    for i, j, raw in _needed(zone, representatives):
         sign = "<" if dbm.is_strict(raw) else "<="
         value = dbm.bound_value(raw)
         if i == 0:

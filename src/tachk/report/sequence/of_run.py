@@ -34,11 +34,11 @@ _SAVED = 6
 def chart_of_run(run: RunSteps) -> Chart:
     """Processes from left to right as in the system line, without those that only listen; times of the model."""
     unit, factor = _unit(run.unit)
-    kept, repeats = _folded(run)
+    shown_steps, repeats = _folded(run)
     lifelines = _lifelines(run)
     making = _Making(run, lifelines, factor)
     making.read()
-    events: list[Message | Note] = [event for number in kept for event in making.events.get(number, ())]
+    events: list[Message | Note] = [event for number in shown_steps for event in making.events.get(number, ())]
     events += [
         _repetition(run, begin, steps, times, factor)
         for begin, steps, times in repeats
@@ -80,7 +80,7 @@ class _UnderWay:
 
     number: int
     kind: str
-    carried: Mapping[str, int]
+    payload: Mapping[str, int]
 
 
 class _Making:
@@ -140,21 +140,21 @@ class _Making:
             return
         sender = self._lifeline[step.sender]
         receivers = self._ends.get(link) or (sender + 1 if sender + 1 < len(self._lifeline) else sender - 1,)
-        content = (link, step.carried.get("number", 0))
-        again = kind == "DATA" and content in self._sent and "number" in step.carried
+        content = (link, step.payload.get("number", 0))
+        again = kind == "DATA" and content in self._sent and "number" in step.payload
         if kind == "DATA":
             self._sent.add(content)
         category = _CATEGORIES.get(kind, Category.OTHER)
-        label = _label(kind, step.carried)
+        label = _label(kind, step.payload)
         detail = f"{step.channel}, step {number + 1}"
         made = Message(sender, receivers, self._moment(number), (), label, detail, category, again, "", step.is_lost)
         self.events.setdefault(number, []).append(made)
         if not step.is_lost:
-            self._links.setdefault(link, []).append(_UnderWay(number, kind, step.carried))
+            self._links.setdefault(link, []).append(_UnderWay(number, kind, step.payload))
 
     def _out_of(self, number: int, step: RunStep, link: str, kind: str) -> None:
         waiting = self._links.get(link, [])
-        arrived = next((one for one in waiting if one.kind == kind and _same(one.carried, step.carried)), None)
+        arrived = next((one for one in waiting if one.kind == kind and _same(one.payload, step.payload)), None)
         if arrived is None:
             return
         if not step.is_copied:
@@ -203,11 +203,11 @@ def _same(sent: Mapping[str, int], come: Mapping[str, int]) -> bool:
     return all(sent.get(name) == come.get(name) for name in ("number", "detail"))
 
 
-def _label(kind: str, carried: Mapping[str, int]) -> str:
+def _label(kind: str, payload: Mapping[str, int]) -> str:
     """A message of the protocol in its words; numbers count from 0."""
-    if "number" not in carried:
+    if "number" not in payload:
         return kind
-    number, detail = carried["number"], carried.get("detail", 0)
+    number, detail = payload["number"], payload.get("detail", 0)
     match kind:
         case "ACKNACK":
             missing = [number + bit for bit in range(16) if detail >> bit & 1]
@@ -225,16 +225,16 @@ def _folded(run: RunSteps) -> tuple[list[int], list[tuple[int, int, int]]]:
     keys = [_key(run.steps, number) for number in range(len(run.steps))]
     if not run.has_messages:
         keys = [(key, *sorted(step.locations.items())) for key, step in zip(keys, run.steps, strict=True)]
-    kept: list[int] = []
+    shown_steps: list[int] = []
     repeats: list[tuple[int, int, int]] = []
     at = 0
     while at < len(keys):
         block, times = _block(keys, at)
-        kept += range(at, at + block)
+        shown_steps += range(at, at + block)
         if times > 1:
             repeats.append((at, block, times))
         at += block * times
-    return kept, repeats
+    return shown_steps, repeats
 
 
 def _block(keys: Sequence[object], at: int) -> tuple[int, int]:
@@ -252,8 +252,8 @@ def _block(keys: Sequence[object], at: int) -> tuple[int, int]:
 def _key(steps: Sequence[RunStep], number: int) -> tuple[object, ...]:
     step = steps[number]
     delay = step.time - (steps[number - 1].time if number else 0)
-    carried = tuple(sorted(step.carried.items()))
-    return delay, step.channel, step.sender, step.receivers, carried, step.is_lost, step.news
+    payload = tuple(sorted(step.payload.items()))
+    return delay, step.channel, step.sender, step.receivers, payload, step.is_lost, step.news
 
 
 def _repetition(run: RunSteps, begin: int, block: int, times: int, factor: Fraction) -> Note:

@@ -33,7 +33,7 @@ class RunStep:
     channel: str
     sender: str
     receivers: tuple[str, ...]
-    carried: Mapping[str, int]
+    payload: Mapping[str, int]
     is_lost: bool
     is_copied: bool
     news: tuple[tuple[str, str], ...]

@@ -75,11 +75,11 @@ def open_network(network: Network, names: Sequence[str]) -> OpenNetwork:
     _check_separable(network, ours, theirs)
     shared = [v for v in network.variables if v in ours.used and v in theirs.used and _is_data(v)]
     inputs = [v for v in shared if v in theirs.written]
-    carried = [v for v in shared if network.resets(v) and v in ours.written]
+    sent = [v for v in shared if network.resets(v) and v in ours.written]
     copies = {v: replace(v, name=OUTSIDE + v.name, declared_meta=False) for v in inputs}
-    kept = {v: replace(v, name=SENT + v.name, declared_meta=False) for v in carried}
+    sent_copies = {v: replace(v, name=SENT + v.name, declared_meta=False) for v in sent}
     copy = tuple(_assign(v, copies[v]) for v in inputs)
-    keep = tuple(_assign(kept[v], v) for v in carried)
+    copy_sent = tuple(_assign(sent_copies[v], v) for v in sent)
     receives = sorted(ours.channels[Direction.RECEIVE].keys() & theirs.channels[Direction.SEND].keys())
     sends = sorted(ours.channels[Direction.SEND].keys() & theirs.channels[Direction.RECEIVE].keys())
     edges = [
@@ -87,13 +87,13 @@ def open_network(network: Network, names: Sequence[str]) -> OpenNetwork:
         Edge(0, 0, guard=_never(), updates=tuple(_assign(copies[v], v) for v in inputs)),
     ]
     edges += [_edge(ours.channels[Direction.RECEIVE][name], Direction.SEND, _never(), copy) for name in receives]
-    edges += [_edge(ours.channels[Direction.SEND][name], Direction.RECEIVE, None, keep) for name in sends]
+    edges += [_edge(ours.channels[Direction.SEND][name], Direction.RECEIVE, None, copy_sent) for name in sends]
     return OpenNetwork(
         network,
         replace(
             network,
             processes=(*_with_stubs(network, inside), Process("outside", "outside", (Location("all"),), tuple(edges))),
-            variables=(*_used(network, ours), *copies.values(), *kept.values(), _NEVER),
+            variables=(*_used(network, ours), *copies.values(), *sent_copies.values(), _NEVER),
             signals=tuple(signal for signal in network.signals if _is_seen(network, signal, ours)),
         ),
         Exactness.NOTHING,

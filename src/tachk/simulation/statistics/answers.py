@@ -43,7 +43,7 @@ class StatisticalAnswer:
     seconds: float = 0.0
 
     @property
-    def judged(self) -> bool:
+    def is_counted(self) -> bool:
         """Whether the answer counts: it is the outcome of a test, or something is expected of it, or it is not as
         expected whatever that is."""
         return isinstance(self.found, Decided) or self.query.expectation is not None or self.met is not True

@@ -383,6 +383,6 @@ def _sampler_of(network: Network, path: PathProperty, source: RunSource) -> Samp
     and InputError for a wrong initial value."""
     if isinstance(path, Path):
         return path_sampler(network, path, source)
-    from tachk.simulation.statistics.judged import formula_sampler  # loads the monitors
+    from tachk.simulation.statistics.formula_sampler import formula_sampler  # loads the monitors
 
     return formula_sampler(network, path, source)

@@ -128,8 +128,8 @@ class Places:
 
     def up_to(self, runs: int, hits: int) -> Places:
         """The places with fewer runs, and those with as many runs and at most ``hits`` hits."""
-        kept = (self.runs < runs) | ((self.runs == runs) & (self.hits <= hits))
-        return Places(self.runs[kept], self.hits[kept], self.shares[kept])
+        up_to_here = (self.runs < runs) | ((self.runs == runs) & (self.hits <= hits))
+        return Places(self.runs[up_to_here], self.hits[up_to_here], self.shares[up_to_here])
 
     def probabilities(self, hit: float) -> Floats:
         """The probability of stopping at each of them, if a run is a hit with probability ``hit``."""

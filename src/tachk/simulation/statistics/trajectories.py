@@ -176,9 +176,9 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
 
 def _settled(name: str, times: Floats, values: Floats) -> Polyline:
     """Without what lasts no time, but for the last state, and without points between equal neighbours."""
-    kept = np.repeat(np.diff(times)[::2] > 0, 2)
-    kept[-1] = True
-    times, values = times[kept], values[kept]
+    lasting = np.repeat(np.diff(times)[::2] > 0, 2)
+    lasting[-1] = True
+    times, values = times[lasting], values[lasting]
     middle = np.ones(len(times), dtype=bool)
     middle[1:-1] = (values[1:-1] != values[:-2]) | (values[1:-1] != values[2:])
     return Polyline(name, times[middle], values[middle])

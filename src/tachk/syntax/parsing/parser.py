@@ -277,8 +277,8 @@ def _all_errors(lexed: Lexed, errors: Diagnostics) -> Diagnostics:
         return diagnostic.span.source.line_column(diagnostic.span.start)[0]
 
     spoilt = {line(error) for error in lexed.errors}
-    kept = [*lexed.errors, *(error for error in errors if line(error) not in spoilt)]
-    return tuple(sorted(kept, key=lambda error: error.span.start))
+    errors_left = [*lexed.errors, *(error for error in errors if line(error) not in spoilt)]
+    return tuple(sorted(errors_left, key=lambda error: error.span.start))
 
 
 def _unless_deep(value: Any, lexed: Lexed, diagnostics: Diagnostics) -> tuple[Any, Diagnostics]:
@@ -306,8 +306,8 @@ def _comments_beside(items: tuple[ast.Item, ...], lexed: Lexed) -> tuple[ast.Com
         for declaration in item.declarations
         if isinstance(declaration, ast.ForeignImport)
     ]
-    kept = [c for c in (*lexed.comments, *loose) if not any(span.start <= c.span.start < span.end for span in raw)]
-    return tuple(sorted(kept, key=lambda comment: comment.span.start))
+    comments = [c for c in (*lexed.comments, *loose) if not any(span.start <= c.span.start < span.end for span in raw)]
+    return tuple(sorted(comments, key=lambda comment: comment.span.start))
 
 
 def _documented(item: ast.Item) -> Iterator[Any]:

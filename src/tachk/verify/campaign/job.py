@@ -38,7 +38,7 @@ from tachk.verify.questions import Questions, checked
 from tachk.verify.verdict import Answer, Verdict
 
 if TYPE_CHECKING:  # monitors take a third of the start of a sweep that has no formula
-    from tachk.verify.campaign.judged_runs import FormulaCounts, JudgedRuns
+    from tachk.verify.campaign.evaluated_runs import EvaluatedRuns, FormulaCounts
 
 Row = Mapping[str, str | int | float | None]
 """One line of the table: the name of a column and what stands in it."""
@@ -85,7 +85,7 @@ class Verification:
         names: of the constants that vary.
         property_names: the names of the properties, in order.
         limits: of each cell.
-        judge: judges random runs of each cell.
+        formula_runs: random runs of each cell, and formulas to evaluate on them.
         frames: how deep Python may recurse. Chains of the model that have thousands of links have raised it where the
             model was read, not in the processes that get the model.
     """
@@ -97,13 +97,13 @@ class Verification:
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
     settings: Settings = field(default_factory=Settings)
-    judge: JudgedRuns | None = None
+    formula_runs: EvaluatedRuns | None = None
     frames: int = field(default_factory=sys.getrecursionlimit)
 
     @property
     def asks_queries(self) -> bool:
         """Whether there are queries or properties to check, or formulas only."""
-        return self.judge is None or len(self.property_names) > len(self.judge.names)
+        return self.formula_runs is None or len(self.property_names) > len(self.formula_runs.names)
 
     def parts(self) -> dict[str, str]:
         """The settings that finished cells must share with this job to count: a name for users, and its value."""
@@ -122,7 +122,7 @@ class Verification:
             "--max-states": str(self.limits.states),
             "--max-memory": str(self.limits.memory_bytes),
             "statistics": str(self.settings),
-            **({} if self.judge is None else {"--monitor": str(self.judge)}),
+            **({} if self.formula_runs is None else {"--monitor": str(self.formula_runs)}),
         }
 
     def rows(self, values: Values) -> tuple[Row, ...]:
@@ -152,17 +152,17 @@ class Verification:
 
     def _drawn(self, model: LoadedModel, statistical: Sequence[UncheckedQuery]) -> Iterator[Row]:
         """The answers of random runs, in the model as simulations see it."""
-        if not statistical and self.judge is None:
+        if not statistical and self.formula_runs is None:
             return
         seen = with_hybrid_clocks(model, ())
         reader = StatisticalReader(seen)
         for query in statistical:
             property_names = reader.read(query)
             yield _estimated(estimate(property_names.network or seen.network, property_names, self.settings))
-        if self.judge is not None:
+        if self.formula_runs is not None:
             chosen = {name: value for name, value in seen.network.constants if name in model.overrides}
-            for judged in self.judge.judged(seen.network, chosen):
-                yield _judged(judged, self.settings.confidence)
+            for counts in self.formula_runs.counts(seen.network, chosen):
+                yield _formula_row(counts, self.settings.confidence)
 
 
 def verification(
@@ -172,7 +172,7 @@ def verification(
     options: Options,
     limits: Limits,
     settings: Settings | None = None,
-    judge: JudgedRuns | None = None,
+    formula_runs: EvaluatedRuns | None = None,
 ) -> Verification:
     """The job that checks the given queries and properties in each cell.
 
@@ -180,13 +180,13 @@ def verification(
         InputError, UsageError: a query is wrong, there is no such property or constant, or nothing to check.
     """
     constant_overrides(dict.fromkeys(names, 0), model.items, DiagnosticCollector())
-    named = judge is None or bool(questions.names or questions.typed or questions.files)
+    named = formula_runs is None or bool(questions.names or questions.typed or questions.files)
     formulas = questions.about(model) if named else ()
     property_names = tuple(q.name for q in formulas if isinstance(q, Query) or is_statistical(q))
-    property_names += () if judge is None else judge.names
+    property_names += () if formula_runs is None else formula_runs.names
     if not property_names:
         raise UsageError(f"{questions.path} has no property to check", "give a query behind the model")
-    return Verification(model, names, questions, property_names, options, limits, settings or Settings(), judge)
+    return Verification(model, names, questions, property_names, options, limits, settings or Settings(), formula_runs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,7 +217,7 @@ def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:
     return tuple({**nothing, "property": name} for name in names)
 
 
-def _judged(found: FormulaCounts, confidence: float) -> Row:
+def _formula_row(found: FormulaCounts, confidence: float) -> Row:
     """The row of a formula: how probable it is that a run satisfies it. A run that is undetermined may or may not."""
     runs = found.true + found.false + found.undetermined
     low, high = clopper_pearson(found.true, runs, confidence, maybe=found.undetermined)

@@ -283,15 +283,15 @@ class _Analyst:
         self, given: Sequence[Requirement], has: Callable[[Sequence[Requirement]], bool]
     ) -> tuple[Requirement, ...]:
         """Requirements that have a property together, and none of which can be left out; the first are kept."""
-        kept = list(given)
+        needed = list(given)
         for each in reversed(given):
-            fewer = [other for other in kept if other != each]
+            fewer = [other for other in needed if other != each]
             try:
                 if has(fewer):
-                    kept = fewer
+                    needed = fewer
             except _Undecided:
                 continue
-        return tuple(kept)
+        return tuple(needed)
 
     def _dead_end(self, chosen: Sequence[Requirement]) -> tuple[WitnessMoment, ...]:
         """A run that cannot go on; empty if there is none."""

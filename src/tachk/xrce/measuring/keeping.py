@@ -20,14 +20,14 @@ class LateRequest:
 
     Attributes:
         written: how many had come.
-        kept: how many of them the client gets.
+        delivered: how many of them the client gets.
         waited: milliseconds from the first of them to READ_DATA.
         packet: of READ_DATA.
         wanted: the samples that it asks for; None is one.
     """
 
     written: int
-    kept: int
+    delivered: int
     waited: float
     packet: int
     wanted: int | None
@@ -53,11 +53,13 @@ def late_requests(recording: Capture) -> Iterator[LateRequest]:
             if one.link == link and not one.to_agent and one.sent >= request.sent
             for event in _of(one.events, SubmessageKind.DATA)
         }
-        kept = len(got & set(before))
-        if kept:
+        delivered = len(got & set(before))
+        if delivered:
             waited = (request.sent - min(before.values())) / _MILLISECOND
             wanted = _of(request.events, SubmessageKind.READ_DATA)[0].fields["max_samples"]
-            yield LateRequest(len(before), kept, waited, request.packet, wanted if isinstance(wanted, int) else None)
+            yield LateRequest(
+                len(before), delivered, waited, request.packet, wanted if isinstance(wanted, int) else None
+            )
 
 
 def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[SubmessageEvent]:
@@ -68,8 +70,8 @@ def kept_quantity(found: Sequence[tuple[str, LateRequest]]) -> Quantity:
     """The number of samples that the Agent keeps: seen where a client gets fewer than were written, but not where it
     asks for no more."""
     name, title = "kept", "samples that the Agent keeps for a client that asks late"
-    fewer = [(file, one) for file, one in found if one.kept < one.written and one.kept != (one.wanted or 1)]
-    samples = tuple(Observation(one.kept, (PacketPlace(file, one.packet),)) for file, one in fewer or found)
+    fewer = [(file, one) for file, one in found if one.delivered < one.written and one.delivered != (one.wanted or 1)]
+    samples = tuple(Observation(one.delivered, (PacketPlace(file, one.packet),)) for file, one in fewer or found)
     if not samples:
         return seen(name, title, (), "no client asks for samples that have been written before", QuantityUnit.COUNT)
     most = max(sample.value for sample in samples)

@@ -194,7 +194,7 @@ class SignalTracker:
             elif kind == _DELETE and found.object[entry] == _SESSION:
                 self._ended(self._side)
             elif held is not None and kind in _CARRYING:
-                if held.state.carries(number, place, _item(found, entry, kind, octets)):
+                if held.state.note_item(number, place, _item(found, entry, kind, octets)):
                     self._unaltered, self._changed = False, True
             elif kind == _DATA and held is None and not to_agent and self._side is self._side.owner.own_side:
                 self._delivered(self._side.owner, (to_agent, stream), _item(found, entry, kind, octets))

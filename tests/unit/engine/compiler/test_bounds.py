@@ -12,7 +12,7 @@ from tachk.engine.compiler.bounds import (
     BoundEdge,
     ClockCopy,
     ConstraintRange,
-    carried_diagonals,
+    copied_diagonals,
     joined_copies,
     network_bounds,
     process_bounds,
@@ -177,12 +177,12 @@ def test_copies_of_copies_count_in_one_step() -> None:
 
 def test_copies_carry_differences_of_clocks() -> None:
     copies = [ClockCopy(1, 3, 0, 1), ClockCopy(2, 4, 2, 2)]
-    found = carried_diagonals([(1, 2, 7)], copies, 100)
+    found = copied_diagonals([(1, 2, 7)], copies, 100)
     assert found is not None
     assert set(found) == {(1, 2, 7), (3, 2, 7), (3, 2, 5), (1, 4, 11), (3, 4, 11), (3, 4, 9)}
-    assert carried_diagonals([(1, 2, 7)], [ClockCopy(1, 2, 0, 5)], 100) == ((1, 2, 7),)
-    assert carried_diagonals([(1, 2, 7)], [ClockCopy(1, 1, 1, 1)], 100) is None
-    assert carried_diagonals([(1, 2, 7)], [ClockCopy(1, 1, 0, 0)], 100) == ((1, 2, 7),)
+    assert copied_diagonals([(1, 2, 7)], [ClockCopy(1, 2, 0, 5)], 100) == ((1, 2, 7),)
+    assert copied_diagonals([(1, 2, 7)], [ClockCopy(1, 1, 1, 1)], 100) is None
+    assert copied_diagonals([(1, 2, 7)], [ClockCopy(1, 1, 0, 0)], 100) == ((1, 2, 7),)
 
 
 # ---- bounds of whole programs ---------------------------------------------------------------------------------------

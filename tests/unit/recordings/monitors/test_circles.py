@@ -7,7 +7,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.recordings.monitors.formulas import read_formulas
-from tachk.recordings.monitors.offline import judge
+from tachk.recordings.monitors.offline import evaluate_formulas
 from tachk.recordings.traces.trace_files import open_trace
 
 ROWS = {"t": [0, 1], "x": [1, 2]}
@@ -45,6 +45,6 @@ def test_a_column_breaks_a_circle(tmp_path: Path) -> None:
 
 def test_a_column_in_the_place_of_a_formula_is_told(tmp_path: Path) -> None:
     path = formulas(tmp_path, "a: x < 3\nc: G a\n")
-    record = judge(read_formulas(path), open_trace({**ROWS, "a": [1, 0]}))
+    record = evaluate_formulas(read_formulas(path), open_trace({**ROWS, "a": [1, 0]}))
     assert record.trace.warnings == ("`a` in the formula `c` is the column, not the formula of this name",)
     assert tachk.monitor(path, ROWS).truth is tachk.Truth.TRUE

@@ -224,10 +224,10 @@ def _cut(text: str) -> str:
     """As much of a text as fits between two lifelines."""
     if text_width(text) <= _WIDEST:
         return text
-    kept = len(text)
-    while kept > 1 and text_width(text[:kept] + "…") > _WIDEST:
-        kept -= 1
-    return text[:kept].rstrip() + "…"
+    shown = len(text)
+    while shown > 1 and text_width(text[:shown] + "…") > _WIDEST:
+        shown -= 1
+    return text[:shown].rstrip() + "…"
 
 
 class _ChartRows:

@@ -1,4 +1,4 @@
-"""Random runs that are judged by formulas, in each cell of a sweep."""
+"""Random runs on which formulas are evaluated, in each cell of a sweep."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class FormulaCounts:
 
 
 @dataclass(frozen=True, slots=True)
-class JudgedRuns:
+class EvaluatedRuns:
     """Random runs and the formulas that are evaluated on them, as of `tachk simulate --monitor`.
 
     Attributes:
@@ -64,7 +64,7 @@ class JudgedRuns:
         )
         return f"{stated}, {self.runs} runs until {self.until}, seed {self.seed}"
 
-    def judged(self, network: Network, chosen: Mapping[str, int]) -> Iterator[FormulaCounts]:
+    def counts(self, network: Network, chosen: Mapping[str, int]) -> Iterator[FormulaCounts]:
         """The truth of the formulas on the runs of a cell.
 
         Args:
@@ -86,9 +86,9 @@ class JudgedRuns:
             yield FormulaCounts(name, counts[Truth.TRUE], counts[Truth.FALSE], counts[Truth.UNDETERMINED], transitions)
 
 
-def judged_runs(given: str | os.PathLike[str], until: str, runs: int, seed: int) -> JudgedRuns:
+def evaluated_runs(given: str | os.PathLike[str], until: str, runs: int, seed: int) -> EvaluatedRuns:
     """The formulas that are evaluated in each cell.
 
     Raises InputError and UsageError for what cannot be read.
     """
-    return JudgedRuns(formula_source(given), until, runs, seed)
+    return EvaluatedRuns(formula_source(given), until, runs, seed)

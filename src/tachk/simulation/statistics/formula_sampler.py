@@ -1,4 +1,4 @@
-"""Runs that are judged by a formula with several temporal operators, as monitors judge recorded traces."""
+"""Runs on which a formula with several temporal operators is evaluated, as monitors do on recorded traces."""
 
 from __future__ import annotations
 
@@ -52,24 +52,24 @@ def formula_sampler(network: Network, path: FormulaPath, source: RunSource) -> S
     drawing = SimulationOptions(
         source.seed, reach.until, steps=source.most_steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
     )
-    judge = _RunJudge(network, path.formula, conditions)
+    truth = _RunEvaluator(network, path.formula, conditions).truth
 
     def trials(numbers: range) -> Trials:
         drawn = runs.draw(drawing, numbers, RecordedChanges(observed=True))
-        return _trials([(run, judge.truth(runs.trace(run)) if len(run.times) else Truth.UNDETERMINED) for run in drawn])
+        return _trials([(run, truth(runs.trace(run)) if len(run.times) else Truth.UNDETERMINED) for run in drawn])
 
     return Sampler(trials, source.first, reach.ticks_per_unit)
 
 
-def _trials(judged: list[tuple[Simulated, Truth]]) -> Trials:
-    endings: Counter[SimulationEnding] = Counter(run.ending for run, truth in judged if truth is not Truth.TRUE)
+def _trials(evaluated: list[tuple[Simulated, Truth]]) -> Trials:
+    endings: Counter[SimulationEnding] = Counter(run.ending for run, truth in evaluated if truth is not Truth.TRUE)
     return Trials(
-        np.array([_ANSWERS[truth] for _, truth in judged], dtype=np.int8),
-        np.array([run.end for run, _ in judged], dtype=np.int64),
-        sum(run.transitions for run, _ in judged),
-        np.full(len(judged), np.nan),
+        np.array([_ANSWERS[truth] for _, truth in evaluated], dtype=np.int8),
+        np.array([run.end for run, _ in evaluated], dtype=np.int64),
+        sum(run.transitions for run, _ in evaluated),
+        np.full(len(evaluated), np.nan),
         dict(endings),
-        next((run.fault for run, _ in judged if run.fault is not None), None),
+        next((run.fault for run, _ in evaluated if run.fault is not None), None),
     )
 
 
@@ -82,7 +82,7 @@ def _conditions(formula: RunFormula) -> Iterable[Expression]:
 
 
 @dataclass(slots=True)
-class _RunJudge:
+class _RunEvaluator:
     """Attributes:
     programs: by the ticks of a time unit of the trace.
     """
