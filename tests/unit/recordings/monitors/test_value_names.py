@@ -178,3 +178,19 @@ def test_enumerations_of_protocol_buffers(tmp_path: Path) -> None:
     report = tachk.monitor(formulas, path)
     assert [verdict.truth.word for verdict in report] == ["true", "true", "false"]
     assert seen(report) == ['state.mode = "SLOW"']
+
+
+def test_constants_in_bags(tmp_path: Path) -> None:
+    pytest.importorskip("rosbags.typesys")
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg("uint8 OK=0\nuint8 ERROR=2\nuint8 level\n", "x/msg/Status"))
+    with Writer(tmp_path / "bag", version=9) as writer:
+        connection = writer.add_connection("/status", "x/msg/Status", typestore=store)
+        for number, level in enumerate((0, 2, 0)):
+            message = store.types["x/msg/Status"](level=level)
+            writer.write(connection, number * SECOND, store.serialize_cdr(message, "x/msg/Status"))
+    report = tachk.monitor(['G (status.level != "ERROR")', "G (status.level < 1)"], tmp_path / "bag")
+    assert seen(report) == ["status.level = ERROR", "status.level = ERROR"]
