@@ -60,7 +60,7 @@ def monitor(
         time: the name of the time column, where it is not ``time``, ``t`` or ``timestamp``.
         unit: of the times, such as ``"ms"``, where the trace does not say it.
         ports: of a capture of packets, those of Agents; none: 8888.
-        end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"`` (as satisfied) or
+        end: what counts where the trace ends too early to decide: ``"undetermined"``, ``"weak"`` (as satisfied) or
             ``"strong"`` (as violated).
         robustness: compute how far each verdict is from changing.
         time_robustness: compute by how much time signals could be shifted before the verdict changes.

@@ -8,7 +8,7 @@ from enum import IntEnum
 
 class ExitStatus(IntEnum):
     """1 is used by `diff` alone, as by all programs of that name: it is also what an uncaught Python exception gives,
-    and a build server must tell them apart."""
+    and a build server must distinguish them."""
 
     AS_EXPECTED = 0
     """every expectation is met; without an expectation: the query holds"""

@@ -182,7 +182,7 @@ class Stepper:
         text = run_text(self.session.names, self.session.trace, [f"a run of {self._model}"], self._constants)
         write_whole(path, text)
         steps = "1 step is" if self.session.position == 1 else f"{self.session.position} steps are"
-        yield f"{steps} in {path}; tachk replay {self._model} {path} tells them"
+        yield f"{steps} in {path}; tachk replay {self._model} {path} shows them"
 
     def _load(self, rest: str) -> Iterator[str]:
         if not rest:

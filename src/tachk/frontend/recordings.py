@@ -198,7 +198,7 @@ class _RecordingClauseReader:
             type_ = type_.element
         if isinstance(type_, ArrayType):
             message = "this is an array of channels: it needs an index"
-            self.context.error("E0454", clause.channel.span, message, "write a name that the event tells, as in c[i]")
+            self.context.error("E0454", clause.channel.span, message, "name a column of the event, as in c[i]")
             return None
         columns = [self._column(column, names) for column in clause.columns]
         per = [self._common(name, indices) for name in clause.per]
@@ -208,7 +208,7 @@ class _RecordingClauseReader:
         for index, variable in zip(written, indices, strict=True):
             if isinstance(variable, Variable) and variable not in declared:
                 help_ = f"write `{clause.event.name}({variable.name}, ...)`, or a constant for it"
-                self.context.error("E0455", index.span, f"no column of the event tells `{variable.name}`", help_)
+                self.context.error("E0455", index.span, f"no column of the event gives `{variable.name}`", help_)
                 return None
         return VisibleEvents(
             channel,
@@ -230,7 +230,7 @@ class _RecordingClauseReader:
         value = expression(node, self.scope, self.context)
         if value is None or isinstance(value, Constant):
             return value
-        help_ = "write a constant, or a new name for what the event tells"
+        help_ = "write a constant, or a new name for a column of the event"
         self.context.error("E0454", node.span, "the index of a visible channel must not change", help_)
         return None
 
@@ -255,7 +255,7 @@ class _RecordingClauseReader:
             self.context.error("E0501", written.span, "`deadlock` can only be used in queries")
             return None
         if not is_integral(value.type):
-            self.context.error("E0301", written.span, "a column tells a number or a truth value", None)
+            self.context.error("E0301", written.span, "a column holds a number or a truth value", None)
             return None
         return (node.name.name, value) if self.context.require_pure(value, "a column") else None
 
@@ -291,6 +291,6 @@ class _RecordingClauseReader:
                     number = gone.get(node.variable)
                 if number is not None:
                     name = self.processes[number].name
-                    message = f"the recording takes the place of `{name}`, so no event can tell of its inside"
+                    message = f"the recording takes the place of `{name}`, so no event can show its inside"
                     self.context.error("E0456", node.span, message, f"leave out the column, or do not replace `{name}`")
                     break

@@ -35,7 +35,7 @@ def _reductions(statistics: Statistics) -> Iterator[str]:
     for members in statistics.exchanged:
         yield for_all(members)
     if statistics.asked_of_all:
-        yield "what is asked of some of these processes was asked of all of them"
+        yield "the query about some of these processes was checked for all of them"
     if statistics.less_known:
         names = ", ".join(statistics.less_known)
         yield f"the order in which {names} goes through processes was left open, which can only add states"

@@ -73,7 +73,7 @@ def _check_arrivals(network: Network, formulas: Iterable[NamedFormula]) -> None:
         for call in nodes_of_kind(named.formula, ast.CallExpression):
             if (argument := arrival_argument(call)) is not None:
                 topic = column_name(argument)
-                message = f"a run of a model does not tell when `{topic}` arrives"
+                message = f"a run of a model does not show when `{topic}` arrives"
                 found.append(Diagnostic("E0901", message, call.span, _instead_of_arrival(network, topic)))
     if found:
         raise InputError(found)

@@ -228,7 +228,7 @@ def _descent(
         return "there are no certificates yet where only runs count in which time diverges"
     stops = any(location.rates for process in network.processes for location in process.locations)
     if stops and any(asks_deadlock(one) for one in (avoided, begins) if one is not None):
-        return "there are no certificates of what runs meet where clocks stop and `deadlock` is asked for"
+        return "there are no certificates of what runs meet where clocks stop and the query contains `deadlock`"
     program, goal, trigger = lower_obligation(network, avoided, begins)
     program = _with_groups(program, groups)
     found = find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits)

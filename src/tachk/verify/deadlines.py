@@ -51,7 +51,7 @@ def check_deadline(network: Network, query: Query) -> None:
     clock = clock_in(query.predicate) or clock_in(query.operands[0])
     if clock is not None:
         message = "queries with `-->[<= t]` are not checked that look at a clock"
-        remedy = "let a location or a variable of the model tell when the clock is there"
+        remedy = "let a location or a variable of the model show when the clock is there"
         raise UnsupportedError(Diagnostic("E0720", message, clock.span, remedy))
 
 

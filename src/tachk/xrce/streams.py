@@ -43,7 +43,7 @@ class StreamState:
         sent: messages that have been sent, as far as is known.
         acknowledged: the number up to which the last ACKNACK has all.
         arrived: the number up to which all have arrived. Unlike the one above it never goes back, and no ACKNACK of
-            messages that nobody has sent counts.
+            messages that was not sent counts.
         missing: how many the last ACKNACK names.
         contents: of the messages that have been seen here and not arrived yet, by number and place.
     """

@@ -49,7 +49,7 @@ system P;
 
 def test_the_loop_is_found_behind_a_long_way_on_which_other_clocks_pass_all_constants() -> None:
     assert grows(2, *210 * (QUICK,), text=BESIDE_OLD_CLOCKS)
-    assert not grows(2, *50 * (QUICK,), text=BESIDE_OLD_CLOCKS)  # where it is at most 50, `late` tells them apart
+    assert not grows(2, *50 * (QUICK,), text=BESIDE_OLD_CLOCKS)  # where it is at most 50, `late` distinguishes them
 
 
 def test_valuations_from_which_the_loop_does_not_start_again_are_left_out() -> None:

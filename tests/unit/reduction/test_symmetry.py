@@ -104,7 +104,7 @@ def test_what_tells_processes_apart_is_named(edge: str, reason: str) -> None:
 def test_another_process_may_not_prefer_one() -> None:
     groups, reasons = found("sync to[me]?;", "sync to[2]!;")
     assert groups == [2]
-    assert reasons == ["the process Q tells them apart here"]
+    assert reasons == ["the process Q distinguishes them here"]
 
 
 def test_initial_values_may_prefer_one() -> None:
@@ -120,7 +120,7 @@ def test_initial_values_may_prefer_one() -> None:
 )
 def test_values_that_every_transition_finds_may_not(declared: str, edge: str) -> None:
     text = TEXT.replace("int[0, 2] mark[N + 1];", f"{declared} mark[4] = {{0, 0, 0, 1}};") % (edge, "")
-    assert found(text=text) == ([2], ["the values of `mark` tell them apart"])
+    assert found(text=text) == ([2], ["the values of `mark` distinguish them"])
 
 
 def test_a_condition_may_not_hold_for_one_only() -> None:
@@ -174,7 +174,7 @@ def test_a_run_time_error_of_another_one_may_not_depend_on_it_either(order: str,
 def test_priorities_of_channels_tell_processes_apart() -> None:
     text = TEXT.replace("broadcast chan all;", "broadcast chan all; chan priority to[2] < default;")
     text %= ("sync to[me]?;", "select k : id_t; sync to[k]!;")
-    assert found(text=text) == ([2], ["the priorities of the channels `to` tell them apart"])
+    assert found(text=text) == ([2], ["the priorities of the channels `to` distinguish them"])
 
 
 def test_a_deep_check_tells_who_is_interchangeable_and_why_others_are_not() -> None:

@@ -1,4 +1,4 @@
-"""A property line, a query file and the command line take queries, formulas and sentences, and tell them apart."""
+"""A property line, a query file and the command line take queries, formulas and sentences, and distinguish them."""
 
 from __future__ import annotations
 

@@ -113,5 +113,5 @@ def test_two_damaged_bytes_are_told(tmp_path: Path) -> None:
     octets[place], octets[place + 5] = 1, 2
     path = tmp_path / "line.pcap"
     path.write_bytes(octets)
-    with pytest.raises(UsageError, match="message is damaged, so nobody knows"):
+    with pytest.raises(UsageError, match="message is damaged, so what its sender has sent is unknown"):
         tachk.conform(MODEL, path)

@@ -86,7 +86,7 @@ def _keep_edited(files: Mapping[Path, str], force: bool) -> None:
     """Raises UsageError if a file exists that does not hold what is to be written."""
     for path, text in files.items():
         if not force and path.is_file() and path.read_text(encoding="utf-8", errors="replace") != text:
-            raise UsageError(f"{path} exists with other contents; somebody may have edited it", "--force overwrites it")
+            raise UsageError(f"{path} exists with other contents; a user may have edited it", "--force overwrites it")
 
 
 def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], fix: bool) -> dict[Path, str]:

@@ -34,7 +34,7 @@ def text_alone(process: Process, edges: tuple[Edge, ...], known: Known) -> Hasha
     """The common part of the texts of a process and of all processes that it may be mapped to.
 
     A number that the text compares by its order, or computes with, is more than a name in each network: what two
-    processes do differently with such numbers tells them apart.
+    processes do differently with such numbers distinguishes them.
 
     Args:
         edges: those of the process that are taken.

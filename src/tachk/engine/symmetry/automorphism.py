@@ -251,12 +251,12 @@ class NetworkTerms:
             return AsymmetryReason(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
         images = cell_images(self.index_types, tree, variable.type, renaming)
         if (self.is_constant(variable) or self.is_constant(other)) and not self._keeps_values(variable, renaming):
-            return AsymmetryReason(f"the values of `{other.name}` tell them apart", other.span)
+            return AsymmetryReason(f"the values of `{other.name}` distinguish them", other.span)
         if variable.priorities or other.priorities:
             default = (self.network.default_priority,) * len(images)
             priority, others_priority = variable.priorities or default, other.priorities or default
             if any(others_priority[image] != priority[cell] for cell, image in enumerate(images)):
-                return AsymmetryReason(f"the priorities of the channels `{other.name}` tell them apart", other.span)
+                return AsymmetryReason(f"the priorities of the channels `{other.name}` distinguish them", other.span)
         return None
 
     def is_constant(self, variable: Variable) -> bool:
@@ -282,13 +282,13 @@ class NetworkTerms:
             unit = self.locations[process][number]
             if not self._becomes(unit, unit, renaming):
                 return AsymmetryReason(
-                    f"the process {self.network.processes[process].name} tells them apart here", unit.span
+                    f"the process {self.network.processes[process].name} distinguishes them here", unit.span
                 )
         for process, units in edges.items():
             number = self._without_image(units, units, renaming)
             if number is not None:
                 name = self.network.processes[process].name
-                return AsymmetryReason(f"the process {name} tells them apart here", units[number].span)
+                return AsymmetryReason(f"the process {name} distinguishes them here", units[number].span)
         return None
 
     def _becomes(self, unit: TermUnit, image: TermUnit, renaming: Renaming) -> bool:
@@ -319,7 +319,7 @@ class NetworkTerms:
             touched = [parts[number] for number in numbers]
             before = Counter(self._term_image(part, Renaming()) for part in touched)
             if before != Counter(self._term_image(part, renaming) for part in touched):
-                return AsymmetryReason("what is asked for tells them apart")
+                return AsymmetryReason("the query distinguishes them")
         return None
 
 

@@ -295,7 +295,7 @@ def _queries(
             queries.append(PlainQuery(name, formula, comment, expectation, conditional))
         if isinstance(item, ast.HideDeclaration):
             steps.append(
-                PlainRewriting("hide", item.span, "UPPAAL tells every process, also those that the model hides")
+                PlainRewriting("hide", item.span, "UPPAAL shows every process, also those that the model hides")
             )
         if isinstance(item, ast.RecordingDeclaration):
             steps.append(PlainRewriting("recording", item.span, "UPPAAL holds no recordings against models"))

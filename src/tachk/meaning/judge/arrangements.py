@@ -62,7 +62,7 @@ class Arranged:
 
     def sorted(self, group: SymmetryGroup, way: int) -> Arranged:
         """With the members of a group in an order that does not depend on where they were, as far as it is known what
-        tells them apart: in one of the `_WAYS`."""
+        distinguishes them: in one of the `_WAYS`."""
         own = [*_contents(group, self.states), *_sums(group, self.zones, way)]
         return self.placed(group, np.lexsort(own[::-1], axis=-1))
 

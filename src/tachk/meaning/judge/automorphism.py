@@ -80,7 +80,7 @@ class Automorphisms:
                     raise IndivisibleError("an invariant or a rate may be a run-time error")
         self._predicate_parts = [self._decomposed(predicate) for predicate in self.predicates]
         if not all(map(self._has_no_error, self._predicate_parts)):
-            raise IndivisibleError("what is asked for may be a run-time error")
+            raise IndivisibleError("the condition of the query may be a run-time error")
 
     def _decomposed(self, predicate: Expression) -> Part:
         part = part_of(predicate)
@@ -134,11 +134,11 @@ class Automorphisms:
             if slot in leaves.constants or image in leaves.constants:
                 begins = whole.value(slot, layout.initial[slot - first]) if slot in leaves.constants else None
                 if leaves.constants.get(image) != begins:
-                    return f"the values of {layout.names[image - first]} tell them apart"
+                    return f"the values of {layout.names[image - first]} distinguish them"
                 continue
             (low, high), of_image = layout.ranges[slot - first], layout.ranges[image - first]
             if (low, high) != of_image or any((low <= one <= high) != (low <= v <= high) for one, v in values.items()):
-                return f"the range of {layout.names[image - first]} tells them apart"
+                return f"the range of {layout.names[image - first]} distinguishes them"
             if layout.meta[slot - first] != layout.meta[image - first]:
                 return f"{layout.names[image - first]} is declared differently"
             begins = whole.value(slot, layout.initial[slot - first])
@@ -210,7 +210,7 @@ class Automorphisms:
     def _of_predicates(self, whole: StatePermutation) -> str | None:
         if all(self._part_becomes(part, part, whole) for part in self._predicate_parts):
             return None
-        return "what is asked for tells them apart"
+        return "the query distinguishes them"
 
     def _part_becomes(self, one: Part, other: Part, whole: StatePermutation) -> bool:
         if isinstance(one, PredicateAtom) and isinstance(other, PredicateAtom):

@@ -318,10 +318,10 @@ class CertificateReader:
             groups, zones = groups + len(columns.zones), zones + len(columns.shapes)
             shapes += len(columns.constraints)
             if (columns.shapes >= shapes).any():
-                raise MalformedCertificateError("it names a zone that it has not told")
+                raise MalformedCertificateError("it names a zone that it has not listed")
             yield columns
         if (groups, zones) != (self.groups, self.zones):
-            raise MalformedCertificateError(f"it has {zones} zones, but its end tells of {self.zones}")
+            raise MalformedCertificateError(f"it has {zones} zones, but its end says {self.zones}")
 
     def blocks(self) -> Iterator[StateBlock]:
         """Raises MalformedCertificateError as `columns` does."""
@@ -364,7 +364,7 @@ def _unpacked(numbers: Numbers, header: CertificateHeader) -> Columns:
     ranked = 0 if header.kind is ProofKind.UNREACHABLE else zones
     sizes = (groups, changed, changed, groups, ranked, zones, shapes, constraints, constraints)
     if sum(sizes) != len(numbers) - 5:
-        raise MalformedCertificateError("a block has another length than its beginning tells")
+        raise MalformedCertificateError("a block has another length than its beginning says")
     changes, positions, differences, of_groups, ranks, of_zones, of_shapes, places, bounds = np.split(
         numbers[5:], np.cumsum(sizes)[:-1]
     )

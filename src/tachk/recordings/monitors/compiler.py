@@ -306,7 +306,7 @@ class _Compiler:
         name = arrivals_of(topic)
         if name not in self.columns:
             help_ = did_you_mean(topic, self.columns) or f"the columns are: {', '.join(self.columns) or 'none'}"
-            raise self._report("E0901", f"the trace does not tell when `{topic}` arrives", place, help_)
+            raise self._report("E0901", f"the trace does not show when `{topic}` arrives", place, help_)
         number = self.column_numbers.setdefault(name, len(self.column_numbers))
         count = (ValueInstruction(ValueOperator.COLUMN, float(number)),)
         zero = (ValueInstruction(ValueOperator.CONSTANT, 0.0),)

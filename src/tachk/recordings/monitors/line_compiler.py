@@ -76,7 +76,7 @@ class _LineChecker:
     def changing(self, expression: ast.Expression) -> Iterator[Diagnostic]:
         if self.moves(expression):
             message = f"{quoted(expression)} moves between rows, so `change` names no instants"
-            help = "rise(x >= 5) and fall(x > 5) tell when a line crosses a value; change() is for truth values"
+            help = "rise(x >= 5) and fall(x > 5) detect when a line crosses a value; change() is for truth values"
             yield Diagnostic("E0906", message, expression.span, help)
         else:
             yield from self.not_linear(expression)

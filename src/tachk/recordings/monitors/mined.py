@@ -32,7 +32,7 @@ class Mined:
     trace: that which forbids tighter values; None: the whole range satisfies the formula.
     violating: a tighter value; ``record`` tells how the trace violates the formula with it.
     traces: the tightest value of each.
-    undecided: the traces that end too early to tell with this value.
+    undecided: the traces that end too early to decide with this value.
     ranges: where values were tried one by one, those that satisfy it: first and last of each stretch.
     """
 

@@ -94,7 +94,7 @@ class Monitor:
             unit: of the times that will be given, such as ``"ms"``.
             decimals: times are counted in units of ``10 ** -decimals``; floating-point times are rounded to them. By
                 default as many as make nanoseconds, at most 9.
-            end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"``, ``"strong"``.
+            end: what counts where the trace ends too early to decide: ``"undetermined"``, ``"weak"``, ``"strong"``.
             robustness: keep bounds of the robustness too.
             all_violations: go on after the first violation of a formula, see `take_violations`.
             constants: as for `tachk.monitor`.
@@ -260,7 +260,7 @@ class Monitor:
         ``all_violations=True``.
         """
         if self._watch is None:
-            raise UsageError("this monitor tells the first violation only", "open it with all_violations=True")
+            raise UsageError("this monitor reports the first violation only", "open it with all_violations=True")
         return tuple(
             OnlineViolation(
                 self._watched[change.formula].named.name,

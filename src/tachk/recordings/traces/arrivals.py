@@ -52,7 +52,7 @@ def no_arrivals(name: str, topic: str, help: str) -> UsageError:
         name: of the recording.
         help: what to write instead.
     """
-    return UsageError(f"{name} does not tell when `{topic}` arrives", help)
+    return UsageError(f"{name} does not show when `{topic}` arrives", help)
 
 
 def counted(flags: NDArray[np.uint8], times: Ticks) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 class Truth(IntEnum):
-    """Three truth values; UNDETERMINED: the trace ends too early to tell."""
+    """Three truth values; UNDETERMINED: the trace ends too early to decide."""
 
     FALSE = 0
     TRUE = 1

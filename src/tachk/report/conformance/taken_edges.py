@@ -21,7 +21,7 @@ def read_taken(path: Path) -> Taken:
     """
     document = read_json(path, _HOW)
     if not document.get("coverage"):
-        raise UsageError(f"{path} tells no coverage", _HOW)
+        raise UsageError(f"{path} contains no coverage", _HOW)
     check_report(document, "conform", path, _HOW)
     return _taken(document["coverage"])
 

@@ -29,7 +29,7 @@ def explain_finding(record: MonitorRecord, verdict: MonitorVerdict, finding: Fin
         lines += seen_values(trace, verdict, finding)
         lines += _certain(trace, finding)
     else:
-        lines.append(f"the trace ends at {clock_text(trace, trace.end)}, too early to tell")
+        lines.append(f"the trace ends at {clock_text(trace, trace.end)}, too early to decide")
         if verdict.presumably is not None:
             lines.append(f"if nothing changes any more it will be {verdict.presumably.word}")
     return tuple(lines)

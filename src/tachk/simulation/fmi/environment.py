@@ -147,7 +147,7 @@ def _check_separable(network: Network, ours: _PartInterface, theirs: _PartInterf
     if foreign:
         raise UsageError(
             f"a process of the part asks for the location of {foreign[0]}, which is not in it",
-            "take it into the part, or let it tell its location by a variable",
+            "take it into the part, or let it show its location by a variable",
         )
     for clock in network.variables:
         if ClockType() in kinds_of_cells(clock.type) and clock in ours.used and clock in theirs.used:
@@ -158,7 +158,7 @@ def _check_separable(network: Network, ours: _PartInterface, theirs: _PartInterf
         if name in others and not (isinstance(place.type, ChannelType) and place.type.broadcast):
             raise UsageError(
                 f"the channel {name} leads out of the part and is not a broadcast channel",
-                "a sender does not know whether somebody outside receives: take both ends into the part",
+                "a sender does not know whether a process outside receives: take both ends into the part",
             )
 
 

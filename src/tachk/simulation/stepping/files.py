@@ -108,7 +108,7 @@ def check_determined(network: Network) -> None:
     expressions = with_bodies(e for process in network.processes for e in process_expressions(process))
     for node in (node for expression in expressions for node in walk(expression)):
         if isinstance(node, Call) and node.function.operation is not None and node.function.operation.draws:
-            problem = f"{node.span}: `{node.function.name}` draws a number that no run tells"
+            problem = f"{node.span}: `{node.function.name}` draws a number that no run contains"
             raise UsageError(problem, "such a model is simulated, but its runs cannot be replayed")
 
 

@@ -170,7 +170,7 @@ def _why_not_together(
             fire(model, state, found)
         except StepError as error:
             return _why_not_fired(names, state, found, str(error))
-    return StepReason("the state after it differs from the one that is told")
+    return StepReason("the state after it differs from the submitted one")
 
 
 def _made_of(transition: Transition, groups: list[list[Participant]]) -> bool:
@@ -186,7 +186,7 @@ def _nobody(names: RunNames, state: TimedState, first: Participant) -> StepReaso
     labels = () if edge.synchronisation is None else (Label(edge.synchronisation.span, "here"),)
     if committed:
         return StepReason(f"{process} has to wait for {', '.join(committed)}, in a committed location", labels)
-    return StepReason(f"nobody can receive what {process} sends", labels)
+    return StepReason(f"no process can receive what {process} sends", labels)
 
 
 def _why_not_fired(names: RunNames, state: TimedState, transition: Transition, message: str) -> StepReason:

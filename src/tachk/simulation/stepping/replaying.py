@@ -206,7 +206,7 @@ def _difference(names: RunNames, state: TimedState, state_in_file: SubmittedStat
     for known, submitted, shown in pairs:
         for name, value in submitted.items():
             if name not in known:
-                return f"the model has no {name}, which the file speaks of"
+                return f"the model has no {name}, which the file names"
             if known[name] != value:
                 return f"{name} is {shown(known[name])}, not {shown(value)} as the file says"
     return ""

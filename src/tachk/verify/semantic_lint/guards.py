@@ -93,7 +93,7 @@ def always_true_findings(network: Network, unmet: list[GuardGoal], goals: list[G
             findings.append(
                 Diagnostic(
                     "W0604",
-                    "this guard is true in every state in which it is asked",
+                    "this guard is true in every state in which it is evaluated",
                     guard.span,
                     "remove it, or check whether it says what you mean",
                 )

@@ -127,7 +127,7 @@ def _bound(
     if query.target is None or analysis_of(query) is not Analysis.REACHABILITY:
         return NoBound(f"{query.kind.value} depends on what is not possible", query.span)
     if query.observer is not None and query.observer.endings:
-        return NoBound("the formula speaks of what happens eventually", query.span)
+        return NoBound("the formula is about what happens eventually", query.span)
     deadlock = next((node for node in walk(query.target) if isinstance(node, Deadlock)), None)
     if deadlock is not None:
         return NoBound("`deadlock` depends on what is not possible", deadlock.span)
@@ -158,7 +158,7 @@ def _in_bounds_only(
     formula is true of more of them with more of it, or of fewer."""
     directions = constants.in_bounds[name]
     if query.observer is not None and query.observer.endings:
-        return NoBound("the formula speaks of what happens eventually", query.span)
+        return NoBound("the formula is about what happens eventually", query.span)
     if None in directions:
         return NoBound("it is not known what more of it does to the formula", directions[None])
     if len(directions) > 1:

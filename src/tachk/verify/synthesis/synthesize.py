@@ -63,7 +63,7 @@ def synthesize(
                     bounds = _bounds(model, questions, parameters)
             except StoppedError:
                 pass
-        known = tuple(bounds.get(p.name, NoBound("this was not asked")) for p in parameters)
+        known = tuple(bounds.get(p.name, NoBound("this was not requested")) for p in parameters)
         statuses = np.zeros([len(parameter.values) for parameter in parameters], dtype=np.int8)
         walk(statuses, [_axis(bound) for bound in known], cells.decide, cells.may_infer)
         if cells.wrong is not None and all(cell.reason.startswith("wrong model") for cell in cells.found.values()):
@@ -88,7 +88,7 @@ def _only_query(model: LoadedModel, questions: Questions) -> Query:
     if len(found) != 1:
         names = ", ".join(query.name for query in model.queries) or "none"
         raise UsageError(
-            f"a region is that of one property, but {len(found)} are asked for", f"--property NAME; there is: {names}"
+            f"a region is that of one property, but {len(found)} are given", f"--property NAME; there is: {names}"
         )
     (query,) = found
     if not isinstance(query, Query):

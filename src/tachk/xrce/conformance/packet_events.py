@@ -232,7 +232,7 @@ class _CaptureEventReader:
         """Raises UsageError for what the automata have no word for and would take for silence."""
         for event in one.events:
             if event.kind is None:
-                self._reject(one, f"message is damaged, so nobody knows what its sender has sent: {event.problem}")
+                self._reject(one, f"message is damaged, so what its sender has sent is unknown: {event.problem}")
 
     def _reject(self, one: Transmission, why: str) -> None:
         raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")

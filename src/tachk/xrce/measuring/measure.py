@@ -269,8 +269,8 @@ def _problems(recording: Capture) -> Iterator[str]:
         ours = [one for one in recording.transmissions if one.link == number]
         if link.relay is None and len(ours) >= _ENOUGH and 2 * _twice(ours) > _NEARLY_ALL * len(ours):
             yield (
-                f"nearly every message of {link.name} is there twice: the line was recorded at two places that nothing "
-                "tells apart, so repetitions and times are wrong; cut out what was recorded at one of them"
+                f"nearly every message of {link.name} is there twice: the line was recorded at two places that "
+                "cannot be distinguished, so repetitions and times are wrong; cut out what was recorded at one of them"
             )
 
 
@@ -328,7 +328,7 @@ def _run_slices(starved: Sequence[Starving], period: Quantity) -> tuple[Quantity
         how = f"at least {known:g} ms: HEARTBEATs came in time"
         slices = Quantity(name, title, QuantityUnit.MILLISECONDS, period.samples, None, Confidence.BOUND, how)
     else:
-        slices = seen(name, title, (), "no message was unacknowledged for long enough to tell")
+        slices = seen(name, title, (), "no message was unacknowledged for long enough to decide")
     inbound = [Observation(gap, one.places) for one in busy for gap in one.traffic]
     missing = "no packets of other streams kept HEARTBEATs from being sent"
     return slices, seen("traffic", "between packets that kept HEARTBEATs from being sent", inbound, missing)

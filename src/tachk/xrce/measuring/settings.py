@@ -141,7 +141,7 @@ def _agent(found: SettingsFindings) -> Iterator[Setting]:
 
 def _network(found: SettingsFindings) -> Iterator[Setting]:
     if found.lost is not None:
-        how = f"lost on the way to somebody awake: {found.lost}"
+        how = f"lost on the way to a receiver that is awake: {found.lost}"
         how += "; one, whichever it is, is what the model tries" if found.lost > 1 else ""
         yield Setting("LOSSES", min(found.lost, 1), False, Confidence.MEASURED, how)
     overtaking = found.quantities["overtaking"]

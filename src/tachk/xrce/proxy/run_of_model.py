@@ -180,7 +180,7 @@ class _RunDecoder:
         fitting = (one for one in under_way if one.kind is kind and under_way[one] >= carriers)
         message = next(fitting, None)
         if message is None:
-            raise UsageError(f"link {link} delivers {kind.name} that nobody has sent")
+            raise UsageError(f"link {link} delivers {kind.name} that was not sent")
         stays = self.grows("copies", changes)
         if not stays:
             del under_way[message]

@@ -64,7 +64,7 @@ def test_exchanges_that_a_query_tells_apart_prove_nothing_about_it() -> None:
     loaded = tachk.load(MODELS / "classics" / "fischer.ta", N=3)
     mutual_exclusion, enter, *_ = loaded.properties
     found = judged(loaded.network, enter, written(proved(loaded.network, mutual_exclusion)))
-    told = "what it exchanges is not interchangeable: what is asked for tells them apart"
+    told = "what it exchanges is not interchangeable: the query distinguishes them"
     assert found is not None and found.reason == told
 
 
@@ -305,12 +305,13 @@ def test_cells_that_are_exchanged_have_the_same_range() -> None:
     text = text_of({}).replace("int[0, 9] a = 0, b = 0;", "int[0, 9] a = 0; int[0, 8] b = 0;")
     model = prepare(tachk.loads(text).network)
     assert (
-        Automorphisms(model, []).objection(group_of(model, BOTH, "owner", (1, 2))) == "the range of b tells them apart"
+        Automorphisms(model, []).objection(group_of(model, BOTH, "owner", (1, 2)))
+        == "the range of b distinguishes them"
     )
 
 
 def test_what_nothing_writes_must_have_the_images_of_its_values() -> None:
-    for values, reason in (("0, 7, 7", None), ("0, 7, 8", "the values of c[2] tell them apart")):
+    for values, reason in (("0, 7, 7", None), ("0, 7, 8", "the values of c[2] distinguish them")):
         model = prepare(tachk.loads(text_of({}).replace("clock z;", f"clock z; int c[3] = {{{values}}};")).network)
         members = BOTH[0] + " c[1]", BOTH[1] + " c[2]"
         assert Automorphisms(model, []).objection(group_of(model, members, "owner", (1, 2))) == reason
@@ -320,24 +321,24 @@ def test_a_range_must_hold_the_names_of_all_or_of_none() -> None:
     text = text_of({}).replace("int[0, 2] owner", "int[0, 2] owner; int[0, 1] last")
     model = prepare(tachk.loads(text.replace("ma = a,", "ma = a, last = 1,")).network)
     found = Automorphisms(model, []).objection(group_of(model, BOTH, "owner last", (1, 2)))
-    assert found == "the range of last tells them apart"
+    assert found == "the range of last distinguishes them"
 
 
 def test_what_is_asked_for_must_not_tell_them_apart() -> None:
     loaded = tachk.loads(text_of({}))
     model = prepare(loaded.network)
     asked = {
-        "E<> A.N": "what is asked for tells them apart",
+        "E<> A.N": "the query distinguishes them",
         "E<> A.N && B.N": None,
-        "E<> A.N || B.N && A.M": "what is asked for tells them apart",
-        "E<> owner == 1": "what is asked for tells them apart",
+        "E<> A.N || B.N && A.M": "the query distinguishes them",
+        "E<> owner == 1": "the query distinguishes them",
         "E<> owner > 0": None,
         "E<> A.x > 3 && B.x > 3": None,
-        "E<> A.x > 3 && B.x > 2": "what is asked for tells them apart",
+        "E<> A.x > 3 && B.x > 2": "the query distinguishes them",
         "E<> a + b > 3": None,
-        "E<> a > b": "what is asked for tells them apart",
+        "E<> a > b": "the query distinguishes them",
         "E<> deadlock && A.M == B.M": None,
-        "E<> 1 / a > 0 && 1 / b > 0": "what is asked for may be a run-time error",
+        "E<> 1 / a > 0 && 1 / b > 0": "the condition of the query may be a run-time error",
     }
     for text, reason in asked.items():
         (verdict,) = loaded.verify(text, limits=Limits(states=1))

@@ -249,7 +249,7 @@ def test_a_damaged_frame_is_named(tmp_path: Path) -> None:
     octets[octets.index(b"Numbers__dw")] ^= 1
     damaged = tmp_path / "line.pcap"
     damaged.write_bytes(octets)
-    with pytest.raises(UsageError, match="message is damaged, so nobody knows what its sender has sent"):
+    with pytest.raises(UsageError, match="message is damaged, so what its sender has sent is unknown"):
         read_capture(damaged)
 
 

@@ -143,7 +143,7 @@ def test_a_run_of_a_model_has_no_arrivals(topic: str, help_: str, tmp_path: Path
     for command in (["simulate", str(model)], ["replay", str(model), str(run)]):
         result = call(app, [*command, "--monitor", f"F arrived({topic})"])
         assert result.exit_code == 2
-        assert f"E0901]: a run of a model does not tell when `{topic}` arrives" in result.output
+        assert f"E0901]: a run of a model does not show when `{topic}` arrives" in result.output
         assert help_ in result.output
     result = call(app, ["verify", str(model), "F[0, 5] arrived(n)"])
     assert (result.exit_code, "of a model write `rise(P.location)`" in result.output) == (2, True)
@@ -161,14 +161,14 @@ def test_a_capture_says_which_column_to_take() -> None:
     path = Path(__file__).parents[3] / "data/captures/created_again.pcap"
     recording = open_trace(path)
     client = next(name for name in recording.columns if name.endswith(".to_agent.delivered")).rpartition(".")[0]
-    with pytest.raises(UsageError, match="does not tell when") as error:
+    with pytest.raises(UsageError, match="does not show when") as error:
         tachk.monitor(f"F arrived({client})", path)
     assert f"write `change({client}.delivered)`" in str(error.value.help)
 
 
 def test_a_trace_in_memory_has_values_only() -> None:
     trace = open_trace({"time": [0, 1, 2], "x": [1.0, 1.0, 2.0]}).read()
-    with pytest.raises(UsageError, match="does not tell when `x` arrives") as error:
+    with pytest.raises(UsageError, match="does not show when `x` arrives") as error:
         tachk.monitor("F arrived(x)", trace)
     assert "`change(x)`" in str(error.value.help)
 

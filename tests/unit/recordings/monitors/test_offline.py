@@ -105,7 +105,7 @@ def test_the_story_of_an_open_verdict() -> None:
     assert story("G (p -> F[0,9] q)") == (
         "trigger: `p` becomes true at 12 s",
         "`q` has not been true yet; it is awaited from 12 s to 21 s, the deadline",
-        "the trace ends at 20 s, too early to tell",
+        "the trace ends at 20 s, too early to decide",
         "if nothing changes any more it will be false",
     )
 

@@ -229,7 +229,7 @@ def test_what_a_report_says_of_states_counts() -> None:
         (replace(third.after, variables={"id": 2}), "id is 1, not 2 as the file says"),
         (replace(third.after, clocks={"P(1).x": Fraction(1)}), "P(1).x is 0, not 1 as the file says"),
         (replace(third.after, locations={"P(2)": "idle"}), "P(2) is request, not idle as the file says"),
-        (replace(third.after, variables={"ID": 2}), "the model has no ID, which the file speaks of"),
+        (replace(third.after, variables={"ID": 2}), "the model has no ID, which the file names"),
     ):
         steps = (*submitted.steps[:2], replace(third, after=wrong), *submitted.steps[3:])
         refusal = replay_submitted(RunNames(network), replace(submitted, steps=steps)).refusal

@@ -154,7 +154,7 @@ def test_channels_may_stand_there_by_numbers_and_copies_are_duplicates() -> None
         (report(state("send[PUB_UP][GOSSIP]", "publisher", "l")), r"send\[PUB_UP\]\[GOSSIP\]: it is not known"),
         (report(state("send[SUB_DOWN][PING]", "reader", "l")), "it is not known"),
         (report(state("send[NO_LINK][DATA]", "reader", "l")), "NO_LINK is no constant"),
-        (report(state("deliver[PUB_UP][DATA]", "l", "writer")), "delivers WRITE_DATA that nobody has sent"),
+        (report(state("deliver[PUB_UP][DATA]", "l", "writer")), "delivers WRITE_DATA that was not sent"),
     ],
 )
 def test_what_is_no_run_of_a_model_is_refused(document: object, message: str) -> None:

@@ -217,7 +217,7 @@ def with_texts(recording: TraceSource, columns: Collection[str]) -> TraceSource:
 
 def join(recordings: Sequence[TraceSource]) -> TraceSource:
     """One recording of several. Where two have a column of the same name, each is called after its file, as in
-    ``drive.speed``. Raises UsageError where that does not tell them apart, or one has a unit and another none."""
+    ``drive.speed``. Raises UsageError where that does not distinguish them, or one has a unit and another none."""
     if len(recordings) == 1:
         return recordings[0]
     name = ", ".join(recording.name for recording in recordings)
