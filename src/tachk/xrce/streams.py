@@ -24,7 +24,7 @@ that have been sent; of messages that have arrived in order, and that had been n
 if all that were sent have arrived."""
 
 _CYCLE: Final = 1 << 16
-_MOST_KEPT: Final = 1 << 12
+_MOST_CONTENTS: Final = 1 << 12
 """Messages of which the content is kept until they are acknowledged; no window is nearly as large."""
 
 Item = tuple[object, ...]
@@ -126,7 +126,7 @@ class StreamState:
         content = self.contents.get(number)
         if content is None:
             self.contents[number] = {place: item}
-            if len(self.contents) > _MOST_KEPT:
+            if len(self.contents) > _MOST_CONTENTS:
                 del self.contents[next(iter(self.contents))]
             return False
         return content.setdefault(place, item) != item

@@ -34,7 +34,7 @@ LATENESS: Final = 1_000_000_000
 """Nanoseconds that a packet may need from the network to the reader."""
 
 _DECIMALS: Final = 9
-_MOST_KEPT: Final = 1 << 16
+_MOST_ROWS: Final = 1 << 16
 """Rows whose packets are known, for reports."""
 
 _WITH_HINDSIGHT: Final = ("unconfirmed.Open", "unconfirmed.Idle")
@@ -110,7 +110,7 @@ class LivePackets:
         self._pruned_at = 0
         self._start: int | None = None
         self._reported = 0
-        self._kept = np.zeros((2, 0), np.int64)
+        self._last_rows = np.zeros((2, 0), np.int64)
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """Rows as they come, in seconds since the first message. Memory does not grow with the capture.
@@ -160,8 +160,10 @@ class LivePackets:
     def packets(self, times: Ticks) -> Ticks:
         """The numbers of the packets at these times in nanoseconds since the first message; 0 where there is none, or
         it is not known any more."""
-        places = np.searchsorted(self._kept[0], times, side="right") - 1
-        found = self._kept[:, np.maximum(places, 0)] if self._kept.size else np.zeros((2, len(times)), np.int64)
+        places = np.searchsorted(self._last_rows[0], times, side="right") - 1
+        found = (
+            self._last_rows[:, np.maximum(places, 0)] if self._last_rows.size else np.zeros((2, len(times)), np.int64)
+        )
         return np.where((places >= 0) & (found[0] == times), found[1], 0)
 
     def _rows(self, block: RowBlock, wanted: dict[str, _LiveColumn], waited: int) -> Rows:
@@ -175,7 +177,7 @@ class LivePackets:
         self._reported = int(times[-1])
         assert self._start is not None
         rows = np.stack([block.times - self._start, block.packets])
-        self._kept = np.concatenate([self._kept, rows], axis=1)[:, -_MOST_KEPT:]
+        self._last_rows = np.concatenate([self._last_rows, rows], axis=1)[:, -_MOST_ROWS:]
         return Rows(times - self._start, values, _DECIMALS)
 
     def _values(self, name: str, column: _LiveColumn, block: RowBlock, count: int) -> Values:
