@@ -324,5 +324,5 @@ def test_memory_of_a_serial_line_does_not_grow():
     line = Line([(n / 10, part) for n, part in enumerate([octets, *([noise] * 40)])], 5.0)
     packets = LivePackets("-", line, (), line.clock)
     for _ in packets.blocks(["allToAgent"], 9):
-        assert isinstance(packets._reading, SerialDecoder)
-        assert len(packets._reading._frames._plain or b"") < 1 << 17
+        assert isinstance(packets._decoder, SerialDecoder)
+        assert len(packets._decoder._frames._plain or b"") < 1 << 17
