@@ -388,13 +388,15 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
 
 
 def _due_line(query: Query, due: Due, time_unit: str) -> Text:
-    """The line about the beginning of the obligation of ``-->`` that the run does not meet."""
+    """The line about the beginning of the obligation of ``-->`` or of a formula that the run does not meet."""
+    behind = f"after step {due.steps}" if due.steps else "before the first step"
+    when = duration(due.time, time_unit)
+    if query.observer is not None:  # its predicates are locations of the observer
+        return Text(f"  From {when} on, {behind}: what the formula demands never follows", style="italic")
     assert query.predicate is not None
     (awaited,) = query.operands
     begins, ends = (" ".join(side.span.text.split()) for side in (query.predicate, awaited))
-    behind = f"after step {due.steps}" if due.steps else "before the first step"
     in_time = "" if query.deadline is None else " in time"
-    when = duration(due.time, time_unit)
     return Text(f"  From {when} on, {behind}: `{begins}` was true, and `{ends}` never follows{in_time}", style="italic")
 
 

@@ -188,3 +188,12 @@ def test_only_runs_against_leads_to_have_an_obligation_that_begins() -> None:
     record = checked(WORKS)
     assert first_result(record)["due"] is None
     assert "never follows" not in told(record)
+
+
+@pytest.mark.parametrize(
+    "formula", ["F Machine.Repaired", "G (Machine.Idle -> F Machine.Repaired)", "G F Machine.Repaired"]
+)
+def test_of_a_formula_it_is_not_said_that_it_was_true(formula: str) -> None:
+    text = told(against(formula))
+    assert "what the formula demands never follows" in text
+    assert f"`{formula}`" not in text

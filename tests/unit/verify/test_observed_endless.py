@@ -118,6 +118,12 @@ def test_runs_without_end(locations: str, failing: set[str], answers: Answers) -
         ),
         pytest.param(
             "",
+            "init location A { invariant x <= 1; to Q { guard x >= 1; } } committed location Q { to R; } location R;",
+            {"true U P.Q": "holds", "!(G !P.Q)": "fails", "P.A U P.Q": "fails", "G !P.Q": "holds"},
+            id="is there for no time, in other operators",
+        ),
+        pytest.param(
+            "",
             "init location A { invariant x <= 3; to Q { guard x >= 3; } } "
             "committed location Q { to A2; } committed location A2 { to R; } location R;",
             {"G (P.A || P.A2 -> F P.Q)": "holds"},
