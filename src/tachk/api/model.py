@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from tachk.api.estimating import Estimable, answers_among, share_of_searches
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
-from tachk.base.job import Progress, current_job, followed, limited
+from tachk.base.job import Progress, current_job, followed, limited, remembering_interruption
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
 from tachk.engine.options import Engine, Extrapolation, Limits, Options, SearchOrder
@@ -306,7 +306,7 @@ class Model(Estimable):
             non_zeno,
             statistical=True,
         )
-        with limited(limits.seconds), followed(progress):
+        with remembering_interruption(), limited(limits.seconds), followed(progress):
             with limited(memory=limits.memory_bytes):
                 formulas = questions.about(self.loaded)
             symbolic = checked(formulas)

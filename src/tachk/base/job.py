@@ -75,6 +75,13 @@ class _Ceiling:
                 raise OutOfMemoryError
 
 
+class _Interruption:
+    """Whether the user has interrupted a job."""
+
+    def __init__(self) -> None:
+        self.came = False
+
+
 @dataclass(frozen=True, slots=True)
 class Job:
     """Attributes:
@@ -82,12 +89,14 @@ class Job:
     ceiling: the limit on the size of the process, if there is one.
     progress: follows its searches.
     about: the names of the queries that it answers.
+    interruption: shared by the jobs in which an interruption of one ends all.
     """
 
     ends: float | None = None
     ceiling: _Ceiling | None = None
     progress: Progress | None = None
     about: tuple[str, ...] = ()
+    interruption: _Interruption | None = None
 
     @property
     def seconds_left(self) -> float | None:
@@ -191,6 +200,31 @@ def answering(queries: tuple[str, ...]) -> Iterator[None]:
     """A part of a job that answers the queries of these names."""
     with under_way(replace(_current.get(), about=queries)):
         yield
+
+
+@contextmanager
+def remembering_interruption() -> Iterator[None]:
+    """A part of a job that knows whether the user has interrupted it; the one around it, if that knows already.
+
+    A search that Ctrl-C ends says so in its result. Whoever combines several results may not pass that on: the job
+    remembers it, so that nothing further is begun.
+    """
+    outer = _current.get()
+    with under_way(outer if outer.interruption is not None else replace(outer, interruption=_Interruption())):
+        yield
+
+
+def note_interruption() -> None:
+    """For whoever makes a result of a KeyboardInterrupt."""
+    interruption = _current.get().interruption
+    if interruption is not None:
+        interruption.came = True
+
+
+def is_interrupted() -> bool:
+    """Whether the user has interrupted the job, or another part of the command that it belongs to."""
+    interruption = _current.get().interruption
+    return interruption is not None and interruption.came
 
 
 def resident_bytes() -> int | None:

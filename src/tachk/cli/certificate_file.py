@@ -24,7 +24,7 @@ def write_certificates(
 ) -> ExitStatus:
     """Writes a certificate for each verdict that has one, and tells on standard error what has been written.
 
-    UNKNOWN if a limit keeps one from being made.
+    UNKNOWN if a limit keeps one from being made. Ctrl-C leaves the file as it was: raises KeyboardInterrupt.
     """
     statuses = [ExitStatus.AS_EXPECTED]
     with unhurried():

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 import click
 
-from tachk.base.job import limited
-from tachk.cli.exit_status import ExitStatus
+from tachk.base.job import is_interrupted, limited, remembering_interruption
+from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded
 
 type_of_file = click.Path(path_type=Path)
@@ -40,8 +40,9 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
     """
 
     def within_limit() -> ExitStatus:
-        with limited(seconds):
-            return action()
+        with remembering_interruption(), limited(seconds):
+            status = action()
+            return worst((status, ExitStatus.INTERRUPTED)) if is_interrupted() else status
 
     click.get_current_context().exit(guarded(within_limit))
 

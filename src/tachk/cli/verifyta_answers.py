@@ -17,6 +17,7 @@ from typing import TextIO
 from tachk.api import model as api
 from tachk.api.estimating import simulated
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+from tachk.base.job import is_interrupted
 from tachk.base.span import Source as Text
 from tachk.base.whole_files import write_whole
 from tachk.cli.exit_status import ExitStatus, worst
@@ -149,7 +150,7 @@ def _verdicts(network: Network, queries: Sequence[Query], options: VerifytaOptio
         pace=Pace.FASTEST if options.trace is TraceChoice.FASTEST else Pace.EARLY,
     )
     found = verify(network, queries, how, trace=options.trace is not TraceChoice.NONE)
-    if any(verdict.reason == INTERRUPTED for verdict in found):
+    if is_interrupted():
         raise KeyboardInterrupt
     return found
 

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from tachk import _core
 from tachk.base.diagnostics.diagnostic import InternalError
-from tachk.base.job import StoppedError, current_job
+from tachk.base.job import StoppedError, current_job, is_interrupted, note_interruption
 from tachk.base.span import NOWHERE, Span
 from tachk.engine.compiler.program import Program
 from tachk.engine.options import REDUCTIONS, Limits, Options
@@ -83,6 +83,8 @@ def run_in_slices(search: RunningSearch, start: float) -> tuple[_core.Status, st
 
     The time, the memory beside what the search counts, and who follows it are those of the job that is under way.
     """
+    if is_interrupted():
+        return _core.Status.RUNNING, INTERRUPTED
     job = current_job()
     slice_size = 256
     while True:
@@ -94,6 +96,7 @@ def run_in_slices(search: RunningSearch, start: float) -> tuple[_core.Status, st
                 if job.progress is not None:
                     job.progress(statistics_of(search, start), job.about)
         except KeyboardInterrupt:
+            note_interruption()
             return _core.Status.RUNNING, INTERRUPTED
         except StoppedError as error:
             return _core.Status.RUNNING, error.reason

@@ -8,7 +8,7 @@ from enum import StrEnum
 from functools import partial
 
 from tachk.base.diagnostics.diagnostic import InternalError
-from tachk.base.job import StoppedError, limited
+from tachk.base.job import StoppedError, is_interrupted, limited, remembering_interruption
 from tachk.engine.closed_set import check_closed_natively, check_descent_natively
 from tachk.engine.compiler.lower import lower, lower_obligation
 from tachk.engine.compiler.program import Interchangeable as Table
@@ -101,12 +101,20 @@ def find_proof(
     Args:
         network: without observer.
         model: the digest of the network.
+
+    Raises KeyboardInterrupt where the job around it has been interrupted before, too.
     """
-    try:
-        with limited(limits.seconds):
-            return _proof(network, model, query, options, limits)
-    except StoppedError as error:
-        return error.reason
+    with remembering_interruption():
+        if is_interrupted():
+            raise KeyboardInterrupt
+        try:
+            with limited(limits.seconds):
+                found = _proof(network, model, query, options, limits)
+        except StoppedError as error:
+            return error.reason
+        if is_interrupted():
+            raise KeyboardInterrupt
+        return found
 
 
 def _proof(network: Network, model: str, query: Query, options: Options, limits: Limits) -> Proof | str:

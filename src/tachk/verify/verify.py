@@ -8,7 +8,15 @@ from functools import partial
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.base.job import StoppedError, current_job, limited, unhurried
+from tachk.base.job import (
+    StoppedError,
+    current_job,
+    is_interrupted,
+    limited,
+    note_interruption,
+    remembering_interruption,
+    unhurried,
+)
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.options import Engine, Limits, Options
@@ -51,7 +59,9 @@ def verify(
     """
     check_names(options.without)
     try:
-        with limited(limits.seconds):
+        with remembering_interruption(), limited(limits.seconds):
+            if is_interrupted():
+                return tuple(not_begun(query, INTERRUPTED) for query in queries)
             return _verified(network, queries, options, limits, trace)
     except StoppedError as error:
         return tuple(not_begun(query, error.reason) for query in queries)
@@ -82,7 +92,11 @@ def _verified(
     left = replace(limits, seconds=current_job().seconds_left)
     with unhurried():  # no decided verdict is lost to the limit; the searches for notes have the limits that are left
         found = [with_blame(verdicts[number]) for number in range(len(queries))]
-        return tuple(map(_with_note, _examined(network, _with_momentary_triggers(network, found, left))))
+        try:
+            found = [*_with_momentary_triggers(network, found, left)]
+        except KeyboardInterrupt:
+            note_interruption()
+        return tuple(map(_with_note, _examined(network, found)))
 
 
 def _with_note(verdict: Verdict) -> Verdict:
@@ -140,6 +154,7 @@ def _answer(
     except MemoryError:
         return none_begun(search.tasks, MACHINE_OUT_OF_MEMORY)
     except KeyboardInterrupt:
+        note_interruption()
         return none_begun(search.tasks, INTERRUPTED)
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.job import current_job, limited, under_way
+from tachk.base.job import current_job, is_interrupted, limited, under_way
 from tachk.base.plugins import separate_plugin
 from tachk.base.records import dataclass
 from tachk.cli import options
@@ -319,11 +319,15 @@ def _check_all(
 def _written(
     request: VerifyArguments, model: api.Model, record: RunRecord, options: Options, limits: Limits
 ) -> Iterable[ExitStatus]:
-    """Writes the requested chart and proofs."""
+    """Writes the requested chart and proofs. After Ctrl-C no proof is looked for."""
     if request.chart is not None:
         from tachk.cli.run_chart import write_run_chart
 
         write_run_chart(request.chart, record)
+    if is_interrupted():
+        if request.certificate is not None or request.munta is not None:
+            complain("no proofs: interrupted")
+        return
     if request.certificate is not None:
         from tachk.cli.certificate_file import write_certificates
 
@@ -376,7 +380,7 @@ def _statuses(record: RunRecord) -> Iterable[ExitStatus]:
 
     met = [*(verdict.met for verdict in record.verdicts), *(answer.met for answer in record.estimates)]
     reasons = {*(verdict.reason for verdict in record.verdicts), *(answer.reason for answer in record.estimates)}
-    if INTERRUPTED in reasons:
+    if INTERRUPTED in reasons or is_interrupted():
         yield ExitStatus.INTERRUPTED
     if any(query.is_wrong for query in record.not_checked):
         yield ExitStatus.BAD_INPUT

@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from tachk.base.job import StoppedError, current_job
+from tachk.base.job import StoppedError, current_job, note_interruption
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.smt.proofs import Proofs
@@ -69,6 +69,7 @@ def explore(
     except StoppedError as error:
         reason = error.reason
     except KeyboardInterrupt:
+        note_interruption()
         reason = INTERRUPTED
     outcomes = tuple(status.get(number, GoalOutcome(Status.UNDECIDED)) for number in range(len(goals)))
     if all(goal.status is not Status.UNDECIDED for goal in outcomes):

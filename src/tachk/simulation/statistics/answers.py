@@ -8,7 +8,7 @@ from math import isnan
 from time import process_time
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
-from tachk.base.job import StoppedError, limited
+from tachk.base.job import StoppedError, limited, note_interruption
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
@@ -131,6 +131,7 @@ def answer_statistical(
     except StoppedError as error:
         reason = error.reason
     except KeyboardInterrupt:
+        note_interruption()
         reason = INTERRUPTED
     return {
         number: found.get(number) or StatisticalAnswer(query, number, settings, None, reason)

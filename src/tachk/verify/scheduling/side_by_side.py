@@ -17,7 +17,7 @@ from traceback import format_exc
 from types import FrameType
 
 from tachk.base.diagnostics.diagnostic import InternalError
-from tachk.base.job import current_job, followed
+from tachk.base.job import current_job, followed, note_interruption
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED, Statistics
@@ -101,6 +101,7 @@ class SideBySide:
                     for pipe in wait([one.pipe for one in self._running], _LONGEST_SLEEP):
                         self._receive(next(one for one in self._running if one.pipe is pipe))
                     if interrupts.take():
+                        note_interruption()
                         self._leave_out()
                         for one in self._running:
                             _interrupt(one.process)
@@ -127,6 +128,7 @@ class SideBySide:
             raise message
         self._verdicts |= message
         if any(verdict.reason == INTERRUPTED for verdict in message.values()):
+            note_interruption()
             self._leave_out()
 
     def _leave_out(self) -> None:
