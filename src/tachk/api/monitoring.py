@@ -178,6 +178,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
 
         return signal_of(self.record, self[name])
 
+    @checked_arguments
     def plot(
         self,
         path: str | os.PathLike[str] | None = None,

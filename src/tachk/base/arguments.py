@@ -44,6 +44,13 @@ def check_argument(name: str, value: object, annotation: str) -> None:
         raise UsageError(f"`{name}` is {_shown(value)}, but it must be {words}")
 
 
+def check_proportion(name: str, value: float) -> None:
+    """Raises UsageError where a value is no number between 0 and 1."""
+    check_argument(name, value, "float")
+    if not 0 < value < 1:
+        raise UsageError(f"`{name}` is {value}, but it must lie between 0 and 1")
+
+
 def _checked(described: Signature, given: Mapping[str, object]) -> tuple[list[object], dict[str, object]]:
     """Positional and named arguments as the function takes them."""
     positional: list[object] = []
@@ -114,7 +121,7 @@ _TESTS: Mapping[str, Callable[[object], bool]] = {
     "None": lambda value: value is None,
     "str": lambda value: isinstance(value, str),
     "int": _is_whole,
-    "float": lambda value: isinstance(value, Real),
+    "float": lambda value: isinstance(value, Real) and value == value,  # nan is none
     "os.PathLike": lambda value: isinstance(value, os.PathLike),
     "Path": lambda value: isinstance(value, os.PathLike),
     "Mapping": lambda value: isinstance(value, Mapping),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -47,7 +48,25 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
     click.get_current_context().exit(guarded(within_limit))
 
 
-class Seconds(click.FloatRange):
+class AnyNumber(click.types.FloatParamType):
+    """A finite number that is given."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
+
+
+class Number(click.FloatRange, AnyNumber):
+    """A finite number within a range. A range alone lets ``nan`` pass, with which no comparison is true."""
+
+    name = "number"
+
+
+class Seconds(Number):
     """A time that is given."""
 
     name = "number of seconds"

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import nan
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import tachk
+from tachk.simulation.statistics.deciding import Errors
+from tachk.simulation.statistics.estimate import Settings
+from tachk.simulation.statistics.rare import Splitting
 
 MODEL = tachk.loads(
     "const int C = 3; int n; clock x; process P() { init location A { to B { guard x >= C; assign n = 1; } } "
@@ -33,6 +37,21 @@ TACHK: Any = tachk
         (lambda: ASK.sweep("E<> P.B", over="C=1..3", part=3), "`part` is 3, but it must be a tuple"),
         (lambda: TACHK.Limits(seconds="x"), "`seconds` is 'x', but it must be a number or None"),
         (lambda: TACHK.Limits(states=2.5), "`states` is 2.5, but it must be a whole number or None"),
+        (lambda: TACHK.Limits(seconds=nan), "`seconds` is nan, but it must be a number or None"),
+        (lambda: TACHK.Limits(seconds_each=nan), "`seconds_each` is nan, but it must be a number or None"),
+        (lambda: ASK.estimate("Pr[<=9](<> P.B)", confidence=nan), "`confidence` is nan, but it must be a number"),
+        (lambda: ASK.estimate("Pr[<=9](<> P.B)", epsilon=nan), "`epsilon` is nan, but it must be a number"),
+        (lambda: ASK.sweep("E<> P.B", over="C=1..3", seconds=nan), "`seconds` is nan, but it must be a number or None"),
+        (lambda: ASK.sweep("E<> P.B", over="C=1..3", until=nan), "`until` is nan, but it must be a text or a number"),
+        (lambda: TACHK.simulate(MODEL, until=nan), "`until` is nan, but it must be"),
+        (lambda: Settings(confidence=nan), "`confidence` is nan, but it must be a number"),
+        (lambda: Settings(confidence=1.0), "`confidence` is 1.0, but it must lie between 0 and 1"),
+        (lambda: Settings(half_width=nan), "`half_width` is nan, but it must be a number"),
+        (lambda: Errors(alpha=nan), "`alpha` is nan, but it must be a number"),
+        (lambda: Errors(beta=0), "`beta` is 0, but it must lie between 0 and 1"),
+        (lambda: Errors(delta=nan), "`delta` is nan, but it must be a number"),
+        (lambda: Splitting(relative=nan), "`relative` is nan, but it must be a number"),
+        (lambda: TACHK.monitor("F x > 1", {"time": [0, 1], "x": [0, 2]}).plot(begin=nan), "`begin` is nan, but it must"),
         (lambda: TACHK.Options(processes="x"), "`processes` is 'x', but it must be a whole number"),
         (lambda: TACHK.load(3), "`path` is 3, but it must be a text or a path"),
         (lambda: TACHK.simulate(MODEL, record="n"), "`record` is 'n', but it must be a list of texts"),

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import click
 import pytest
 
-from tachk.cli import main
-from tachk.cli.main import COMMANDS, SECTIONS, app
+from tachk.cli import main, options
+from tachk.cli.main import COMMANDS, SECTIONS, app, load_command
 from tachk.cli.options import distributed
 from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.catalogue import EXPORT_FORMATS, SUFFIXES
@@ -100,3 +100,23 @@ def test_a_misspelt_command_is_guessed_without_loading_the_others(capsys: pytest
         app(["explainn"], prog_name="tachk")
     assert end.value.code == 2
     assert "Did you mean 'explain'?" in capsys.readouterr().err
+
+
+NUMBERS = [
+    (name, option)
+    for name in COMMANDS
+    for option in load_command(name).params
+    if isinstance(option.type, click.types.FloatParamType | click.types.IntParamType)
+]
+"""The numeric options of all commands."""
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e999", ""])
+@pytest.mark.parametrize(("name", "option"), NUMBERS, ids=[f"{name} {option.opts[-1]}" for name, option in NUMBERS])
+def test_a_numeric_option_takes_finite_numbers_only(name: str, option: click.Parameter, value: str) -> None:
+    with pytest.raises(click.BadParameter, match=r"is not a (finite number|valid)"):
+        option.type_cast_value(click.Context(load_command(name)), [value] if option.multiple else value)
+
+
+def test_minus_zero_is_zero() -> None:
+    assert options.Seconds(min=0).convert("-0", None, None) == 0

@@ -11,6 +11,7 @@ from __future__ import annotations
 from enum import StrEnum
 from math import inf, log
 
+from tachk.base.arguments import check_proportion
 from tachk.base.records import dataclass
 
 
@@ -30,11 +31,17 @@ class Errors:
         alpha: of saying that the probability is too small, where it is at least ``p + delta``.
         beta: of saying that it is large enough, where it is at most ``p - delta``.
         delta: half of the indifference region, within which both answers are right.
+
+    Raises UsageError where one does not lie between 0 and 1.
     """
 
     alpha: float = 0.05
     beta: float = 0.05
     delta: float = 0.01
+
+    def __post_init__(self) -> None:
+        for name in ("alpha", "beta", "delta"):
+            check_proportion(name, getattr(self, name))
 
 
 class RatioTest:

@@ -9,6 +9,7 @@ import numpy as np
 
 from tachk.analysis.fold import known_values
 from tachk.analysis.intervals import interval
+from tachk.base.arguments import check_proportion
 from tachk.base.diagnostics.diagnostic import UnsupportedError, UsageError
 from tachk.base.records import dataclass
 from tachk.engine.compiler.features import stopwatches
@@ -53,6 +54,8 @@ class Settings:
         runs: a fixed number of runs; None: as many as it takes.
         most_runs: after which a test without a decision ends.
         splitting: estimate probabilities by splitting.
+
+    Raises UsageError where the confidence or the half width does not lie between 0 and 1.
     """
 
     source: RunSource = RunSource()
@@ -62,6 +65,10 @@ class Settings:
     errors: Errors = Errors()
     most_runs: int = 1_000_000
     splitting: Splitting | None = None
+
+    def __post_init__(self) -> None:
+        check_proportion("confidence", self.confidence)
+        check_proportion("half_width", self.half_width)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.base.arguments import check_argument
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.base.records import dataclass
@@ -37,12 +38,17 @@ class Splitting:
         effort: runs of each stage.
         most: replications, after which an estimate ends that is not so narrow.
         zones: the number that is explored for the levels.
+
+    Raises UsageError where the share is no number.
     """
 
     relative: float = 0.1
     effort: int = 1000
     most: int = 1000
     zones: int = 200_000
+
+    def __post_init__(self) -> None:
+        check_argument("relative", self.relative, "float")
 
 
 @dataclass(frozen=True, slots=True)
