@@ -15,7 +15,7 @@ from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
 from tachk.syntax import ast
-from tachk.syntax.walk import nodes_of_kind
+from tachk.syntax.walk import nodes_of_kind, outermost
 
 
 def passed_arguments(items: tuple[ast.Item, ...]) -> Iterator[tuple[ast.Parameter, ast.Expression]]:
@@ -63,6 +63,7 @@ def hybrid_clocks(items: Iterable[ast.Item], taken: Iterable[str] = ()) -> froze
         for item in tree
         for node in nodes_of_kind(item, ast.BinaryExpression, ast.AssignmentExpression, ast.FunctionDeclaration)
     ]
+    comparisons = [*_outermost_comparisons(tree)]
     found = {d.name.name for d in initial if not _is_exact(d.initialiser, floating) or _draws(d.initialiser)}
     found |= {parameter.name.name for parameter, argument in passed if not _is_exact(argument, set())} & clocks
     found |= set(taken)
@@ -71,6 +72,7 @@ def hybrid_clocks(items: Iterable[ast.Item], taken: Iterable[str] = ()) -> froze
         found.update(_names(edge.probability, clocks))
     while True:
         more = found | {name for node in nodes for name in _used(node, clocks, floating | found, truths)}
+        more |= {name for node in comparisons for name in _inexact(node, clocks, floating | found)}
         more |= {name for pair in passed for name in _passed(*pair, clocks, floating | more)}
         if more <= found:
             return frozenset(found)
@@ -162,18 +164,29 @@ def computed_clocks(node: ast.Expression, declared: DeclaredNames, measured: boo
     for inner in nodes_of_kind(node, ast.BinaryExpression, ast.CallExpression):
         if isinstance(inner, ast.CallExpression):
             found.update(name for argument in inner.arguments for name in _names(argument, clocks))
-        elif _sides_compute(inner, clocks | floating, floating):
-            found.update(_names(inner, clocks))
         else:
             found.update(_used(inner, clocks, floating, truths))
+    found.update(name for inner in _outermost_comparisons(node) for name in _inexact(inner, clocks, floating))
     return frozenset(found)
 
 
-def _sides_compute(node: ast.BinaryExpression, named: AbstractSet[str], floating: AbstractSet[str]) -> bool:
-    """Whether a comparison has a floating point number, or a side in which a clock is more than added to numbers."""
-    if node.operator not in COMPARISONS:
+def _outermost_comparisons(tree: object) -> Iterator[ast.Node]:
+    """What is inexact inside of a comparison makes it inexact, too, so that those within it need no look."""
+    return outermost(tree, _compares)
+
+
+def _compares(node: ast.Node) -> bool:
+    """Whether a node is a comparison, but not one that gives a rate."""
+    if not isinstance(node, ast.BinaryExpression) or node.operator not in COMPARISONS:
         return False
-    return not _is_exact(node, floating) and any(_names(node, named))
+    return node.operator is not BinaryOperator.EQUAL or not any(
+        isinstance(side, ast.RateExpression) for side in (node.left, node.right)
+    )
+
+
+def _inexact(comparison: ast.Node, clocks: AbstractSet[str], floating: AbstractSet[str]) -> Iterator[str]:
+    """The clocks in a comparison that has a floating point number."""
+    return iter(()) if _is_exact(comparison, floating) else _names(comparison, clocks)
 
 
 def _used(
@@ -190,8 +203,6 @@ def _used(
             direct = [side.name for side in (left, right) if isinstance(side, ast.NameExpression)]
             if operator in _ARITHMETIC:
                 yield from clocks & {*direct}
-            if operator in COMPARISONS and not _is_exact(node, floating):
-                yield from _names(node, clocks)
         case ast.AssignmentExpression(operator=None, target=target, value=value) if _is_copy(
             target, value, clocks
         ) and (_is_exact(node, floating)):
@@ -202,7 +213,7 @@ def _used(
             yield from _names(value, clocks)
         case ast.FunctionDeclaration():
             # A function may set a plain clock, but not read it.
-            for compared in nodes_of_kind(node, ast.BinaryExpression):
+            for compared in outermost(node, lambda inner: isinstance(inner, ast.BinaryExpression)):
                 yield from _names(compared, clocks)
         case _:
             return

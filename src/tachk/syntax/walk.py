@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import fields
 from typing import Any
 
@@ -20,6 +20,20 @@ def nodes_of_kind(tree: object, *kinds: type[Any]) -> Iterator[Any]:
             if isinstance(node, kinds):
                 yield node
             pending += [getattr(node, name) for name in _parts(node)]
+
+
+def outermost(tree: object, matches: Callable[[ast.Node], bool]) -> Iterator[ast.Node]:
+    """The nodes in a tree, or in a sequence of trees, that match and do not lie inside another one that does."""
+    pending: list[object] = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, tuple | list):
+            pending += reversed(node)
+        elif isinstance(node, ast.Node):
+            if matches(node):
+                yield node
+            else:
+                pending += [getattr(node, name) for name in _parts(node)]
 
 
 _known_parts: dict[type, tuple[str, ...]] = {}

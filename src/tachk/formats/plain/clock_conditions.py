@@ -189,20 +189,19 @@ class _ConditionRewriting:
             case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
                 return self._is_condition(operand)
             case ast.BinaryExpression(operator=operator, left=left, right=right):
-                if operator.group is OperandGroup.ARITHMETIC:
-                    return False
-                return self._is_condition(left) or self._is_condition(right) or self._compares(node)
+                match operator.group:
+                    case OperandGroup.ARITHMETIC:
+                        return False
+                    case OperandGroup.COMPARISON:  # a condition within it reads a clock, too
+                        return self.names.reads_clock(left) or self.names.reads_clock(right)
+                    case _:
+                        return self._is_condition(left) or self._is_condition(right)
             case ast.ConditionalExpression(condition=condition, then=then, otherwise=otherwise):
                 return any(map(self._is_condition, (condition, then, otherwise)))
             case ast.QuantifierExpression(variable=variable, type=type_, body=body):
                 return replace(self, names=self.names.binding(variable.name, type_))._is_condition(body)
             case _:
                 return False
-
-    def _compares(self, node: ast.BinaryExpression) -> bool:
-        return node.operator.group is OperandGroup.COMPARISON and (
-            self.names.reads_clock(node.left) or self.names.reads_clock(node.right)
-        )
 
 
 def _join(operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> ast.Expression:

@@ -190,9 +190,9 @@ class _Compiler:
                 until = self._node(NodeKind.UNTIL, text, first, second)
                 return self._node(NodeKind.OR, text, until, self._node(NodeKind.ALWAYS, text, first))
 
-    def condition(self, expression: ast.Expression) -> int:
-        """The number of the node of a condition on one state."""
-        text = print_expression(expression)
+    def condition(self, expression: ast.Expression, shown: str | None = None) -> int:
+        """The number of the node of a condition on one state, which reports show as it is written or as given."""
+        text = shown or print_expression(expression)
         match expression:
             case ast.BooleanLiteral(value=value):
                 return self._truth(value)
@@ -208,7 +208,8 @@ class _Compiler:
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
                 self._refuse_bare_text(operator, left, right)
                 if operator in {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL} and self._compares_truth(left, right):
-                    same = self._equivalence(text, self.condition(left), self.condition(right))
+                    first = self.condition(left, _end_of_chain(left))
+                    same = self._equivalence(text, first, self.condition(right))
                     return same if operator == BinaryOperator.EQUAL else self._negation(same)
                 self._refuse_chain(expression, left, right)
                 return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
@@ -467,6 +468,18 @@ def is_condition(expression: ast.Expression) -> bool:
             return operator in CONNECTIVES or operator in RELATIONS
         case _:
             return isinstance(expression, ast.BooleanLiteral)
+
+
+def _end_of_chain(expression: ast.Expression) -> str | None:
+    """A long chain without what stands before its last link, for the texts of all links would be as long as its square.
+    None for a short one."""
+    inner: ast.Expression = expression
+    for _ in range(LONGEST_FROM_LEFT):
+        if not isinstance(inner, ast.BinaryExpression):
+            return None
+        inner = inner.left
+    assert isinstance(expression, ast.BinaryExpression)
+    return f"... {expression.operator} {print_expression(expression.right)}"
 
 
 def _hint(expression: ast.Expression) -> str | None:
