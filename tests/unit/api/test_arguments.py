@@ -51,7 +51,10 @@ TACHK: Any = tachk
         (lambda: Errors(beta=0), "`beta` is 0, but it must lie between 0 and 1"),
         (lambda: Errors(delta=nan), "`delta` is nan, but it must be a number"),
         (lambda: Splitting(relative=nan), "`relative` is nan, but it must be a number"),
-        (lambda: TACHK.monitor("F x > 1", {"time": [0, 1], "x": [0, 2]}).plot(begin=nan), "`begin` is nan, but it must"),
+        (
+            lambda: TACHK.monitor("F x > 1", {"time": [0, 1], "x": [0, 2]}).plot(begin=nan),
+            "`begin` is nan, but it must",
+        ),
         (lambda: TACHK.Options(processes="x"), "`processes` is 'x', but it must be a whole number"),
         (lambda: TACHK.load(3), "`path` is 3, but it must be a text or a path"),
         (lambda: TACHK.simulate(MODEL, record="n"), "`record` is 'n', but it must be a list of texts"),

@@ -11,7 +11,7 @@ from __future__ import annotations
 from enum import StrEnum
 from math import inf, log
 
-from tachk.base.arguments import check_proportion
+from tachk.base.arguments import check_argument, check_proportion
 from tachk.base.records import dataclass
 
 
@@ -32,7 +32,7 @@ class Errors:
         beta: of saying that it is large enough, where it is at most ``p - delta``.
         delta: half of the indifference region, within which both answers are right.
 
-    Raises UsageError where one does not lie between 0 and 1.
+    Raises UsageError where an error does not lie between 0 and 1, or delta is no number.
     """
 
     alpha: float = 0.05
@@ -40,8 +40,9 @@ class Errors:
     delta: float = 0.01
 
     def __post_init__(self) -> None:
-        for name in ("alpha", "beta", "delta"):
-            check_proportion(name, getattr(self, name))
+        check_proportion("alpha", self.alpha)
+        check_proportion("beta", self.beta)
+        check_argument("delta", self.delta, "float")
 
 
 class RatioTest:

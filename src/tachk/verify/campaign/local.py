@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.connection import Connection, wait
@@ -98,13 +99,30 @@ def _started() -> _Worker:
     ours, theirs = _CONTEXT.Pipe()
     process = _CONTEXT.Process(target=_work, args=(theirs,), daemon=True)
     try:
-        process.start()
+        with _importable_program():
+            process.start()
     except RuntimeError:
         if current_process().name == "MainProcess":
             raise
         os._exit(_UNGUARDED)
     theirs.close()
     return _Worker(process, ours)
+
+
+@contextmanager
+def _importable_program() -> Iterator[None]:
+    """Hides the path of the program where there is no such file, as for one that comes from standard input: a process
+    that could not import it would end, and no cell needs it."""
+    program = sys.modules["__main__"]
+    path = getattr(program, "__file__", None)
+    if path is None or getattr(program, "__spec__", None) is not None or os.path.exists(path):
+        yield
+        return
+    del program.__file__
+    try:
+        yield
+    finally:
+        program.__file__ = path
 
 
 def _give(worker: _Worker, left: list[Values]) -> None:

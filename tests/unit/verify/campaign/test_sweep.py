@@ -110,6 +110,15 @@ def test_a_name_says_that_a_file_holds_the_table(counter: Path, tmp_path: Path) 
     assert [row["MOST"] for row in json.loads(table.read_text(encoding="utf-8"))["rows"]] == [2, 3]
 
 
+def test_a_program_from_standard_input_sweeps(counter: Path) -> None:
+    """There is no file of it that the processes could import."""
+    program = f"import tachk\nprint(tachk.load({str(counter)!r}).sweep(over='MOST=2,3', processes=1).rows, __file__)\n"
+    ended = subprocess.run([sys.executable, "-"], input=program, capture_output=True, text=True, check=False)
+    assert ended.stderr == ""
+    assert "killed" not in ended.stdout and ended.stdout.count("'answer': 'holds'") > 0
+    assert ended.stdout.endswith("<stdin>\n")
+
+
 def test_a_program_without_a_guard_is_told_of_it(counter: Path, tmp_path: Path) -> None:
     """It would run again in each process."""
     program = tmp_path / "program.py"
