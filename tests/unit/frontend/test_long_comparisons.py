@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 
 import pytest
 
@@ -22,11 +23,8 @@ OPERATORS = ("==", "!=", "<")
 
 
 def model(invariant: str) -> Source:
-    return Source(
-        "m.ta",
-        "int n; clock x; double d; void f() { n = (n == 1) == 0; } process P() { state A { x <= 2 && (%s) }, B; init A; "
-        "trans A -> B { }; } system P;" % invariant,
-    )
+    head = "int n; clock x; double d; void f() { n = (n == 1) == 0; } process P() { state A { x <= 2 && ("
+    return Source("m.ta", f"{head}{invariant}) }}, B; init A; trans A -> B {{ }}; }} system P;")
 
 
 def chain(operator: str, length: int) -> str:
@@ -88,10 +86,8 @@ def test_monitoring(values: list[object], monkeypatch: pytest.MonkeyPatch) -> No
         formulas = read_formulas(f"G ({chain('==', length)})")
         with monkeypatch.context() as patched:
             patched.setattr(compiler, "print_expression", noted)
-            try:
+            with nullcontext() if values[0] is True else pytest.raises(InputError, match="E0904"):
                 evaluate_formulas(formulas, trace)
-            except InputError as error:
-                assert [each.code for each in error.diagnostics] == ["E0904"]
         return sum(map(len, texts))
 
     assert printed(400) < 5 * printed(100)
