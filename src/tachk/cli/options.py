@@ -48,7 +48,7 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
     click.get_current_context().exit(guarded(within_limit))
 
 
-class AnyNumber(click.types.FloatParamType):
+class FiniteNumber(click.types.FloatParamType):
     """A finite number that is given."""
 
     name = "number"
@@ -60,13 +60,13 @@ class AnyNumber(click.types.FloatParamType):
         return number
 
 
-class Number(click.FloatRange, AnyNumber):
+class NumberInRange(click.FloatRange, FiniteNumber):
     """A finite number within a range. A range alone lets ``nan`` pass, with which no comparison is true."""
 
     name = "number"
 
 
-class Seconds(Number):
+class Seconds(NumberInRange):
     """A time that is given."""
 
     name = "number of seconds"

@@ -29,7 +29,7 @@ def confidence(least: float, help: str) -> _Adds:
     return click.option(
         "--confidence",
         metavar="C",
-        type=options.Number(least, 0.999999),
+        type=options.NumberInRange(least, 0.999999),
         default=0.95,
         show_default=True,
         help=help,
@@ -42,7 +42,7 @@ def half_width(help: str) -> _Adds:
         "half_width",
         "--epsilon",
         metavar="E",
-        type=options.Number(0.0001, 0.25),
+        type=options.NumberInRange(0.0001, 0.25),
         default=0.05,
         show_default=True,
         help=help,
@@ -77,7 +77,7 @@ _SPLITTING: tuple[_Adds, ...] = (
     click.option(
         "--relative",
         metavar="R",
-        type=options.Number(0.001, 1),
+        type=options.NumberInRange(0.001, 1),
         default=0.1,
         show_default=True,
         help="With --splitting: half the width of the interval, as a share of the probability.",

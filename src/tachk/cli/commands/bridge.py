@@ -38,7 +38,7 @@ from tachk.xrce.bridge.clock import WallClock
     "speed",
     "--speed",
     metavar="FACTOR",
-    type=options.Number(0.001, 1000),
+    type=options.NumberInRange(0.001, 1000),
     default=1.0,
     show_default=True,
     help="How many times as fast as real the time of the model passes.",

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 def _share(name: str, letter: str, default: float, help: str) -> Callable[[options.Decorated], options.Decorated]:
     """An option of a sequential test: a probability of at most 0.5."""
-    share = options.Number(0, 0.5, min_open=True)
+    share = options.NumberInRange(0, 0.5, min_open=True)
     return click.option(f"--{name}", metavar=letter, type=share, default=default, show_default=True, help=help)
 
 

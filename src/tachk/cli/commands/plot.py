@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     help="An .svg, .png or .pdf file.",
 )
 @trace_options.columns
-@click.option("begin", "--from", metavar="TIME", type=options.AnyNumber(), help="Draw from this time.")
-@click.option("end", "--to", metavar="TIME", type=options.AnyNumber(), help="Draw up to this time.")
+@click.option("begin", "--from", metavar="TIME", type=options.FiniteNumber(), help="Draw from this time.")
+@click.option("end", "--to", metavar="TIME", type=options.FiniteNumber(), help="Draw up to this time.")
 @click.option("--robustness", is_flag=True, help="Draw the robustness of each formula over time, too.")
 @options.max_seconds()
 def command(
