@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
@@ -64,17 +64,32 @@ def run_writer(path: Path) -> Iterator[Writer]:
 
 
 @contextmanager
+def _whole_run(out: TextIO) -> Iterator[None]:
+    """Takes the beginning of a run back if its rows are not written to their end; not from a device or a pipe."""
+    begins = out.tell() if out.seekable() else None
+    try:
+        yield
+    except BaseException:
+        if begins is not None:
+            with suppress(OSError):
+                out.seek(begins)
+                out.truncate()
+        raise
+
+
+@contextmanager
 def _csv(path: Path) -> Iterator[Writer]:
     with whole_text(path, newline="") as out:
         begun = False
 
         def write(number: int, trace: Trace) -> None:
             nonlocal begun
-            if not begun:
-                out.write(",".join(["run", _time_name(trace), *map(_quoted, trace.columns)]) + "\n")
-                begun = True
-            for time, values in _rows(trace):
-                out.write(f"{number},{time},{','.join(map(_cell, values))}\n")
+            with _whole_run(out):
+                if not begun:
+                    out.write(",".join(["run", _time_name(trace), *map(_quoted, trace.columns)]) + "\n")
+                for time, values in _rows(trace):
+                    out.write(f"{number},{time},{','.join(map(_cell, values))}\n")
+            begun = True
 
         yield write
 
@@ -85,9 +100,10 @@ def _json_lines(path: Path) -> Iterator[Writer]:
 
         def write(number: int, trace: Trace) -> None:
             head = f'{{"run": {number}, "{_time_name(trace)}": '
-            for time, values in _rows(trace):
-                row = json.dumps(dict(zip(trace.columns, values, strict=True)))
-                out.write(f"{head}{time}{', ' + row[1:] if len(row) > 2 else '}'}\n")
+            with _whole_run(out):
+                for time, values in _rows(trace):
+                    row = json.dumps(dict(zip(trace.columns, values, strict=True)))
+                    out.write(f"{head}{time}{', ' + row[1:] if len(row) > 2 else '}'}\n")
 
         yield write
 
@@ -102,16 +118,18 @@ def _parquet(path: Path) -> Iterator[Writer]:
     with ExitStack() as stack:
         file: Any = None
         waiting: list[Any] = []
-        rows = 0
+        rows, is_damaged = 0, False
 
         def flush() -> None:
-            nonlocal file, rows
+            nonlocal file, rows, is_damaged
             if not waiting:
                 return
             if file is None:
                 part = stack.enter_context(whole_file(path))
                 file = stack.enter_context(parquet.ParquetWriter(part, waiting[0].schema))
+            is_damaged = True
             file.write_table(pyarrow.concat_tables(waiting), row_group_size=_ROW_GROUP)
+            is_damaged = False
             waiting.clear()
             rows = 0
 
@@ -127,6 +145,8 @@ def _parquet(path: Path) -> Iterator[Writer]:
                 flush()
 
         yield write
+        if is_damaged:  # Ctrl-C came while rows were written
+            raise KeyboardInterrupt
         flush()
 
 

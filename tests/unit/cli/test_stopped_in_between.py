@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 from collections.abc import Callable, Iterator
 from itertools import islice
@@ -15,7 +16,9 @@ from click.testing import CliRunner
 from tachk.api.model import Model
 from tachk.base.job import OutOfTimeError
 from tachk.cli.main import app
+from tachk.simulation import tables
 from tachk.simulation.runs import Runs
+from tachk.simulation.statistics import trajectories
 from tachk.simulation.statistics.estimate import estimate
 from tachk.simulation.tables import decimal_time
 
@@ -104,6 +107,116 @@ def test_a_run_that_is_not_counted_yet(model: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("tachk.simulation.tables.decimal_time", stopping_after(0, decimal_time, KeyboardInterrupt))
     status, output = run("simulate", model, "--format", "json")
     assert (status, json.loads(output)["runs"]) == (130, 0)
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "reason"), [(OutOfTimeError, 20, "time limit"), (KeyboardInterrupt, 130, "interrupted")]
+)
+@pytest.mark.parametrize("file", ["runs.csv", "runs.jsonl", "runs.parquet", "runs-{run}.vcd", "runs-{run}.run"])
+def test_runs_are_written_until_one_is_stopped(
+    file: str,
+    error: type[BaseException],
+    status: int,
+    reason: str,
+    model: str,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    if "parquet" in file:
+        pytest.importorskip("pyarrow.parquet")
+    monkeypatch.chdir(tmp_path)
+    whole = Path("whole") / file
+    whole.parent.mkdir()
+    assert run("simulate", model, "--runs", "2", "-o", str(whole))[0] == 0
+    # A limit comes where the third run becomes a trace, or is told step by step.
+    writer = "stepping.run_file:steps_text" if ".run" in file else "runs:recording"
+    module, name = writer.split(":")
+    stopped = importlib.import_module(f"tachk.simulation.{module}")
+    monkeypatch.setattr(stopped, name, stopping_after(2, getattr(stopped, name), error))
+    found, output = run("simulate", model, "--runs", "5", "-o", file)
+    assert (found, output.startswith(f"{model}: 2 of 5 runs")) == (status, True)
+    assert f"unknown what the other runs do ({reason})" in output
+    for each in whole.parent.iterdir():
+        assert Path(each.name).read_bytes() == each.read_bytes()
+    assert len([*Path().glob("runs*")]) == len([*whole.parent.iterdir()])
+
+
+@pytest.mark.parametrize("file", ["runs.csv", "runs.jsonl"])
+def test_half_a_run_is_taken_back(file: str, model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("simulate", model, "--runs", "1", "-o", f"whole-{file}")[0] == 0
+    monkeypatch.setattr("tachk.simulation.tables._rows", _half_a_run_after_one(tables._rows))
+    status, output = run("simulate", model, "--runs", "3", "-o", file)
+    assert (status, "1 of 3 runs" in output) == (130, True)
+    assert Path(file).read_text() == Path(f"whole-{file}").read_text()
+
+
+def _half_a_run_after_one(rows: Callable[[Any], Iterator[Any]]) -> Callable[[Any], Iterator[Any]]:
+    calls = iter(range(1))
+
+    def some(trace: Any) -> Iterator[Any]:
+        if next(calls, None) is not None:
+            yield from rows(trace)
+            return
+        yield next(rows(trace))
+        raise KeyboardInterrupt
+
+    return some
+
+
+def test_damaged_rows_are_not_kept(model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    monkeypatch.setattr("tachk.simulation.tables._ROW_GROUP", 1)
+    writing = stopping_after(1, parquet.ParquetWriter.write_table, KeyboardInterrupt)
+    monkeypatch.setattr(parquet.ParquetWriter, "write_table", lambda *given, **named: writing(*given, **named))
+    file = tmp_path / "runs.parquet"
+    file.write_text("old")
+    assert run("simulate", model, "--runs", "3", "-o", str(file))[0] == 130
+    assert file.read_text() == "old"
+
+
+@pytest.mark.parametrize("file", ["runs.csv", "runs.jsonl", "runs.parquet", "run.vcd", "run.run"])
+@pytest.mark.parametrize("before", [None, "old"])
+def test_no_run_no_file(
+    file: str, before: str | None, model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def none(*_: Any) -> Iterator[Any]:
+        raise OutOfTimeError
+        yield
+
+    if "parquet" in file:
+        pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / file
+    if before is not None:
+        path.write_text(before)
+    monkeypatch.setattr(Runs, "draw", none)
+    status, output = run("simulate", model, "-o", str(path))
+    assert (status, "0 of 1 run" in output) == (20, True)
+    assert (path.read_text() if path.exists() else None) == before
+    assert sorted(tmp_path.iterdir()) == sorted({tmp_path / "m.ta", *([path] if before else [])})
+
+
+def test_the_numbers_of_trajectories_are_no_list(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[range] = []
+
+    def none(self: Runs, drawing: Any, numbers: range, recorded: Any) -> Iterator[Any]:
+        drawn.append(numbers)
+        raise OutOfTimeError
+        yield
+
+    monkeypatch.setattr(Runs, "draw", none)
+    # 100 million of them took gigabytes, and 20 seconds in which no limit was looked at.
+    numbered = trajectories.trajectories
+    shown: list[Any] = []
+    monkeypatch.setattr(
+        "tachk.simulation.statistics.estimate.trajectories",
+        lambda network, question, source, numbers: (
+            shown.append(numbers) or numbered(network, question, source, numbers)
+        ),
+    )
+    status, output = run("estimate", model, "simulate [<=10;100000] {x}")
+    assert (status, "unknown (time limit)" in output) == (20, True)
+    assert (shown, drawn) == ([range(100000)], [range(100000)])
 
 
 def test_times(model: str, monkeypatch: pytest.MonkeyPatch) -> None:

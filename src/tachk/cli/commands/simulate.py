@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from tachk.model.network import Network
     from tachk.recordings.monitors.formulas import NamedFormula
     from tachk.recordings.traces.node_signal import Truth
+    from tachk.simulation.fault_injection import FaultedNetwork
     from tachk.simulation.runs import Runs
 
     Write = Callable[[Simulated, Runs], None]
@@ -191,6 +193,7 @@ class _Tally:
         violating: for each formula the runs on which it is false.
         done, missed: how often each ordered fault happened, and how often the model did not allow it.
         stopped: why not all runs were drawn; empty if they were.
+        written: how many runs are in a file.
     """
 
     transitions: int = 0
@@ -202,6 +205,7 @@ class _Tally:
     done: Counter[str] = field(default_factory=Counter)
     missed: Counter[str] = field(default_factory=Counter)
     stopped: str = ""
+    written: int = 0
 
     @property
     def runs(self) -> int:
@@ -260,15 +264,13 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     observed = arguments.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
     tally = _Tally()
     file = arguments.runs_file
-    with nullcontext() if file is None else run_files(file, model, definitions, arguments.runs) as write:
+    opened = nullcontext() if file is None else run_files(file, model, definitions, arguments.runs)
+    with suppress(_NothingWritten), opened as write:
         numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
-        for run, violating in _evaluated(drawn, runs, formulas, tally):
-            counted = iter(runs.counts(run))
-            tally.done.update(dict(zip(wanted.done, counted, strict=False)))
-            tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
-            if write is not None and len(run.times) and (violating or arguments.all_runs):
-                write(run, runs)
+        _until_stopped(drawn, partial(_take, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
+        if tally.stopped and not tally.written:
+            raise _NothingWritten
     _print(arguments, tally, network, formulas)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
@@ -294,34 +296,60 @@ def _run_scripted(arguments: SimulateArguments, script: Path) -> ExitStatus:
     )
 
 
-def _evaluated(
-    drawn: Iterator[Simulated], runs: Runs, formulas: tuple[NamedFormula, ...], tally: _Tally
-) -> Iterator[tuple[Simulated, bool]]:
-    """The runs, and whether each is written. Where a limit or the user ends that, the tally says so."""
+class _NothingWritten(Exception):
+    """A limit or the user has ended the command before a run was written, so that a file of before stays."""
+
+
+def _until_stopped(drawn: Iterator[Simulated], take: Callable[[Simulated], None], tally: _Tally) -> None:
+    """Takes the runs. Where a limit or the user ends that, the tally says so."""
     from tachk.engine.outcome import INTERRUPTED
 
     try:
         for run in drawn:
-            is_written = _is_written(runs, run, formulas, tally) if len(run.times) else not formulas
-            tally.add(run)
-            yield run, is_written
+            take(run)
     except StoppedError as error:
         tally.stopped = error.reason
     except KeyboardInterrupt:
         tally.stopped = INTERRUPTED
 
 
-def _is_written(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tally: _Tally) -> bool:
-    """Judges a run; whether it is written: there are no formulas, or one is false on it."""
-    from tachk.recordings.traces.node_signal import Truth
-    from tachk.simulation.formulas import truths_on
+def _take(
+    runs: Runs,
+    formulas: tuple[NamedFormula, ...],
+    wanted: FaultedNetwork,
+    tally: _Tally,
+    write: Write | None,
+    all_runs: bool,
+    run: Simulated,
+) -> None:
+    """Judges, writes and counts a run; it does not count if a limit or the user ends that.
 
-    if not formulas:
-        return True
-    truths = truths_on(runs.trace(run), formulas)
+    Args:
+        write: writes a run; None where no file is wanted.
+        all_runs: those on which no formula is false are written, too.
+    """
+    from tachk.recordings.traces.node_signal import Truth
+
+    truths = _truths(runs, run, formulas)
+    counts = runs.counts(run)
+    if write is not None and len(run.times) and (all_runs or not formulas or Truth.FALSE in truths.values()):
+        write(run, runs)
+        tally.written += 1
     for name, truth in truths.items():
         tally.count(name, run.number, truth)
-    return Truth.FALSE in truths.values()
+    counted = iter(counts)
+    tally.done.update(dict(zip(wanted.done, counted, strict=False)))
+    tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
+    tally.add(run)
+
+
+def _truths(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...]) -> Mapping[str, Truth]:
+    """The verdicts about a run; none where there are no formulas, or the run has no state."""
+    if not formulas or not len(run.times):
+        return {}
+    from tachk.simulation.formulas import truths_on
+
+    return truths_on(runs.trace(run), formulas)
 
 
 # ---- the summary ----------------------------------------------------------------------------------------------------

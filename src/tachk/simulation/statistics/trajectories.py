@@ -73,18 +73,18 @@ class Trajectory:
 
 def picked(
     network: Network, question: TrajectoriesQuery, source: RunSource
-) -> tuple[SampledRuns | None, tuple[int, ...]]:
-    """The numbers of the runs to show; and the sample of the condition, if one picks runs."""
+) -> tuple[SampledRuns | None, Sequence[int]]:
+    """The sample of the condition, if one picks runs; and the numbers of the runs to show."""
     numbers = range(source.first, source.first + question.runs)
     if question.condition is None:
-        return None, tuple(numbers)
+        return None, numbers
     sampler = path_sampler(network, Path(question.bound, None, False, question.condition), source)
     found: list[int] = []
     while sampler.sample.runs < question.runs:
         first = source.first + sampler.sample.runs
         answers = sampler.draw(min(_BATCH, question.runs - sampler.sample.runs)).answers
         found += (first + np.flatnonzero(answers == TrialAnswer.YES)).tolist()
-    return sampler.sample, tuple(found[: question.most])
+    return sampler.sample, found[: question.most]
 
 
 def trajectories(
@@ -125,10 +125,19 @@ def _drawings(
     drawing = SimulationOptions(
         source.seed, until, steps=steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
     )
+    for first, last in _stretches(numbers):
+        yield drawing, first, last
+
+
+def _stretches(numbers: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """The ranges, each without its end, that rising numbers consist of."""
+    if isinstance(numbers, range):
+        yield numbers.start, numbers.stop
+        return
     first = 0
     for place in range(1, len(numbers) + 1):
         if place == len(numbers) or numbers[place] != numbers[place - 1] + 1:
-            yield drawing, numbers[first], numbers[place - 1] + 1
+            yield numbers[first], numbers[place - 1] + 1
             first = place
 
 
