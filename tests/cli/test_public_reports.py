@@ -124,7 +124,7 @@ REPORTS = (
         {"r.stl": "r1: whenever a is true, b must be true.\nr2: whenever a is true, b must not occur.\n"},
         ("requirements", "r.stl"),
         10,
-        ("vacuous: what r1 and r2 speak of never happens if r1 and r2 hold",),
+        ("vacuous: the triggers of r1 and r2 never happen if r1 and r2 hold",),
     ),
     PublicReport(
         "query_with_an_error",

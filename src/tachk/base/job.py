@@ -167,7 +167,7 @@ def limited(seconds: float | None = None, memory: int | None = None) -> Iterator
     by so many bytes and some slack.
 
     Args:
-        seconds, memory: None for no limit but those of the jobs around this one, which always count. The system tells
+        seconds, memory: None for no limit but those of the jobs around this one, which always count. The system gives
             the resident size on Linux only; elsewhere the limit on memory has no effect here.
     """
     with under_way(_current.get().narrowed(seconds, memory)):

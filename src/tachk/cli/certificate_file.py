@@ -22,7 +22,7 @@ from tachk.verify.verdict import Verdict
 def write_certificates(
     path: Path, network: Network, verdicts: Sequence[Verdict], options: Options, limits: Limits
 ) -> ExitStatus:
-    """Writes a certificate for each verdict that has one, and tells on standard error what has been written.
+    """Writes a certificate for each verdict that has one, and reports on standard error what has been written.
 
     UNKNOWN if a limit keeps one from being made. Ctrl-C leaves the file as it was: raises KeyboardInterrupt.
     """

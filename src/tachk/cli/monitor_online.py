@@ -257,7 +257,7 @@ def _fed(
     whole: bool,
     fail_fast: bool,
 ) -> bool:
-    """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; tells each verdict
+    """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; prints each verdict
     when it is. False: it has stopped before the trace has ended, at a violation or a limit."""
     reported: set[str] = set()
     try:

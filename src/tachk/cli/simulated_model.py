@@ -31,7 +31,7 @@ class ModelOfRun:
 
 
 def model_of_run(path: str, definitions: tuple[str, ...], submitted: SubmittedRun | None) -> ModelOfRun:
-    """Loads the model that a run speaks of, or the model as it is where there is none, and prints what there is to say.
+    """Loads the model that a run is about, or the model as it is where there is none, and prints what there is to say.
 
     Raises UsageError for a run of another model, and for a model whose runs cannot be replayed.
     """

@@ -85,7 +85,7 @@ MOST_PROCESSES = 256
 
 REDUCTIONS = {
     "alu": "drop a state also if a stored zone simulates its zone: the exact test for the abstraction aLU (Herbreteau, "
-    "Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks of "
+    "Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query is about "
     "`deadlock` or of largest and smallest values, nor for runs that go on for ever.",
     "merging": "make one state of states that wait to be explored and differ in their zones only, where these together "
     "are a zone, as long as that often is so. Breadth first; not with `shortest`, `partial_order`, a limit "

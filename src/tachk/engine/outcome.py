@@ -100,7 +100,7 @@ class Obligation:
         goal: what has to become true, at once or later, during a delay or behind a transition.
         trigger: from which of the reachable states on; None: from the initial state on.
         again: only runs count that meet each of these again and again, or end. They speak of locations and variables.
-        ends: only runs count that end in such a state, or never; None: wherever they end. It speaks of the same.
+        ends: only runs count that end in such a state, or never; None: wherever they end. It is about the same.
         diverges: of the runs with infinitely many transitions only those count in which time diverges.
     """
 

@@ -53,7 +53,7 @@ class ProcessMove:
     Attributes:
         direction: None for an internal edge.
         selects: the chosen values of the edge's select variables.
-        named_by_channel: the select variables whose values the name of the channel tells.
+        named_by_channel: the select variables whose values the name of the channel shows.
         doc: the documentation of the edge.
         news: whether the documentation marks the move as news: ``! lost``.
         arrival: the documentation of the location it leads to.

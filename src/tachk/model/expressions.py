@@ -35,7 +35,7 @@ class Variable:
         name: unique within the network for global and local variables (``P.x`` for the local ``x`` of process ``P``).
         type: any type; clocks and channels are variables too.
         initial: one integer for each cell (see `types.leaves`); channels have 0 there.
-        declared_meta: the declaration says `meta`. `Network.resets` tells whether transitions take it so.
+        declared_meta: the declaration says `meta`. `Network.resets` says whether transitions take it so.
         reference: a function parameter passed by reference.
         priorities: for channels, one priority for each cell; empty means the network's default priority.
         carries: the channel whose values pass through this hidden variable, cell by cell.

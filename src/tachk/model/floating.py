@@ -263,7 +263,7 @@ def value_type(type_: Type) -> Type:
 
 
 def variable_type(type_: Type) -> Type:
-    """The type of a variable that is declared with a type: `Variable.is_hybrid` tells hybrid clocks."""
+    """The type of a variable that is declared with a type: `Variable.is_hybrid` marks hybrid clocks."""
     match type_:
         case ArrayType(element, index):
             return ArrayType(variable_type(element), index)

@@ -58,7 +58,7 @@ class Query:
     predicate: the state predicate; for LEADS_TO the left side, for SUPREMUM and the like the restriction or None.
     operands: LEADS_TO: the right side; SUPREMUM and the like: the expressions. Empty otherwise.
     text: the formula as the user wrote it.
-    conditional: the expectation depends on constants, so that it speaks of other values of them, too.
+    conditional: the expectation depends on constants, so that it is about other values of them, too.
     deadline: of EVENTUALLY and LEADS_TO: since the start, since the left side.
     observer: what has to be added to the network for this query alone; the predicate names its location.
     non_zeno: a run with infinitely many transitions counts only if time diverges in it.

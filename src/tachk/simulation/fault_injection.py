@@ -50,7 +50,7 @@ class InjectedFault:
 
     Attributes:
         fault: the words that name it.
-        probability: of each message that no list speaks of; None: there is a list, or ``now``.
+        probability: of each message that no list is about; None: there is a list, or ``now``.
         channel: whose messages a list counts.
         messages: the first and the last number of each range of the list, counted from 1.
         written: how it was written.

@@ -164,7 +164,7 @@ def _durations(path: Path, trace: Trace) -> NDArray[np.timedelta64]:
 
 
 class _ExactDouble(float):
-    """A number that a dump tells with all its digits: pyvcd writes 16, which are not always enough."""
+    """A number that a dump gives with all its digits: pyvcd writes 16, which are not always enough."""
 
     def __format__(self, spec: str, /) -> str:
         return repr(float(self))

@@ -32,8 +32,8 @@ def without_blocking(network: Network, targets: Sequence[Expression]) -> Transfo
     without the updates of the others that change nothing a target needs. Run-time errors of what is left out are not
     looked for.
 
-    Processes and variables keep their numbers. The network comes back as it is where a target speaks of ``deadlock`` or
-    processes or channels have priorities, as there every possible action counts; where a target speaks of nothing, as
+    Processes and variables keep their numbers. The network comes back as it is where a target is about ``deadlock`` or
+    processes or channels have priorities, as there every possible action counts; where a target is about nothing, as
     that is how to ask for the whole state space; and where all that only block are outside the cone of influence, where
     they cost nothing.
     """
@@ -79,7 +79,7 @@ class _Deeds:
         writes: cells that hold their values from one transition to the next.
         sends, receives: channels.
         commits: channels on which it receives in a committed location, or where it observes.
-        passes: of each edge that receives, the channel, and what it tells those that receive after it.
+        passes: of each edge that receives, the channel, and what it gives those that receive after it.
     """
 
     stops_clocks: bool

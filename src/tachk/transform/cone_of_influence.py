@@ -29,8 +29,8 @@ def cone_of_influence(network: Network, targets: Sequence[Expression]) -> Transf
     """The network with every process frozen in its initial location that cannot influence whether a target is
     reachable.
 
-    Processes and variables keep their numbers. Nothing is frozen where a target speaks of ``deadlock`` or where
-    processes or channels have priorities: there every possible action counts. Nor is it where a target speaks of
+    Processes and variables keep their numbers. Nothing is frozen where a target is about ``deadlock`` or where
+    processes or channels have priorities: there every possible action counts. Nor is it where a target is about
     nothing, as that is how to ask for the whole state space.
     """
     return _cone_of_influence(network, tuple(targets))
@@ -45,7 +45,7 @@ def _cone_of_influence(network: Network, targets: tuple[Expression, ...]) -> Tra
 
 
 def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
-    """Whether what any process can do matters: for priorities, or as a target speaks of ``deadlock`` or of nothing."""
+    """Whether what any process can do matters: for priorities, or for a target about ``deadlock`` or about nothing."""
     return network.has_priorities or any(map(asks_deadlock, targets)) or any(map(speaks_of_nothing, targets))
 
 

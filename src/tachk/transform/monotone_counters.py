@@ -8,17 +8,17 @@ That is a simulation. Let one state differ from another only in that counters ha
 that the other can, and reaches such a state again:
 
 - Time passes. Counters occur in no invariant and no rate. An edge that a counter enables could still stop time over an
-  urgent channel. So no edge whose guard speaks of a counter sends on an urgent channel or is a partner over one. A
+  urgent channel. So no edge whose guard is about a counter sends on an urgent channel or is a partner over one. A
   receiver of a broadcast may be one, as the sender alone decides whether a broadcast is possible.
 - The same edges are enabled: a counter stands below ``and`` and ``or`` only, so that the guard stays true. The guard
   cannot be a run-time error, which ``losses < LOSSES || a[n] > 0`` is only once the counter is at its bound.
 - Nobody is forced to take part who was not: a process that can receive a broadcast must. An edge that a counter enables
-  may force it, unless another receiving edge of the same location and channel, whose guard speaks of no counter, is
+  may force it, unless another receiving edge of the same location and channel, whose guard is about no counter, is
   enabled whenever this one is. That is decided with the conditions of which guards consist as unknown truth values.
 - The updates have the same effect. Nothing that is assigned depends on a counter but the counter itself, whose new
   value is the old one and a constant; a smaller one stays in range where a larger one does, and does not wrap round.
 
-Priorities and ``deadlock`` tell what is not possible: nothing is left out there at all. What a target speaks of is no
+Priorities and ``deadlock`` tell what is not possible: nothing is left out there at all. What a target is about is no
 monotone counter. Weights of branches and rates of delays do not decide what is reachable.
 """
 

@@ -94,7 +94,7 @@ def with_blame(verdict: Verdict) -> Verdict:
 
 
 def _detail(model: PreparedNetwork, fault: RunTimeFault, run: TimedTrace | None) -> str:
-    # No value tells why a loop does not end, and the reference evaluator would run it for many seconds.
+    # No value says why a loop does not end, and the reference evaluator would run it for many seconds.
     if run is not None and fault.transition is not None and fault.kind is not RuntimeErrorKind.LOOP:
         try:
             execute_updates(model, run.states[-1].discrete, fault.transition)

@@ -84,7 +84,7 @@ def plan(tasks: Iterable[Task]) -> tuple[Search, ...]:
     """One search for each set of tasks whose queries look at the same clocks, and agree in asking for deadlock or not
     and in speaking of anything at all.
 
-    A clock in a predicate stays alive everywhere, ``deadlock`` needs a finer abstraction, and where a query speaks of
+    A clock in a predicate stays alive everywhere, ``deadlock`` needs a finer abstraction, and where a query is about
     nothing (``E<> false``) nothing may be left out, so sharing a search with such a query would make the others pay for
     it. So would an observer: a query that has one is searched alone, as is every query of another analysis.
     """

@@ -1,8 +1,8 @@
 """Repair of damaged frames in which a single byte was damaged and only one repair fits.
 
 A receiver drops the frame; only who asks what was sent needs this. The CRC is linear: the difference between the CRC
-that a frame states and that of its message is the CRC of the damage alone. CRC-16/ARC tells all bursts of up to 16
-bits at one place apart, so for each place in the message at most one other byte fits, and for most places none.
+that a frame states and that of its message is the CRC of the damage alone. CRC-16/ARC distinguishes all bursts of up to
+16 bits at one place, so for each place in the message at most one other byte fits, and for most places none.
 """
 
 from __future__ import annotations

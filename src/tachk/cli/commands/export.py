@@ -150,7 +150,7 @@ def files_of(exported: Exported, output: Path) -> dict[Path, str]:
 
 
 def write_files(files: Mapping[Path, str]) -> None:
-    """Writes files and tells which."""
+    """Writes files and says which."""
     for path, text in files.items():
         write_whole(path, text)
     print(f"written: {', '.join(map(str, files))}")

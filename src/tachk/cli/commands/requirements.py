@@ -55,7 +55,8 @@ def _sentence(finding: RequirementFinding) -> str:
             return f"redundant: {names} follows from {by}" if by else f"redundant: {names} always holds"
         case FindingKind.VACUOUS:
             reason = f" if {by} {'hold' if len(finding.by) > 1 else 'holds'}" if by else ""
-            return f"vacuous: what {names} speak{'s' if len(finding.names) == 1 else ''} of never happens{reason}"
+            trigger = "trigger" if len(finding.names) == 1 else "triggers"
+            return f"vacuous: the {trigger} of {names} never happen{'s' if trigger == 'trigger' else ''}{reason}"
 
 
 def _listed(names: tuple[str, ...]) -> str:

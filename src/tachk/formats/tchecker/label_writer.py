@@ -1,6 +1,6 @@
 """Queries as labels of locations, the only thing TChecker searches for.
 
-A query can be written if its predicate speaks of locations only: it is brought into disjunctive form, and each
+A query can be written if its predicate is about locations only: it is brought into disjunctive form, and each
 alternative becomes a set of labels that some state may have together.
 """
 

@@ -2,7 +2,7 @@
 
 A broadcast does not wait for its receivers. So its sender, the first process of the vector, has a guard that holds
 only where all can take part: the guards of all, and that each process is where its edge begins, which an integer
-variable for each of them tells. It also makes the updates of all, in the order of the vector. There is a channel for
+variable for each of them shows. It also makes the updates of all, in the order of the vector. There is a channel for
 each choice of edges, one of each process.
 """
 
@@ -41,7 +41,7 @@ class Meeting:
 
 @dataclass(frozen=True, slots=True)
 class Whereabouts:
-    """The variable that tells where a process is.
+    """The variable that says where a process is.
 
     Attributes:
         numbers: of the locations of the process, by name; only one of several is reported.

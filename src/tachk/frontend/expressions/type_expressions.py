@@ -52,7 +52,7 @@ class TypeReader:
         return None if declared is None else variable_type(declared)
 
     def declared(self, node: ast.TypeExpression, name: str = "") -> Type | None:
-        """The same as it is written, which tells hybrid clocks from other floating point numbers."""
+        """The same as it is written, other for hybrid clocks than for floating point numbers."""
         base = self._base(node.base, name)
         if base is None:
             return None
@@ -67,7 +67,7 @@ class TypeReader:
         return base
 
     def parameter(self, node: ast.Parameter) -> Type | None:
-        """The type of a parameter, which tells hybrid clocks from other floating point numbers; None after a report."""
+        """The type of a parameter, other for hybrid clocks than for floating point numbers; None after a report."""
         base = self.declared(node.type)
         if base is None:
             return None

@@ -112,7 +112,7 @@ def _index(index: IntType | ScalarType) -> str:
 
 
 def value_range(expression: Expression) -> tuple[int, int]:
-    """Bounds of the value of an integral expression, as far as its form tells."""
+    """Bounds of the value of an integral expression, as far as its form shows."""
     match expression:
         case Constant(value):
             return value, value

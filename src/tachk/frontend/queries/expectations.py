@@ -51,7 +51,7 @@ class ExpectationClause:
 
     Attributes:
         expectation: for the values that the constants have; None if nothing is said.
-        conditional: it depends on constants, so that it speaks of other values, too.
+        conditional: it depends on constants, so that it is about other values, too.
     """
 
     expectation: Expectation | None = None

@@ -1,6 +1,6 @@
 """Rates of exponential distributions and weights of branches: only simulation looks at them.
 
-Whatever is wrong with one is kept in its place: a search does not need it, and a simulation tells it.
+Whatever is wrong with one is kept in its place: a search does not need it, and a simulation reports it.
 """
 
 from __future__ import annotations

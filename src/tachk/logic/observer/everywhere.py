@@ -60,7 +60,7 @@ class Beginning:
 
 
 def ways_of(goal: Goal) -> tuple[GoalAlternative, ...] | None:
-    """The goal as a condition on an instant and what was right before; None where it speaks of more."""
+    """The goal as a condition on an instant and what was right before; None where it is about more."""
     match goal:
         case Holds(condition=condition):
             return (GoalAlternative(condition, frozenset()),)

@@ -240,7 +240,7 @@ def parts_of(goal: Goal) -> Iterator[Goal]:
 
 
 def saved_expressions(goal: Goal) -> tuple[ast.Expression, ...]:
-    """The expressions whose changes the goal speaks of."""
+    """The expressions whose changes the goal is about."""
     found: set[ast.Expression] = set()
     for part in parts_of(goal):
         match part:

@@ -1,7 +1,7 @@
 """Windows on the past that an observer cannot follow, said of the future.
 
 An observer knows since when a condition has held, but not what happened in a window that ended before now. Inside an
-outermost `G`, which speaks of every instant, one may begin at the other end: what has to be seen is guessed where it
+outermost `G`, which is about every instant, one may begin at the other end: what has to be seen is guessed where it
 begins. Each rewriting keeps the truth of the whole formula, and which finite runs violate it.
 """
 

@@ -391,7 +391,7 @@ class Tableau:
 def _remembered(state: State, begun: HeldBefore) -> State:
     """The state when something begins to be watched that has to have been there right before an instant.
 
-    One clock tells for all such pasts: what begins now is of no use now, so that those which are needed can be used
+    One clock gives for all such pasts: what begins now is of no use now, so that those which are needed can be used
     first. One that contradicts what begins is over."""
     items: set[Item] = set()
     for item in state:

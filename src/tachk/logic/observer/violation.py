@@ -318,7 +318,7 @@ def _again(span: Span, window: GoalWindow, inner: GoalWindow, goal: Sometime) ->
 
 
 def _everywhere(node: Formula, window: GoalWindow, goal: Either | Preceded) -> Goal | None:
-    """``goal`` at every instant of the window where it speaks of the instant, of what was right before, and of at most
+    """``goal`` at every instant of the window where it is about the instant, of what was right before, and of at most
     one thing that lasts from then on."""
     parts = goal.parts if isinstance(goal, Either) else (goal,)
     now = [part for part in parts if ways_of(part) is not None]

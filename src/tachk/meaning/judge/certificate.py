@@ -310,7 +310,7 @@ class CertificateReader:
     def columns(self) -> Iterator[Columns]:
         """The blocks as they are written, one after the other.
 
-        Raises MalformedCertificateError, also where the numbers of states are not those that the end tells.
+        Raises MalformedCertificateError, also where the numbers of states are not those that the end shows.
         """
         groups = zones = shapes = 0
         for number in range(len(self._places)):

@@ -24,7 +24,7 @@ class SymmetryGroup:
 
     Attributes:
         slots, clocks, channels: of each member those that belong to it, the corresponding ones in the same order.
-        names: the slots that may hold names of members, each with the number of the table that tells which.
+        names: the slots that may hold names of members, each with the number of the table that says which.
         tables: each with the name of each member.
     """
 

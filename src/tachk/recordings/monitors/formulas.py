@@ -154,7 +154,7 @@ def hidden_formulas(formulas: Iterable[NamedFormula], columns: Collection[str]) 
     )
 
 
-# One formula often judges many traces: what it alone tells is kept.
+# One formula often judges many traces: what it alone gives is kept.
 _printed = lru_cache(maxsize=256)(print_formula)
 _columns_read = lru_cache(maxsize=256)(monitoring.columns_read)
 

@@ -1,4 +1,4 @@
-"""Locations of processes in formulas, where a column of texts tells them."""
+"""Locations of processes in formulas, where a column of texts gives them."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class Mined:
     attained: whether the value itself does, or only those beyond it.
     exact: all values of the range were decided, not only multiples of a step.
     trace: that which forbids tighter values; None: the whole range satisfies the formula.
-    violating: a tighter value; ``record`` tells how the trace violates the formula with it.
+    violating: a tighter value; ``record`` says how the trace violates the formula with it.
     traces: the tightest value of each.
     undecided: the traces that end too early to decide with this value.
     ranges: where values were tried one by one, those that satisfy it: first and last of each stretch.

@@ -18,7 +18,7 @@ from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, known
 class ParquetRecording:
     """Attributes:
     raw: the names of the columns as they stand in the file, with their units.
-    time_unit: what the type of the time column tells, such as ``s`` for instants and durations.
+    time_unit: what the type of the time column gives, such as ``s`` for instants and durations.
     rows: those of the file that are read; None: all.
     called: what reports call the trace; None: as its file.
     held: columns that have been read, whole: the runs of a file share them. None: nothing is kept.
@@ -113,7 +113,7 @@ def _numpy(raw: str, column: Any, path: str) -> Any:
         return np.array([None if v is None else _fraction(v) for v in column.to_pylist()], dtype=object)
     try:
         return column.to_numpy()
-    except pa.ArrowException:  # its class tells nothing: "unknown error" for bytes that are no text
+    except pa.ArrowException:  # its class says nothing: "unknown error" for bytes that are no text
         try:
             column.validate(full=True)
         except pa.ArrowInvalid as invalid:

@@ -14,7 +14,7 @@ from tachk.verify.verdict import Verdict
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run by the names of its model: ``print(run)`` tells it as `tachk verify` does, a notebook shows it.
+    """A run by the names of its model: ``print(run)`` shows it as `tachk verify` does, a notebook shows it.
 
     Attributes:
         verdict: the answer that the run is about; ``verdict.trace`` is the run in numbers.

@@ -128,7 +128,7 @@ class _Making:
                     self.events.setdefault(number, []).append(note)
 
     def _kind(self, index: str) -> str:
-        """The name of a kind of messages, also where a run tells its number."""
+        """The name of a kind of messages, also where a run gives its number."""
         names = [name for name in (*_CATEGORIES, "READ", "PING") if str(self._run.constants.get(name)) == index]
         return names[0] if names else index
 

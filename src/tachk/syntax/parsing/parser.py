@@ -30,7 +30,7 @@ def as_legacy(tokens: list[Token], comparisons: dict[str, str], start: str) -> l
     Args:
         tokens: the tokens, contextual keywords marked.
         comparisons: the terminals of ``<=`` and ``>=``.
-        start: the start symbol of the grammar, which tells what the whole text is.
+        start: the start symbol of the grammar, which says what the whole text is.
     """
     rewritten = _constants(_conjunctions(_comparisons(tokens, comparisons), start == "constraint_fragment"))
     if start == "parameters_fragment":

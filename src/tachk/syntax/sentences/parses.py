@@ -3,7 +3,7 @@
 A sentence is a row of phrases with conditions and durations between them. Where a condition ends is not known in
 advance, since it may contain any word; so all ways to cut the text are followed at once through the tables of the
 grammar. They form a graph of (place in the text, state of the parser) whose paths are the parses. Phrases may also be
-taken for what resembles them, at a cost; the cheapest path then tells what was meant.
+taken for what resembles them, at a cost; the cheapest path then says what was meant.
 """
 
 from __future__ import annotations
@@ -192,7 +192,7 @@ class SentenceParses:
                 yield place + 3
 
     def _note(self, node: Node) -> None:
-        """Keep what could stand behind the last phrase; a condition reaches as far as one likes and tells nothing."""
+        """Keep what could stand behind the last phrase; a condition reaches as far as one likes and says nothing."""
         place, states = node
         if place >= self.furthest and states not in self._behind_conditions:
             if place > self.furthest:

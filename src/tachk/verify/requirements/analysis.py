@@ -380,7 +380,7 @@ def _listed(requirements: Sequence[Requirement]) -> str:
 
 
 def _is_condition(formula: Formula) -> bool:
-    """Whether no operator in it speaks of time."""
+    """Whether no operator in it is about time."""
     pending = [formula]
     while pending:
         each = pending.pop()

@@ -75,7 +75,7 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
         name: what messages call it.
         prop: which property; None where one has a run.
 
-    Raises UsageError for what is no such report, or tells of no message.
+    Raises UsageError for what is no such report, or has no message.
     """
     constants, trace = _trace(document, name, prop)
     decoder = _RunDecoder(constants)

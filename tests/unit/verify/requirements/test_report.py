@@ -66,7 +66,7 @@ def test_what_no_other_requirement_is_to_blame_for_names_none(tmp_path: Path) ->
     file.write_text("a: G (x > 5 && x < 3 -> p)\nb: G (p -> p || q)\n", encoding="utf-8")
     assert run_requirements(str(file), output=output) is ExitStatus.NOT_AS_EXPECTED
     lines = output.read_text(encoding="utf-8").splitlines()
-    assert "vacuous: what a speaks of never happens" in lines
+    assert "vacuous: the trigger of a never happens" in lines
     assert "redundant: b always holds" in lines
     _, told = found(tmp_path, str(file))
     assert [finding["by"] for finding in told["findings"]] == [[], []]
@@ -95,7 +95,7 @@ def test_what_demands_forbid_together_is_told_of_both(tmp_path: Path) -> None:
     file, output = tmp_path / "set.stl", tmp_path / "found.txt"
     file.write_text("a: G (p -> q)\nb: G (p -> !q)\n", encoding="utf-8")
     assert run_requirements(str(file), output=output) is ExitStatus.NOT_AS_EXPECTED
-    assert "vacuous: what a and b speak of never happens if a and b hold" in output.read_text(encoding="utf-8")
+    assert "vacuous: the triggers of a and b never happen if a and b hold" in output.read_text(encoding="utf-8")
     _, told = found(tmp_path, str(file))
     (finding,) = told["findings"]
     assert (finding["requirements"], finding["by"]) == (["a", "b"], ["a", "b"])

@@ -208,7 +208,7 @@ class MessageRecording:
         return found[0]
 
     def _stamp(self, topic: str, content: Any) -> int:
-        """The time that a message tells itself, in nanoseconds."""
+        """The time that a message gives itself, in nanoseconds."""
         assert self.time is not None
         value = content
         for step in _steps(self.time):

@@ -93,7 +93,7 @@ def _runs(rows: list[tuple[Any, Any]]) -> dict[str, Run]:
     try:
         if not rows or any(rows[row][1] > rows[row - 1][1] for row in places):
             return {}
-    except (TypeError, InvalidOperation):  # whoever reads the times tells what is wrong with them
+    except (TypeError, InvalidOperation):  # whoever reads the times says what is wrong with them
         return {}
     edges = [0, *places, len(rows)]
     runs = {str(rows[first][0]): (first, end) for first, end in pairwise(edges)}
@@ -127,7 +127,7 @@ def _csv_runs(recording: CsvRecording) -> Iterator[tuple[str, CsvRecording]]:
                 numbers.append(number)
                 lines.append(line)
             elif line.strip() and not line.lstrip().startswith(b"#"):
-                return  # whoever reads the file as one trace tells what is wrong
+                return  # whoever reads the file as one trace says what is wrong
             number += 1
     if any(time is None for _, time in rows):
         return
