@@ -116,4 +116,7 @@ def parse_size(text: str) -> int:
     match = re.fullmatch(rf"\s*({DIGITS}(?:\.{DIGITS})?)\s*([KMG]I?|)B?\s*", text.upper())
     if match is None:
         raise UsageError(f"{text!r} is not a size", "write it like 500M, 2G or 4GiB")
-    return int(Fraction(match[1]) * _SIZES[match[2]])
+    size = int(Fraction(match[1]) * _SIZES[match[2]])
+    if size < 1:
+        raise UsageError(f"a limit of {text} leaves no memory", "write it like 500M, 2G or 4GiB")
+    return size

@@ -14,6 +14,7 @@ from tachk.cli.simulated_model import model_of_run
 from tachk.cli.trace_arguments import exit_status
 from tachk.meaning.run_view import RunNames
 from tachk.model.quantity import duration
+from tachk.simulation.columns import chosen_columns
 from tachk.simulation.formulas import formulas_for
 from tachk.simulation.stepping.files import read_submitted
 from tachk.simulation.stepping.rejections import rejection_diagnostic
@@ -37,6 +38,7 @@ def run_script(arguments: ScriptArguments) -> ExitStatus:
     """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
     submitted = read_submitted(arguments.file)
     about = model_of_run(arguments.model, arguments.definitions, submitted)
+    chosen_columns(about.model.network, arguments.record)
     names = RunNames(about.model.network)
     replayed = replay_submitted(names, submitted)
     if replayed.refusal is not None:

@@ -110,6 +110,8 @@ def _read(arguments: ChartArguments) -> Chart:
         is_report = stream.read(1) in (b"{", b" ", b"\n")
     if is_report:
         return chart_of_run(_report(arguments))
+    if arguments.name is not None:
+        raise UsageError(f"{arguments.file}: --property chooses among the runs of a report of tachk verify")
     try:
         recording = read_transmissions(arguments.file, arguments.ports)
     except CaptureError as error:

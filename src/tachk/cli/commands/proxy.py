@@ -130,6 +130,10 @@ def _rules(proxying: Proxying, ports: list[int]) -> list[RelayRule]:
         document = read_json(proxying.trace, REPORT_WITH_RUN)
         check_report(document, "verify", proxying.trace, REPORT_WITH_RUN)
         rules += rules_of(read_run(document, name, proxying.prop), ports, name)
+    elif proxying.prop is not None:
+        raise UsageError(
+            "--property chooses among the runs of a report", "--from-trace names the report of tachk verify"
+        )
     return rules
 
 

@@ -83,6 +83,7 @@ def run_replay(arguments: ReplayArguments) -> ExitStatus:
     from tachk.meaning.run_view import RunNames, view_trace
     from tachk.model.quantity import duration
     from tachk.report.run.trace_text import print_trace
+    from tachk.simulation.columns import chosen_columns
     from tachk.simulation.formulas import formulas_for
     from tachk.simulation.stepping.files import read_submitted
     from tachk.simulation.stepping.rejections import rejection_diagnostic
@@ -91,6 +92,7 @@ def run_replay(arguments: ReplayArguments) -> ExitStatus:
     submitted = read_submitted(arguments.file, arguments.prop)
     about = model_of_run(arguments.model, arguments.definitions, submitted)
     network = about.model.network
+    chosen_columns(network, arguments.record)
     names = RunNames(network)
     replayed = replay_submitted(names, submitted)
     trace = replayed.trace

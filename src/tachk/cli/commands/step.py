@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.cli import options
@@ -72,6 +73,8 @@ def run_step(arguments: StepArguments) -> ExitStatus:
     from tachk.simulation.stepping.session import Session
 
     check_job()
+    if arguments.prop is not None and arguments.load is None:
+        raise UsageError("--property chooses among the runs of a report", "--load names the report of tachk verify")
     submitted = None if arguments.load is None else read_submitted(arguments.load, arguments.prop)
     about = model_of_run(arguments.model, arguments.definitions, submitted)
     session = Session.begin(RunNames(about.model.network))

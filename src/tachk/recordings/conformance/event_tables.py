@@ -80,7 +80,9 @@ def _text(path: Path) -> str:
         text = content.decode("utf-8-sig")
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
         raise UsageError(f"{path} cannot be read: {error}") from None
     if reason is not None:
         raise UsageError(f"{path} is cut off: {reason}", "a recording without its end is no run of the model")

@@ -15,7 +15,7 @@ from tachk.recordings.traces.logs.labels import Labels
 from tachk.recordings.traces.trace import Trace, Values, cut_off_warning
 from tachk.recordings.traces.trace_arrays import held_values, trace_of, whole_times
 from tachk.recordings.traces.trace_header import known_unit, no_such_column
-from tachk.recordings.traces.vcd_rows import VcdRows, VcdVariable, fault_at
+from tachk.recordings.traces.vcd_rows import VcdRows, VcdVariable, fault_at, unreadable
 from tachk.recordings.traces.vcd_stream import VcdStream
 from tachk.recordings.traces.vcd_units import stated_scale
 
@@ -80,7 +80,7 @@ class VcdRecording:
             with VcdStream(self.name, {variable.code for variable in self.variables}) as stream:
                 rows.follow(_tokens(stream), stream)
         except VCDParseError as error:
-            raise fault_at(self.name, str(error).split(": ", 1)[-1], error.loc) from None
+            raise unreadable(self.name, error) from None
         texts = Labels()
         held: dict[str, Values] = {}
         for place, variable in enumerate(wanted):
@@ -129,7 +129,7 @@ def open_vcd(path: str | Path, time: str | None = None, unit: str | None = None)
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     except VCDParseError as error:
-        raise fault_at(name, str(error).split(": ", 1)[-1], error.loc) from None
+        raise unreadable(name, error) from None
     if unit is not None and known_unit(unit) != (shown or known_unit(unit)):
         raise UsageError(f"{name} counts its time in {shown}, not in {unit}", "its $timescale says so")
     return VcdRecording(name, variables, shown or known_unit(unit or ""), ticks, magnitude)

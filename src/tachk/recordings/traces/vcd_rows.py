@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from vcd.common import VarType
-from vcd.reader import Location, RealChange, ScalarChange, StringChange, Token, TokenKind, VectorChange
+from vcd.reader import Location, RealChange, ScalarChange, StringChange, Token, TokenKind, VCDParseError, VectorChange
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.base.job import check_job
@@ -206,6 +206,16 @@ def _bits(change: _Change) -> int:
     if isinstance(change, StringChange):
         return 0
     return change.value.bit_length() if isinstance(change, VectorChange) and isinstance(change.value, int) else 1
+
+
+def unreadable(name: str, error: VCDParseError) -> InputError:
+    """E0917 for what pyvcd cannot read."""
+    message = str(error).split(": ", 1)[-1]
+    if not message.startswith("confused"):
+        return fault_at(name, message, error.loc)
+    message = "here begins neither a declaration (`$var`), a time (`#10`) nor a value (`1!`)"
+    help = "tachk reads value change dumps that are texts; `fst2vcd FILE.fst -o FILE.vcd` makes one of an FST file"
+    return fault_at(name, message, error.loc, help)
 
 
 def fault_at(name: str, message: str, place: Location, help: str | None = None) -> InputError:

@@ -117,7 +117,11 @@ def read_capture(path: Path, ports: Iterable[int] = ()) -> EventLog:
     """
     try:
         found = read_transmissions(path, ports)
-    except (CaptureError, OSError) as error:
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    except CaptureError as error:
         raise UsageError(f"{path}: {error}") from None
     if not found.transmissions:
         raise UsageError(
