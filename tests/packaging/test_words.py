@@ -1,6 +1,7 @@
 """The names of the sources use the standard words of the field, not the words that were once invented for them."""
 
 import ast
+import functools
 import re
 from collections.abc import Iterator
 
@@ -107,10 +108,18 @@ def names(tree: ast.AST) -> Iterator[str]:
                 pass
 
 
+@functools.cache
+def names_of_sources() -> dict[str, set[str]]:
+    """The names in each file, its own among them."""
+    return {
+        path.relative_to(SOURCES).as_posix(): {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}
+        for path in sorted(SOURCES.rglob("*.py"))
+    }
+
+
 def offenders() -> Iterator[str]:
-    for path in sorted(SOURCES.rglob("*.py")):
-        own = path.relative_to(SOURCES).as_posix()
-        for name in {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}:
+    for own, found in names_of_sources().items():
+        for name in found:
             words = {word.lower().removesuffix("s") for word in WORD.findall(name)}
             if name not in EXCEPTIONS and not words.isdisjoint(REPLACED):
                 yield f"{own}: {name}"
@@ -141,7 +150,4 @@ def test_names_use_the_words_of_the_field() -> None:
 
 
 def test_every_exception_occurs() -> None:
-    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py"))
-    assert EXCEPTIONS.keys() <= {name for tree in trees for name in names(tree)} | {
-        p.stem for p in SOURCES.rglob("*.py")
-    }
+    assert EXCEPTIONS.keys() <= set().union(*names_of_sources().values())

@@ -19,6 +19,7 @@ from tachk.recordings.traces.node_signal import NodeSignal, Truth
 from tachk.recordings.traces.verdict_explanation import Explainer
 from tachk.syntax.formula import Formula
 from tachk.syntax.formulas.parser import parse_formula
+from tests.support.seeds import some
 
 LONG = 1200
 DEEP = 300
@@ -61,7 +62,7 @@ def parsed(text: str) -> Formula:
     return formula
 
 
-@pytest.mark.parametrize(("formula", "expected"), FORMULAS, ids=lambda value: str(value)[:20])
+@pytest.mark.parametrize(("formula", "expected"), some(FORMULAS, 9), ids=lambda value: str(value)[:20])
 def test_verified_and_monitored_alike(formula: str, expected: bool) -> None:
     (verdict,) = model(formula).verify()
     assert verdict.answer == ("holds" if expected else "fails")
