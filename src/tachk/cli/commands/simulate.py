@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import print_diagnostics
+from tachk.cli.guard import complain, print_diagnostics
 from tachk.engine.simulation.policy import SCRIPT, Policy
 from tachk.simulation.intervals import clopper_pearson
 
@@ -265,7 +265,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     tally = _Tally()
     file = arguments.runs_file
     opened = nullcontext() if file is None else run_files(file, model, definitions, arguments.runs)
-    with suppress(_NothingWritten), opened as write:
+    with _kept_summary(file, tally), opened as write:
         numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
         _until_stopped(drawn, partial(_take, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
@@ -298,6 +298,19 @@ def _run_scripted(arguments: SimulateArguments, script: Path) -> ExitStatus:
 
 class _NothingWritten(Exception):
     """A limit or the user has ended the command before a run was written, so that a file of before stays."""
+
+
+@contextmanager
+def _kept_summary(file: Path | None, tally: _Tally) -> Iterator[None]:
+    """A part after which the runs are reported also where they are in no file."""
+    try:
+        yield
+    except _NothingWritten:
+        pass
+    except KeyboardInterrupt:
+        if not tally.stopped:
+            raise
+        complain(f"{file}: not written: interrupted")
 
 
 def _until_stopped(drawn: Iterator[Simulated], take: Callable[[Simulated], None], tally: _Tally) -> None:
