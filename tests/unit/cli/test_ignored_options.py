@@ -65,12 +65,13 @@ def test_what_would_be_ignored(arguments: str, message: str, help: str) -> None:
     assert "Errno" not in result.stderr
 
 
-@pytest.mark.parametrize(("file", "place"), [("binary.vcd", "1:1"), ("words.vcd", "2:1")])
+@pytest.mark.parametrize(("file", "line"), [("binary.vcd", 1), ("words.vcd", 2)])
 @pytest.mark.usefixtures("folder")
-def test_what_is_no_value_change_dump(file: str, place: str) -> None:
+def test_what_is_no_value_change_dump(file: str, line: int) -> None:
     result = CliRunner().invoke(app, ["monitor", "G (x < 5)", file])
     assert result.exit_code == 2
-    assert result.stderr.startswith(f"{file}:{place}: error[E0917]: here begins neither a declaration (`$var`), a time")
+    assert result.stderr.startswith(f"{file}:{line}:")
+    assert "error[E0917]: here begins neither a declaration (`$var`), a time (`#10`) nor" in result.stderr
     assert "help: tachk reads value change dumps that are texts" in result.stderr
 
 
