@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
+from tachk.base.preformatted import preformatted
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.query import Query
@@ -63,6 +64,18 @@ class Estimates(Sequence["Estimate"]):
         from tachk.report.statistics.text import answer_lines
 
         return "".join(f"{line}\n" for each in self.answers for line in answer_lines(each, self.settings))
+
+    def __str__(self) -> str:
+        return self.to_text()
+
+    def __repr__(self) -> str:
+        from tachk.report.statistics.answered import short_answer
+
+        answers = (f"{each['name']}: {short_answer(each)}" for each in self.to_dict()["answers"])
+        return f"<Estimates of {self.model}: {', '.join(answers)}>"
+
+    def _repr_html_(self) -> str:
+        return preformatted(self.to_text())
 
 
 class Estimable:

@@ -81,6 +81,9 @@ class Query:
     again: tuple[Expression, ...] = ()
     ends: Expression | None = None
 
+    def __repr__(self) -> str:
+        return f"<Query {self.name}: {self.text}>"
+
     @property
     def holds_when_reached(self) -> bool | None:
         """True if the query holds once one state satisfies `target`, False if it fails then; None if no single state

@@ -143,3 +143,6 @@ class StatisticalQuery:
     title: str = ""
     span: Span = NOWHERE
     network: Network | None = None
+
+    def __repr__(self) -> str:
+        return f"<StatisticalQuery {self.name}: {self.text}>"

@@ -27,7 +27,7 @@ def print_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
     print(f"  explored {took}, then not on: {check.reason}" if check.reason else f"  explored all {took}", file=out)
     width = max(len(part.question) for part in check.parts)
     for part in check.parts:
-        print(f"  {part.question:<{width}}  {_answer(part)}", file=out)
+        print(f"  {part.question:<{width}}  {part.in_words}", file=out)
     for evidence in check.evidence:
         end = duration(evidence.run.states[-1].time, network.time_unit)
         steps = len(evidence.run.steps)
@@ -37,10 +37,6 @@ def print_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
         print(f"\n{evidence.finding.code} at {evidence.finding.span} is {how}:", file=out)
         console = ReportConsole(file=out, highlight=False, soft_wrap=True, force_jupyter=False)
         print_trace(view_trace(network, evidence.run), console, network.time_unit, RunDisplay(ends=_ENDS))
-
-
-def _answer(part: LintAnswer) -> str:
-    return f"{part.answer} ({part.undecided})" if part.undecided else part.answer
 
 
 def deep_to_json(network: Network, check: DeepCheck) -> dict[str, Any]:

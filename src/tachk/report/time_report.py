@@ -20,13 +20,12 @@ from tachk.model.run import TimedTrace
 from tachk.report.json_report import FORMS, trace_to_json
 from tachk.report.plain_console import plain_console
 from tachk.report.run.trace_text import print_trace
-from tachk.verify.times import Times
+from tachk.verify.times import FOR_EVER, Times
 from tachk.verify.verdict import Extreme
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
 
-FOR_EVER = "for ever"
 _COLUMNS = ("best", "worst", "waits")
 
 
@@ -61,7 +60,7 @@ def times_to_text(between: TimedInterval, rows: Sequence[TimedRow], traces: bool
     for name in (*names, *_COLUMNS):
         table.add_column(f"  {name}" if name == (names or _COLUMNS)[0] else name, justify="right", no_wrap=True)
     for row in rows:
-        table.add_row(*map(str, row.constants.values()), *_cells(row, row.network.time_unit))
+        table.add_row(*map(str, row.constants.values()), *row.times.in_words(row.network.time_unit).values())
     console.print(table)
     for reason in dict.fromkeys(row.times.reason for row in rows if row.times.reason):
         console.print(f"\nsome times are unknown: {reason}", markup=False, soft_wrap=True)
@@ -86,7 +85,7 @@ def times_to_csv(rows: Sequence[TimedRow]) -> str:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow([*(rows[0].constants if rows else ()), *_COLUMNS, "states"])
     for row in rows:
-        cells = (cell.replace(" ", "") if cell != FOR_EVER else cell for cell in _cells(row, ""))
+        cells = (cell.replace(" ", "") if cell != FOR_EVER else cell for cell in row.times.in_words().values())
         writer.writerow([*row.constants.values(), *cells, row.times.states])
     return out.getvalue()
 
@@ -117,17 +116,3 @@ def _row_to_json(row: TimedRow) -> dict[str, Json]:
 
 def _extremes(times: Times) -> dict[str, Extreme | None]:
     return dict(zip(_COLUMNS, (times.best, times.worst, times.waiting), strict=True))
-
-
-def _cells(row: TimedRow, unit: str) -> list[str]:
-    times = row.times
-    cells = []
-    for name, extreme in _extremes(times).items():
-        if extreme is None:
-            cells.append("?" if times.reason else "-")
-        elif extreme.value is None:
-            cells.append(FOR_EVER if name == "waits" else "no limit")
-        else:
-            sign = "" if not extreme.strict else "> " if name == "best" else "< "
-            cells.append(f"{sign}{duration(Fraction(extreme.value), unit)}")
-    return cells

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import limited, unhurried
+from tachk.base.preformatted import preformatted
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
@@ -16,12 +18,14 @@ from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.event import Event
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
+from tachk.model.quantity import duration
 from tachk.model.query import Query
 from tachk.transform.event_timer import EventTimer, with_event_timer
 from tachk.verify.verdict import Answer, Extreme, Verdict
 from tachk.verify.verify import verify
 
 BEST, WORST, WAITING = "best", "worst", "waiting"
+FOR_EVER = "for ever"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +62,29 @@ class Times:
     def may_wait_for_ever(self) -> bool:
         """Whether nothing bounds how long the second event fails to come."""
         return self.waiting is not None and self.waiting.value is None
+
+    def in_words(self, unit: str = "") -> dict[str, str]:
+        """Each time: ``< 9`` for one that is approached, ``-`` where there is none, ``?`` where it is not known."""
+        found = {"best": self.best, "worst": self.worst, "waits": self.waiting}
+        return {name: self._time(name, extreme, unit) for name, extreme in found.items()}
+
+    def _time(self, name: str, extreme: Extreme | None, unit: str) -> str:
+        if extreme is None:
+            return "?" if self.reason else "-"
+        if extreme.value is None:
+            return FOR_EVER if name == "waits" else "no limit"
+        sign = "" if not extreme.strict else "> " if name == "best" else "< "
+        return f"{sign}{duration(Fraction(extreme.value), unit)}"
+
+    def __str__(self) -> str:
+        times = ", ".join(f"{name}: {time}" for name, time in self.in_words().items())
+        return f"{times} ({self.reason})" if self.reason else times
+
+    def __repr__(self) -> str:
+        return f"<Times {self}>"
+
+    def _repr_html_(self) -> str:
+        return preformatted(str(self))
 
 
 def times_between(

@@ -78,3 +78,36 @@ def test_values_are_in_the_table_and_in_rows() -> None:
     assert [row["values"] for row in found.to_rows()] == ["P(1).x ≤ 10", None]
     (line,) = [line for line in found.to_text().splitlines() if line.startswith("  q1 ")]
     assert "P(1).x ≤ 10" in line and "holds" not in line
+
+
+PLAIN = """const int C = 1; int n; clock x;
+process P() { init location A { invariant x <= 3; to B { guard x > C; } } location B; }
+system P;
+property reached : E<> P.B;
+"""
+
+
+def test_what_python_prints_is_what_the_program_prints() -> None:
+    model = tachk.loads(PLAIN)
+    times, deep = model.time(None, "P.B"), model.check()
+    estimates = model.estimate("Pr[<=9](<> P.B)", "Pr[<=9](<> P.B) >= 0.5")
+    assert str(times) == "best: > 1, worst: 3, waits: 3"
+    assert repr(times) == "<Times best: > 1, worst: 3, waits: 3>"
+    assert repr(model.time("P.B", "P.B")) == "<Times best: -, worst: -, waits: for ever>"
+    assert repr(model.time(None, "P.B", limits=tachk.Limits(depth=0))).endswith("waits: ? (depth limit)>")
+    assert repr(model.properties) == "(<Query reached: E<> P.B>,)"
+    assert repr(deep) == "<DeepCheck of all states, findings: 2>"
+    assert "time-locks " in str(deep) and "W0608: the variable `n` is never used" in str(deep)
+    assert repr(estimates) == "<Estimates of <text>: q1: 0.9245 to 1.0000, q2: holds>"
+    assert str(estimates) == estimates.to_text()
+    assert repr(estimates[0].query) == "<StatisticalQuery q1: Pr[<=9](<> P.B)>"
+
+
+def test_texts_in_notebooks() -> None:
+    model = tachk.loads(PLAIN)
+    over = "C=0..1"
+    shown = (model.time(None, "P.B"), model.check(), model.estimate("Pr[<=9](<> P.B)"))
+    for each in (*shown, model.synthesize("E<> P.B", over=over), model.sweep("E<> P.B", over=over, processes=1)):
+        html = each._repr_html_()
+        assert html.startswith("<pre") and html.count("<") == 2
+        assert html.count("\n") == str(each).count("\n")

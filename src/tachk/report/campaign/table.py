@@ -14,6 +14,7 @@ from typing import Any
 from rich.table import Table
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.preformatted import preformatted
 from tachk.base.whole_files import whole_file
 from tachk.model.quantity import grouped
 from tachk.report.json_report import Json
@@ -170,3 +171,6 @@ class Sweep:
 
     def __str__(self) -> str:
         return self.to_text()
+
+    def _repr_html_(self) -> str:
+        return preformatted(self.to_text())

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
+from tachk.base.preformatted import preformatted
 from tachk.base.whole_files import whole_bytes
 from tachk.meaning.judge.certificate import CertificateWriter
 from tachk.report.json_report import Json
@@ -168,6 +169,9 @@ class Synthesis:
 
     def __str__(self) -> str:
         return self.to_text()
+
+    def _repr_html_(self) -> str:
+        return preformatted(self.to_text())
 
     def __repr__(self) -> str:
         return f"<Synthesis on {self.region.model}: {summary(self.region)}>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from html import escape
 
+from tachk.base.preformatted import preformatted
 from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, view_trace
 from tachk.model.network import Network
 from tachk.report.run.display import RunDisplay
@@ -61,4 +62,4 @@ class Run:
 
     def _repr_html_(self) -> str:
         title, _, text = self.to_text().partition("\n")
-        return f'<p><b>{escape(title)}</b></p>\n<pre style="line-height: 1.25">{escape(text)}</pre>'
+        return f"<p><b>{escape(title)}</b></p>\n{preformatted(text)}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, by_place
+from tachk.base.preformatted import preformatted
 from tachk.engine.outcome import Statistics
 from tachk.model.run import TimedTrace
 
@@ -35,6 +36,11 @@ class LintAnswer:
     evidence: tuple[LintEvidence, ...] = ()
     undecided: str = ""
 
+    @property
+    def in_words(self) -> str:
+        """The answer, and why it is not the whole one."""
+        return f"{self.answer} ({self.undecided})" if self.undecided else self.answer
+
 
 @dataclass(frozen=True, slots=True)
 class DeepCheck:
@@ -59,6 +65,20 @@ class DeepCheck:
     def decided(self) -> bool:
         """Whether every question is decided."""
         return not any(part.undecided for part in self.parts)
+
+    def __str__(self) -> str:
+        """A line for each question and for each finding."""
+        width = max((len(part.question) for part in self.parts), default=0)
+        lines = [f"{part.question:<{width}}  {part.in_words}" for part in self.parts]
+        lines += [f"{finding.span}: {finding.code}: {finding.message}" for finding in self.findings]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        extent = f"{self.statistics.states_stored} states, then {self.reason}" if self.reason else "all states"
+        return f"<DeepCheck of {extent}, findings: {counted(self.findings)}>"
+
+    def _repr_html_(self) -> str:
+        return preformatted(str(self))
 
 
 def counted(findings: tuple[Diagnostic, ...]) -> str:
