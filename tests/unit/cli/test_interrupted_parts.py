@@ -126,3 +126,4 @@ def test_the_proof_that_is_made_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tachk.verify.certificates._proof", proof)
     result = CliRunner().invoke(app, ["verify", "m.ta", "--certificate", "proofs.tck"])
     assert (result.exit_code, Path("proofs.tck").exists(), begun) == (130, False, ["first"])
+    assert result.stderr == "error: proofs.tck: not written: interrupted\n"

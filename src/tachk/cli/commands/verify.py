@@ -331,7 +331,12 @@ def _written(
     if request.certificate is not None:
         from tachk.cli.certificate_file import write_certificates
 
-        yield write_certificates(request.certificate, model.network, record.verdicts, options, limits)
+        try:
+            yield write_certificates(request.certificate, model.network, record.verdicts, options, limits)
+        except KeyboardInterrupt:  # the answers have been reported
+            complain(f"{request.certificate}: not written: interrupted")
+            yield ExitStatus.INTERRUPTED
+            return
     if request.munta is not None:
         confirmed = separate_plugin("munta proofs")(request.munta, model.network, record.verdicts, options, limits)
         yield ExitStatus.AS_EXPECTED if confirmed else ExitStatus.UNKNOWN
