@@ -269,7 +269,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
         numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
         _until_stopped(drawn, partial(_take, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
-        if tally.stopped and not tally.written:
+        if write is not None and tally.stopped and not tally.written:
             raise _NothingWritten
     _print(arguments, tally, network, formulas)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
@@ -305,12 +305,10 @@ def _kept_summary(file: Path | None, tally: _Tally) -> Iterator[None]:
     """A part after which the runs are reported also where they are in no file."""
     try:
         yield
-    except _NothingWritten:
-        pass
-    except KeyboardInterrupt:
+    except (_NothingWritten, KeyboardInterrupt):
         if not tally.stopped:
             raise
-        complain(f"{file}: not written: interrupted")
+        complain(f"{file}: not written: {tally.stopped}")
 
 
 def _until_stopped(drawn: Iterator[Simulated], take: Callable[[Simulated], None], tally: _Tally) -> None:
