@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
@@ -49,7 +49,7 @@ class Extreme:
 
     value: int | None
     strict: bool = False
-    run: TimedTrace | None = None
+    run: TimedTrace | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,6 +93,8 @@ def test_what_python_prints_is_what_the_program_prints() -> None:
     estimates = model.estimate("Pr[<=9](<> P.B)", "Pr[<=9](<> P.B) >= 0.5")
     assert str(times) == "best: > 1, worst: 3, waits: 3"
     assert repr(times) == "<Times best: > 1, worst: 3, waits: 3>"
+    assert repr(times.worst) == "Extreme(value=3, strict=False)"
+    assert len(repr(estimates[0])) < 500
     assert repr(model.time("P.B", "P.B")) == "<Times best: -, worst: -, waits: for ever>"
     assert repr(model.time(None, "P.B", limits=tachk.Limits(depth=0))).endswith("waits: ? (depth limit)>")
     assert repr(model.properties) == "(<Query reached: E<> P.B>,)"

@@ -75,8 +75,8 @@ class SampledRuns:
     unknown: int = 0
     transitions: int = 0
     endings: Counter[SimulationEnding] = field(default_factory=Counter)
-    times: list[NDArray[np.int64]] = field(default_factory=list)
-    values: list[NDArray[np.float64]] = field(default_factory=list)
+    times: list[NDArray[np.int64]] = field(default_factory=list, repr=False)
+    values: list[NDArray[np.float64]] = field(default_factory=list, repr=False)
     fault: tuple[RuntimeErrorKind, Span] | None = None
 
     def add(self, trials: Trials) -> None:
