@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from tachk.xrce.bridge.clock import Clock, SteppedClock, WallClock
     from tachk.xrce.measuring.measure import measure
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Answer",
