@@ -61,4 +61,4 @@ def faults(shape: Shape) -> int:
 
 def test_nothing_fails_unless_it_may() -> None:
     assert faults(SAFE) == 0
-    assert faults(FAULTY) >= 20
+    assert enough(faults(FAULTY) >= 20)
