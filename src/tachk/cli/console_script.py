@@ -11,17 +11,15 @@ from typing import NoReturn
 
 import click
 
+from tachk.base.cycles import collect_rarely
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import end_by, prepare_streams
 from tachk.cli.termination import Termination
 
-RARELY = (100_000, 20, 20)
-"""The thresholds of the garbage collector: by default it runs every few hundred objects, a tenth of a start."""
-
 
 def end_program(command: Callable[[], int | None]) -> NoReturn:
     """Runs a command line, which returns its status, and ends the program with that."""
-    gc.set_threshold(*RARELY)
+    collect_rarely()
     prepare_streams()
     termination = Termination()
     termination.heed()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +17,9 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting
 from tachk.engine.options import Limits
 from tachk.recordings.conformance.question import ExplanationDetail
+
+if TYPE_CHECKING:
+    from tachk.recordings.conformance.coverage import Covered
 
 
 @click.command(name="conform")
@@ -101,7 +104,6 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
     from tachk.api import model as api
     from tachk.cli.arguments import parse_definitions
     from tachk.formats.loading.recorded_models import recorded_model
-    from tachk.recordings.conformance.coverage import coverage
     from tachk.report.conformance.json import conformance_to_json
     from tachk.report.conformance.text import conformance_to_text, coverage_to_text
 
@@ -124,7 +126,11 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
             )
             for each in arguments.recordings
         ]
-    covered = coverage(model.network, (each for each in found if each.accepted)) if arguments.coverage else ()
+    covered: tuple[Covered, ...] = ()
+    if arguments.coverage:
+        from tachk.recordings.conformance.coverage import coverage
+
+        covered = coverage(model.network, (each for each in found if each.accepted))
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:

@@ -18,6 +18,7 @@ from threading import Thread
 from time import monotonic
 from traceback import format_exc
 
+from tachk.base.cycles import collect_rarely
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Values
 from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
@@ -144,6 +145,7 @@ def _end(worker: _Worker) -> None:
 
 def _work(pipe: Connection) -> None:
     """The loop of a process until it is killed. Ctrl-C is for the program that started it."""
+    collect_rarely()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with_parent, daemon=True).start()
     job = pipe.recv()
