@@ -12,7 +12,6 @@ half, quarter and eighth of each capture, which shows how the cost grows.
 from __future__ import annotations
 
 import argparse
-import gc
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,8 +19,8 @@ from pathlib import Path
 from typing import TypeVar
 
 import tachk
+from tachk.base.cycles import collect_rarely
 from tachk.cli.arguments import parse_definitions
-from tachk.cli.console_script import RARELY
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.conform_file import constants_of
@@ -81,7 +80,7 @@ def main() -> None:
     parser.add_argument("--shorter", action="store_true")
     parser.add_argument("-D", dest="definitions", action="append", default=[], metavar="NAME=VALUE")
     given = parser.parse_args()
-    gc.set_threshold(*RARELY)
+    collect_rarely()
     model = tachk.load(given.model, **parse_definitions(given.definitions))
     loaded = recorded_model(model.loaded, model.path, model.definitions)
     model = tachk.Model(loaded, model.path, model.definitions)
