@@ -124,11 +124,9 @@ def _with_stuck_conditions(
     """The verdicts, those that hold with a note for each condition that counts only where it lasts, and that a run ends
     with in a committed or urgent location, as far as the states that may be stored show it."""
     ends = _some_stops_time(network, _perhaps_last_places(network))
-    conditions: dict[_MomentaryCondition, Expression] = {}
-    for verdict in verdicts:
-        if ends is not None and _needs_time(verdict):
-            conditions |= _moments(verdict.query.observer)
-    goals = {of: both(ends, condition) for of, condition in conditions.items() if cannot_fail(condition)}
+    if ends is None:
+        return verdicts
+    goals = {of: both(ends, condition) for of, condition in _lasting_only(verdicts).items() if cannot_fail(condition)}
     # First whether it is so in such a location at all: to look for deadlocks takes more states.
     there = _reached(network, goals, bounded, decide)
     stuck = {of: both(goals[of], Deadlock()) for of, found in there.items() if found.answer is Answer.HOLDS}
@@ -145,10 +143,7 @@ def _with_endless_conditions(
     network: Network, stopped: Expression, verdicts: Sequence[Verdict], bounded: Limits, decide: Deciding
 ) -> Sequence[Verdict]:
     """The same for conditions that are so again and again while a run takes steps for ever in such locations."""
-    conditions: dict[_MomentaryCondition, Expression] = {}
-    for verdict in verdicts:
-        if _needs_time(verdict):
-            conditions |= _moments(verdict.query.observer)
+    conditions = _lasting_only(verdicts)
     if not conditions or not _may_go_on(network):
         return verdicts
     (anything,) = decide(network, [_left_again(0, stopped, None)], bounded)
@@ -204,6 +199,15 @@ def _behind(following: Mapping[int, set[int]], place: int) -> set[int]:
             seen.add(after)
             pending.append(after)
     return seen
+
+
+def _lasting_only(verdicts: Sequence[Verdict]) -> dict[_MomentaryCondition, Expression]:
+    """The conditions of those verdicts that need time: they count only where they last."""
+    found: dict[_MomentaryCondition, Expression] = {}
+    for verdict in verdicts:
+        if _needs_time(verdict):
+            found |= _moments(verdict.query.observer)
+    return found
 
 
 def _needs_time(verdict: Verdict) -> bool:
