@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.support.seeds import Draw, number, refresh
+from tests.support.seeds import Draw, number, refresh, thirds
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -35,6 +35,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "drawn: a third of the module's tests run, drawn as random examples are")
     Draw.number, Draw.times = config.option.seed, config.option.times
 
 
@@ -42,7 +43,12 @@ def pytest_report_header() -> str:
     return f"random examples: --seed {number()}"
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if not any("::" in argument for argument in config.args):
+        marked = [(item.nodeid, str(item.path)) for item in items if item.get_closest_marker("drawn")]
+        left_out = {test for test, _ in marked} - thirds(marked)
+        config.hook.pytest_deselected(items=[item for item in items if item.nodeid in left_out])
+        items[:] = [item for item in items if item.nodeid not in left_out]
     for item in items:
         test = getattr(item, "obj", None)
         if getattr(test, "is_hypothesis_test", False):

@@ -5,6 +5,8 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 
+pytestmark = pytest.mark.drawn
+
 PUBLICATION = data_root() / "models" / "micro_xrce_dds" / "publication.ta"
 
 STEADY, REARMED, DOUBLING = 0, 1, 2

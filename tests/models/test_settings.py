@@ -10,7 +10,8 @@ import pytest
 
 import tachk
 from tachk.base.resources import data_root
-from tests.support.seeds import some
+
+pytestmark = pytest.mark.drawn
 
 ROOT = Path(__file__).parents[2]
 MODELS = data_root() / "models"
@@ -44,7 +45,7 @@ def named_in_documents() -> list[str]:
 SETTINGS = sorted({*tried_in_models(), *named_in_documents()})
 
 
-@pytest.mark.parametrize("setting", some(SETTINGS, len(SETTINGS) // 3))
+@pytest.mark.parametrize("setting", SETTINGS)
 def test_a_setting_is_as_the_model_expects(setting: str) -> None:
     model, *words = shlex.split(setting)
     options = list(zip(words[::2], words[1::2], strict=True))

@@ -5,6 +5,8 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 
+pytestmark = pytest.mark.drawn
+
 SUBSCRIPTION = data_root() / "models" / "micro_xrce_dds" / "subscription.ta"
 
 PULL, PUSH_PING = 1, 2

@@ -5,6 +5,8 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 
+pytestmark = pytest.mark.drawn
+
 SYSTEMS = data_root() / "models" / "micro_xrce_dds"
 
 PUSH, PULL, PUSH_PING = 0, 1, 2

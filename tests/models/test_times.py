@@ -8,6 +8,8 @@ import tachk
 from tachk.base.resources import data_root
 from tachk.cli.main import app
 
+pytestmark = pytest.mark.drawn
+
 MODELS = data_root() / "models" / "micro_xrce_dds"
 PUBLICATION = MODELS / "publication.ta"
 FIVE_AUTOMATA = MODELS / "delayed.ta"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.support.seeds import NUMBERS, Draw, number, seeds, some
+from tests.support.seeds import NUMBERS, Draw, number, seeds, some, thirds
 
 
 @pytest.fixture(autouse=True)
@@ -37,6 +37,18 @@ def test_nothing_is_drawn_from_0(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Draw, "number", 0)
     assert seeds(range(8)) == list(range(8))
     assert some(range(8), 3) == [0, 1, 2]
+
+
+def test_a_third_of_the_tests_of_a_module_is_drawn_and_each_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    tests = [(f"{module}::{n}", module) for module, count in (("a", 7), ("b", 1)) for n in range(count)]
+    drawn = []
+    for seed in range(1, 40):
+        monkeypatch.setattr(Draw, "number", seed)
+        drawn.append(thirds(tests))
+    assert {len(some_tests) for some_tests in drawn} == {3 + 1}
+    assert set.union(*drawn) == {test for test, _ in tests}
+    monkeypatch.setattr(Draw, "number", 0)
+    assert thirds(tests) == {test for test, _ in tests}
 
 
 def test_the_commit_gives_the_number(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,8 @@ from tachk.verify.verify import verify
 from tests.support.seeds import some
 from tests.unit.meaning.judge.proofs import MODELS, judged, proved, written
 
+pytestmark = pytest.mark.drawn
+
 SMALL: dict[str, dict[str, int | bool]] = {
     "classics/bridge.ta": {},
     "classics/brp.ta": {},
@@ -53,7 +55,7 @@ XRCE: list[tuple[str, dict[str, int], int]] = [
 ]
 
 
-@pytest.mark.parametrize(("model", "constants", "least"), some(XRCE, 4))
+@pytest.mark.parametrize(("model", "constants", "least"), XRCE)
 def test_proofs_about_the_protocol_are_accepted(model: str, constants: dict[str, int], least: int) -> None:
     loaded = tachk.load(MODELS / "micro_xrce_dds" / model, **constants)
     provable = [v.query for v in loaded.verify(trace=False) if is_provable(v)]

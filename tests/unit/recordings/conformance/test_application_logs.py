@@ -17,6 +17,8 @@ from tachk.recordings.conformance.conform_file import constants_of, with_log
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 CAPTURE = ROOT / "tests/data/captures/spin_pause.pcap"
 MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"

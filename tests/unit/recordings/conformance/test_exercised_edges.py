@@ -18,6 +18,8 @@ from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.coverage import Covered, coverage
 from tachk.xrce.conformance.packet_events import read_capture
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 CAPTURES = ROOT / "tests/data/captures/later"
 MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"

@@ -25,6 +25,8 @@ from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.events import decode
 from tachk.xrce.wire import SubmessageKind
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"
 CAPTURES = ROOT / "tests/data/captures/later"

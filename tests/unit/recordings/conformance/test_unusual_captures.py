@@ -10,6 +10,8 @@ from click.testing import CliRunner
 from tachk.cli.main import app
 from tachk.xrce.conformance.packet_events import read_capture
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 MODEL = str(ROOT / "models/micro_xrce_dds/client_3_0.ta")
 QUERIES = ROOT / "queries/micro_xrce_dds.ta"

@@ -23,6 +23,8 @@ from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.recordings.conformance.nearest_log import smallest_edit
 from tachk.xrce.conformance.packet_events import read_capture
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"
 CAPTURES = ROOT / "tests/data/captures"
