@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from tests.packaging.test_structure import ROOT
 
-SOURCES = ROOT / "src" / "tachk"
+SOURCES = (ROOT / "src" / "tachk", ROOT / "plugins")
 
 REPLACED = {
     "spectator": "outside the cone of influence, frozen",
@@ -57,6 +57,7 @@ REPLACED = {
     "looked": "explored, sampled",
     "apart": "separate, disjoint, decomposed",
     "attempt": "parse outcome, try, strategy of a portfolio",
+    "kept": "retained, with the name of the things: rows, samples, ways",
 }
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
 
@@ -112,8 +113,9 @@ def names(tree: ast.AST) -> Iterator[str]:
 def names_of_sources() -> dict[str, set[str]]:
     """The names in each file, its own among them."""
     return {
-        path.relative_to(SOURCES).as_posix(): {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}
-        for path in sorted(SOURCES.rglob("*.py"))
+        path.relative_to(ROOT).as_posix(): {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}
+        for folder in SOURCES
+        for path in sorted(folder.rglob("*.py"))
     }
 
 

@@ -17,7 +17,7 @@ from tachk_munta.proofs import MuntaProof, munta_proof
 from tachk_munta.weakened import weakened
 from tachk_munta.writer import MuntaModel, to_munta
 
-from plugins.munta.tests.munta_reading import Reading
+from plugins.munta.tests.munta_interpretation import MuntaInterpretation
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.span import Source
@@ -112,7 +112,7 @@ def test_a_certificate() -> None:
     assert struct.unpack(f">{len(written) // 8}q", written) == (*header, 0, 0, 0, 0, 1, *free, 1, 1, 1, 1, 1, *moving)
 
 
-def test_clocks_are_asked_by_an_edge_of_its_own_and_of_committed_locations() -> None:
+def test_clocks_are_tested_by_an_edge_of_its_own_and_of_committed_locations() -> None:
     model = exported(LIFT, 1)
     caller, lift, goal = automata(LIFT, 1)
     bad = [("at_Lift == 2 && Lift_y >= 5", "", ""), ("at_Lift == 2 && last == 0", "", "")]
@@ -145,7 +145,7 @@ def test_comparisons_that_are_always_or_never_true() -> None:
     assert [edge[2] for edge in edges(automata(text)[0])] == ["", "x <= 2 && x >= 2"]
 
 
-def test_functions_and_arrays_are_told_case_by_case() -> None:
+def test_functions_and_arrays_are_written_case_by_case() -> None:
     text = one_process(
         "int[0, 2] q[2]; int[0, 2] n; void put(int[0, 2] v) { q[n] = v; n++; } "
         "init location a { to a { select v : int[1, 2]; guard n < 2; assign put(v); } "
@@ -206,7 +206,7 @@ def test_functions_and_arrays_are_told_case_by_case() -> None:
         ),
     ],
 )
-def test_what_is_refused(text: str, what: str, place: str) -> None:
+def test_unsupported_constructs(text: str, what: str, place: str) -> None:
     with pytest.raises(UnsupportedError) as raised:
         exported(text)
     diagnostic = raised.value.diagnostic
@@ -260,8 +260,8 @@ def test_any_model_can_be_exported_with_or_without_a_query() -> None:
     found = json.loads(api.export(model, "munta"))
     assert found["clocks"] == "none"
     assert edges(found["automata"][0]) == [(0, 0, "", "never?", "")]
-    asked = nothing.replace("a;", "a { to b; } location b;") + " property later : A<> P.a; property now : E<> P.b;"
-    model = api.Model(load_model(Source("model.ta", asked)), "model.ta")
+    queried = nothing.replace("a;", "a { to b; } location b;") + " property later : A<> P.a; property now : E<> P.b;"
+    model = api.Model(load_model(Source("model.ta", queried)), "model.ta")
     assert json.loads(api.export(model, "munta"))["formula"] == "E<> P.b"
 
 
@@ -316,7 +316,7 @@ property q : A[] n < 5;
 """
 
 
-def test_a_proof_tells_only_the_values_that_variables_take() -> None:
+def test_a_proof_has_only_the_values_that_variables_take() -> None:
     proof = proof_of(COUNTER)
     assert isinstance(proof, MuntaProof)
     document = json.loads(proof.model)
@@ -325,17 +325,17 @@ def test_a_proof_tells_only_the_values_that_variables_take() -> None:
     assert len(edges(document["automata"][0])) == 4
 
 
-def test_a_value_that_was_not_told_is_asked_for() -> None:
+def test_a_value_outside_the_ranges_is_a_goal() -> None:
     model = load_model(Source("model.ta", COUNTER))
     written = to_munta(model.network, model.queries[0], {0: (-1, 1)}).network
     assert written.formula == "E<> P.outside"
     process = json.loads(written.text())["automata"][0]
     assert edges(process)[-1] == (0, 1, "n == 2 && P_x >= 1", "", "P_x = 0")
-    reading = Reading(written.text(), written.renaming())
-    assert reading.is_reached()
+    interpretation = MuntaInterpretation(written.text(), written.renaming())
+    assert interpretation.is_reached()
 
 
-def test_a_value_that_an_invariant_keeps_out_is_not_asked_for() -> None:
+def test_a_value_that_an_invariant_excludes_is_no_goal() -> None:
     text = """\
 int[0, 3] n;
 process P() {
@@ -349,4 +349,4 @@ property q : A[] n < 2;
     proof = proof_of(text)
     assert isinstance(proof, MuntaProof)
     assert json.loads(proof.model)["automata"][0]["nodes"][-1] == {"id": 2, "name": "outside", "invariant": "P_x <= 3"}
-    assert Reading(proof.model, proof.renaming).is_proof(proof.certificate)
+    assert MuntaInterpretation(proof.model, proof.renaming).is_proof(proof.certificate)

@@ -1,6 +1,6 @@
-"""The export to Munta keeps what can be reached, and its certificates are proofs, by a second reading of Munta's words.
+"""The export to Munta keeps what can be reached, and its certificates are proofs, by a second interpreter of files.
 
-Munta itself is not here: `munta_reading` says what its files mean. That Munta agrees was tried by hand; see
+Munta itself is not here: `munta_interpretation` says what its files mean. That Munta agrees was tried by hand; see
 docs/certificates.md.
 """
 
@@ -14,7 +14,7 @@ import pytest
 from tachk_munta.proofs import munta_proof
 from tachk_munta.writer import to_munta
 
-from plugins.munta.tests.munta_reading import Reading
+from plugins.munta.tests.munta_interpretation import MuntaInterpretation
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.words import QueryKind
@@ -64,13 +64,13 @@ def test_random_networks() -> None:
                 munta = to_munta(network, query).network
             except UnsupportedError:
                 continue
-            reached = Reading(munta.text(), munta.renaming()).is_reached()
+            reached = MuntaInterpretation(munta.text(), munta.renaming()).is_reached()
             assert reached is (goal.status is Status.REACHED), f"seed {seed}"
             compared += 1
             if not reached:
                 proof = munta_proof(network, query)
                 assert not isinstance(proof, str)
-                assert Reading(proof.model, proof.renaming).is_proof(proof.certificate), f"seed {seed}"
+                assert MuntaInterpretation(proof.model, proof.renaming).is_proof(proof.certificate), f"seed {seed}"
                 proved += 1
     assert enough((compared > 25, proved > 6) == (True, True)), (compared, proved)
 
@@ -93,20 +93,20 @@ def test_classics(model: str, name: str, constants: dict[str, int]) -> None:
     query = next(query for query in loaded.loaded.queries if query.name == name)
     proof = munta_proof(loaded.network, query)
     assert not isinstance(proof, str)
-    reading = Reading(proof.model, proof.renaming)
-    assert reading.is_proof(proof.certificate)
-    assert not reading.is_reached()
+    interpretation = MuntaInterpretation(proof.model, proof.renaming)
+    assert interpretation.is_proof(proof.certificate)
+    assert not interpretation.is_reached()
 
 
 def test_what_is_no_proof_is_noticed() -> None:
-    """Of the reading, not of the export: it is worth nothing if it accepts everything."""
+    """Of the interpretation, not of the export: it is worth nothing if it accepts everything."""
     loaded = api.load(str(CLASSICS / "fischer.ta"), N=2)
     query = next(query for query in loaded.loaded.queries if query.name == "mutual_exclusion")
     proof = munta_proof(loaded.network, query)
     assert not isinstance(proof, str)
-    reading = Reading(proof.model, proof.renaming)
+    interpretation = MuntaInterpretation(proof.model, proof.renaming)
     random = Random(1)
-    refused = 0
+    rejected = 0
     for _ in range(40):
         position = 8 * random.randrange(5, len(proof.certificate) // 8)
         word = int.from_bytes(proof.certificate[position : position + 8])
@@ -114,7 +114,7 @@ def test_what_is_no_proof_is_noticed() -> None:
             continue
         changed = proof.certificate[:position] + (word - 1).to_bytes(8) + proof.certificate[position + 8 :]
         try:
-            refused += not reading.is_proof(changed)
+            rejected += not interpretation.is_proof(changed)
         except (AssertionError, StopIteration, RuntimeError):
-            refused += 1
-    assert refused > 10
+            rejected += 1
+    assert rejected > 10

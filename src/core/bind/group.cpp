@@ -256,7 +256,7 @@ nb::tuple count_times(const Times& times, int usual, const WrittenTicks& ticks) 
 void bind_group(nb::module_& m) {
   nb::class_<Group>(m, "MonitorGroup")
       .def(nb::new_(&make_group), nb::kw_only(), nb::arg("programs"), nb::arg("columns"), nb::arg("quantitative"),
-           nb::arg("all_violations"), nb::arg("decimals"), nb::arg("parts"), nb::arg("reach"), nb::arg("most_kept"),
+           nb::arg("all_violations"), nb::arg("decimals"), nb::arg("parts"), nb::arg("reach"), nb::arg("most_rows"),
            nb::arg("exact"), nb::arg("truths"))
       .def("update", &Group::update, nb::arg("time"), nb::arg("values").none(), nb::arg("more"),
            "One row; the joint verdict, or None where there is a decision or a fault.")
@@ -278,7 +278,7 @@ void bind_group(nb::module_& m) {
       .def("origin", [](const Group& self) { return python_int(self.group.origin()); })
       .def(
           "now", [](const Group& self) { return self.group.now(); }, "Since the origin.")
-      .def("kept", &kept_rows, "(ticks since the origin, columns, whether these are all rows)")
+      .def("retained_rows", &kept_rows, "(ticks since the origin, columns, whether these are all rows)")
       .def(
           "verdict_of",
           [](const Group& self, std::size_t n) { return static_cast<int>(self.group.monitor(n).verdict()); },

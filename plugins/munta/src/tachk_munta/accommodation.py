@@ -1,4 +1,5 @@
-"""What Munta's own preparations need: an order of variables, and edges that tell it which clock values matter where.
+"""The order of variables and the extra edges that Munta's own preparations need: these edges show it which clock values
+matter where.
 
 Munta reads a model, computes a numbering and the largest values that clocks are compared with, and then checks that it
 may rely on them. For some networks what it computes is not what it wants to see.

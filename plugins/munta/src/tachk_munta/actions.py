@@ -1,4 +1,4 @@
-"""What edges do, in the only form that Munta knows: conditions on single variables and clocks, and constants to assign.
+"""The effects of edges in the only form that Munta has: conditions on single variables and clocks, constants to assign.
 
 Each edge, with its select variables bound, is evaluated by the reference evaluator for all contents of the variables
 that it reads. So functions, arrays and arithmetic need no words in Munta.
@@ -34,13 +34,13 @@ Said = tuple[tuple[int, int], ...]
 """Cells with what a sender has written into them."""
 
 
-def refused(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
+def unsupported(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
     return UnsupportedError(Diagnostic("E0803", f"Munta has no {what}", span, help_))
 
 
 @dataclass(frozen=True, slots=True)
 class CaseEffect:
-    """What an edge does in some case.
+    """The effect of an edge in one case.
 
     Attributes:
         guard: on clocks.
@@ -82,17 +82,17 @@ class SelectedEdge:
 
 @dataclass(frozen=True, slots=True)
 class ActionFinder:
-    """What the edges of a network do."""
+    """The effects of the edges of a network."""
 
     model: PreparedNetwork
     finder: CaseFinder
 
     def actions(self, process: int) -> list[SelectedEdge]:
-        """What the edges of a process do. Raises UnsupportedError."""
+        """The effects of the edges of a process. Raises UnsupportedError."""
         return [self._action(p) for of_location in self.model.instances[process] for p in of_location]
 
     def together(self, sender: SelectedEdge, receiver: SelectedEdge, channel: int) -> tuple[MuntaCase[CaseEffect], ...]:
-        """What a sender and a receiver do together over a channel: the receiver sees what the sender has written."""
+        """The joint effect of a sender and a receiver over a channel: the receiver sees what the sender has written."""
 
         def outcome(environment: Environment, contents: KnownContents) -> CaseEffect | None:
             pair = (sender.participant, receiver.participant)
@@ -111,7 +111,7 @@ class ActionFinder:
         return self._found(outcome, sender.span)
 
     def hearing(self, receiver: SelectedEdge, channel: int, said: Said) -> tuple[MuntaCase[CaseEffect], ...]:
-        """What a receiver does when the sender of a broadcast has written something."""
+        """The effect of a receiver after the sender of a broadcast has written variables."""
         heard: set[int] = set()
         cases = self._cases(receiver.participant, said, heard)
         return tuple(case for case in cases if case.outcome.channel == channel)
@@ -167,14 +167,14 @@ class ActionFinder:
             if source or value:
                 name = layout.names[layout.clock_cells[clock - 1]]
                 what = "the value of a clock" if source else value
-                raise refused(f"clocks that are set to another value than 0, here `{name}` to {what}", span)
+                raise unsupported(f"clocks that are set to another value than 0, here `{name}` to {what}", span)
         return CaseEffect(guard, channel, writes, tuple(sorted(environment.resets)))
 
 
 def too_many_cases(name: str, range_: tuple[int, int], span: Span) -> UnsupportedError:
     low, high = range_
-    return refused(
-        f"expressions over several variables, and here are too many cases to tell them one by one: `{name}` is one of "
+    return unsupported(
+        f"expressions over several variables, and here are too many cases to list them one by one: `{name}` is one of "
         f"what is read",
         span,
         f"declare a smaller range than [{low}, {high}], or read less on one edge",
@@ -188,11 +188,11 @@ def clock_conjunctions(disjunction: Disjunction, span: Span) -> Disjunction:
     """
     found = []
     for conjunction in disjunction:
-        kept = [constraint for constraint in conjunction if not _is_certain(*constraint)]
-        if any(i and j for i, j, _ in kept):
-            raise refused("comparisons of two clocks", span)
-        if not any(i and (bound_value(raw), not is_strict(raw)) < (0, True) for i, _, raw in kept):
-            found.append(_tightest(tuple(kept)))
+        uncertain = [constraint for constraint in conjunction if not _is_certain(*constraint)]
+        if any(i and j for i, j, _ in uncertain):
+            raise unsupported("comparisons of two clocks", span)
+        if not any(i and (bound_value(raw), not is_strict(raw)) < (0, True) for i, _, raw in uncertain):
+            found.append(_tightest(tuple(uncertain)))
     return found
 
 
@@ -221,9 +221,9 @@ def constant_invariant(invariant: Expression | None, span: Span, finder: CaseFin
     except TooManyCasesError:
         cases = []
     if len(cases) != 1 or cases[0].conditions:
-        raise refused("invariants that depend on variables", place, "make several locations of it")
+        raise unsupported("invariants that depend on variables", place, "make several locations of it")
     if len(cases[0].outcome) != 1:
-        raise refused("invariants with alternatives", place, "make several locations of it")
+        raise unsupported("invariants with alternatives", place, "make several locations of it")
     return cases[0].outcome[0]
 
 

@@ -1,4 +1,4 @@
-"""What an expression does in all discrete states, case by case: only what it reads distinguishes cases."""
+"""The result of an expression in all discrete states, case by case: only the cells that it reads distinguish cases."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ class CellCondition:
 
 @dataclass(frozen=True, slots=True)
 class MuntaCase(Generic[T]):
-    """What happens where all conditions hold."""
+    """The result where all conditions hold."""
 
     conditions: tuple[CellCondition, ...]
     outcome: T
 
 
 class TooManyCasesError(Exception):
-    """An expression reads more than can be told case by case.
+    """An expression reads too many cells for a list of cases.
 
     Attributes:
         cell: one that it reads.
@@ -112,7 +112,7 @@ class CaseFinder:
     ranges: tuple[tuple[int, int], ...]
 
     def range_of(self, cell: int) -> tuple[int, int]:
-        """What a condition on a cell, or on the location of a process, can be about."""
+        """A cell, or the location of a process: the subject of a condition."""
         return self.ranges[cell] if cell >= 0 else (0, self.sizes[-1 - cell] - 1)
 
     def find(self, outcome: Callable[[Environment, KnownContents], T | None]) -> list[MuntaCase[T]]:

@@ -33,9 +33,9 @@ def certificate_of(munta: MuntaNetwork, blocks: Iterable[StateBlock], clocks: in
     """
     states: dict[tuple[int, ...], dict[bytes, None]] = {}
     dimension = clocks + 1
-    kept = [0, *munta.variables.clocks]
+    own_clocks = [0, *munta.variables.clocks]
     for block in blocks:
-        zones = _canonical(_with_invariants(munta, block, dimension))[:, kept][:, :, kept]
+        zones = _canonical(_with_invariants(munta, block, dimension))[:, own_clocks][:, :, own_clocks]
         zones[zones >= INFINITY] = _NO_BOUND
         zone = 0
         for row, count in zip(block.discretes.tolist(), block.zones.tolist(), strict=True):
@@ -43,7 +43,7 @@ def certificate_of(munta: MuntaNetwork, blocks: Iterable[StateBlock], clocks: in
             for state in _states(munta, row):
                 states.setdefault(state, {}).update(bounds)
             zone += count
-    header = _words([_MAGIC, len(munta.processes), len(kept), len(munta.variables.cells), len(states)])
+    header = _words([_MAGIC, len(munta.processes), len(own_clocks), len(munta.variables.cells), len(states)])
     return header + b"".join(_words([*state, len(zones)]) + b"".join(zones) for state, zones in states.items())
 
 

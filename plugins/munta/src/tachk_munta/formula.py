@@ -1,4 +1,4 @@
-"""What is asked of states: connected comparisons of locations, variables and clocks with constants."""
+"""Formulas about states: connected comparisons of locations, variables and clocks with constants."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tachk.api.plugin import (
     evaluate,
     walk,
 )
-from tachk_munta.actions import clock_conjunctions, refused, too_many_cases
+from tachk_munta.actions import clock_conjunctions, too_many_cases, unsupported
 from tachk_munta.cases import CaseFinder, CellCondition, KnownContents, MuntaCase, TooManyCasesError
 from tachk_munta.network import Variables
 
@@ -60,7 +60,7 @@ MOST_ALTERNATIVES = 10_000
 
 
 class TooManyAlternativesError(Exception):
-    """A formula cannot be told as a list of alternatives."""
+    """A formula has too many alternatives for a list."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ class FormulaFinder:
 
     def _comparison(self, node: Expression, positive: bool, bound: Mapping[Variable, int]) -> Formula:
         if any(isinstance(part, Deadlock) for part in walk(node)):
-            raise refused("`deadlock` beside other conditions", node.span, "ask for it alone: `A[] !deadlock`")
+            raise unsupported("`deadlock` beside other conditions", node.span, "ask for it alone: `A[] !deadlock`")
 
         def outcome(environment: Environment, contents: KnownContents) -> Disjunction | None:
             for variable, value in bound.items():
@@ -190,7 +190,7 @@ def written(formula: Formula, names: Mapping[tuple[int, int], str], variables: V
                 return f"({some} || !({some}))"
             return " && ".join(texts)
         case Clocks():
-            raise AssertionError("clocks are asked by an edge")
+            raise AssertionError("clocks are tested by an edge")
 
 
 def _text(junction: str, texts: list[str], outer: bool, some: str) -> str:

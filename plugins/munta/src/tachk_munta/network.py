@@ -160,7 +160,7 @@ class MuntaNetwork:
         }
 
     def renaming(self) -> str:
-        """The content of the file that tells which number in a certificate stands for what."""
+        """The content of the file that names what each number in a certificate stands for."""
         variables = self.variables
         document = {
             "vars": {variables.names[cell]: n for n, cell in enumerate(variables.cells)},

@@ -12,7 +12,7 @@ import numpy as np
 from tachk import Limits, Options, Verdict
 from tachk.api.plugin import Network, Query, bytes_, current_job, unhurried, write_whole
 from tachk.api.proofs import StateBlock, find_proof, is_provable, observed
-from tachk_munta.actions import refused
+from tachk_munta.actions import unsupported
 from tachk_munta.certificate import certificate_of
 from tachk_munta.weakened import Weakening, weakened
 from tachk_munta.writer import is_deadlock, to_munta
@@ -22,9 +22,9 @@ from tachk_munta.writer import is_deadlock, to_munta
 class MuntaProof:
     """Attributes:
     model, renaming, certificate: the contents of three files.
-    asks_deadlock: the checker has to be asked for deadlock, not for the formula of the model.
+    asks_deadlock: the checker must check for deadlock, not the formula of the model.
     states, zones: how many the certificate has.
-    weakenings: what the model of the proof can do, perhaps, that the user's model cannot.
+    weakenings: the behaviour that the model of the proof may have and the user's model does not.
     """
 
     model: str
@@ -45,13 +45,13 @@ def munta_proof(
         network: without observer.
 
     Raises:
-        UnsupportedError: E0803, with the place of what Munta cannot say.
+        UnsupportedError: E0803, with the place of the construct that Munta lacks.
     """
     whole, weakenings = weakened(observed(network, query.observer).network)
     if query.target is not None and is_deadlock(query.target):
         for weakening in weakenings:
             if weakening.of_time:
-                raise refused("invariants that depend on variables", weakening.span, "make several locations of it")
+                raise unsupported("invariants that depend on variables", weakening.span, "make several locations of it")
     proof = find_proof(whole, "", replace(query, observer=None), options.off("symmetry"), limits)
     if isinstance(proof, str):
         given_up = "".join(f"\n{weakening.span}: for Munta, {weakening.text}" for weakening in weakenings)
@@ -67,18 +67,18 @@ def munta_proof(
 
 def write_proofs(folder: Path, network: Network, verdicts: Sequence[Verdict], options: Options, limits: Limits) -> bool:
     """Writes NAME.muntax, NAME.renaming and NAME.muntac for each verdict that says that something is never reached, and
-    tells on standard error what has been written and what the proof is weaker in.
+    lists on standard error the files and the weakenings of each proof.
 
     Returns:
         Whether Munta can confirm each answer that is not shown by a run.
 
     Raises:
-        UnsupportedError: E0803, with the place of what Munta cannot say.
+        UnsupportedError: E0803, with the place of the construct that Munta lacks.
     """
     folder.mkdir(parents=True, exist_ok=True)
     missing = False
-    asked = [verdict.query for verdict in verdicts if is_provable(verdict)]
-    for query in asked:
+    provable = [verdict.query for verdict in verdicts if is_provable(verdict)]
+    for query in provable:
         proof: MuntaProof | str = "for Munta, runs never end and never wait for ever"
         if query.target is not None:
             seconds = current_job().seconds_left
@@ -90,7 +90,7 @@ def write_proofs(folder: Path, network: Network, verdicts: Sequence[Verdict], op
             missing = True
         else:
             _write(folder, query.name, proof)
-    if not asked:
+    if not provable:
         print(f"{folder}: no proof, for no answer is of a kind that Munta can confirm", file=sys.stderr)
     return not missing
 
@@ -103,13 +103,13 @@ def _write(folder: Path, name: str, proof: MuntaProof) -> None:
     write_whole(renaming, proof.renaming)
     write_whole(certificate, proof.certificate)
     deadlock = " -dc" if proof.asks_deadlock else ""
-    told = f"{proof.zones} zones of {proof.states} discrete states, {bytes_(len(proof.certificate))}"
-    print(f"{name}: {told}", file=sys.stderr)
+    size = f"{proof.zones} zones of {proof.states} discrete states, {bytes_(len(proof.certificate))}"
+    print(f"{name}: {size}", file=sys.stderr)
     print(f"  muntac{deadlock} -m {model} -r {renaming} -c {certificate}", file=sys.stderr)
 
 
 def _ranges(blocks: Iterable[StateBlock], processes: int) -> dict[int, tuple[int, int]]:
-    """What the cells hold in a set of states."""
+    """The least and the largest value of each cell in a set of states."""
     found = [(block.discretes.min(axis=0), block.discretes.max(axis=0)) for block in blocks]
     low, high = (np.array(ends)[:, processes:] for ends in zip(*found, strict=True))
     return {cell: (int(low[:, cell].min()), int(high[:, cell].max())) for cell in range(low.shape[1])}

@@ -33,7 +33,7 @@ from tachk_munta.cases import CaseFinder, case_finder
 
 @dataclass(frozen=True, slots=True)
 class Weakening:
-    """What was given up.
+    """A restriction of the model that is given up.
 
     Attributes:
         text: a sentence without a full stop.
@@ -90,15 +90,15 @@ def _place(place: Expression, changed: dict[Variable, Variable]) -> Expression:
             return place
 
 
-def _loosened(location: Location, finder: CaseFinder, tell: Callable[[Weakening], None]) -> Location:
+def _loosened(location: Location, finder: CaseFinder, report: Callable[[Weakening], None]) -> Location:
     if location.invariant is None:
         return location
-    kept: Expression | None = None
+    rest: Expression | None = None
     for part in conjuncts(location.invariant):
         try:
             constant_invariant(part, part.span, finder)
         except UnsupportedError:
-            tell(Weakening(f"this part of the invariant of `{location.name}` is left out", part.span, True))
+            report(Weakening(f"this part of the invariant of `{location.name}` is left out", part.span, True))
         else:
-            kept = both(kept, part)
-    return replace(location, invariant=kept)
+            rest = both(rest, part)
+    return replace(location, invariant=rest)

@@ -30,7 +30,7 @@ from tachk_munta.actions import (
     SelectedEdge,
     conflicting,
     constant_invariant,
-    refused,
+    unsupported,
 )
 from tachk_munta.cases import CaseFinder, MuntaCase, case_finder
 from tachk_munta.formula import (
@@ -60,13 +60,13 @@ class MuntaModel:
 def to_muntax(network: Network, queries: Sequence[Query]) -> str:
     """The content of a .muntax file, with the question of the first query that a reachable state decides.
 
-    Munta's files have one formula. Without such a query it asks for what never is. Temporal formulas are left out:
-    their observers have urgent channels.
+    Munta's files have one formula. Without such a query it asks for a state that no run reaches. Temporal formulas are
+    left out: their observers have urgent channels.
 
-    Raises UnsupportedError: E0803, with the place of what Munta cannot say.
+    Raises UnsupportedError: E0803, with the place of the construct that Munta lacks.
     """
-    asked = (query for query in queries if query.target is not None and query.observer is None)
-    query = next(asked, Query("", QueryKind.POSSIBLY, Constant(0, BOOL)))
+    reachability = (query for query in queries if query.target is not None and query.observer is None)
+    query = next(reachability, Query("", QueryKind.POSSIBLY, Constant(0, BOOL)))
     return to_munta(network, query).network.text()
 
 
@@ -76,10 +76,10 @@ def to_munta(network: Network, query: Query, ranges: Mapping[int, tuple[int, int
     Args:
         ranges: for some cells a part of their range. The question is then also for whether they ever leave it.
 
-    Raises UnsupportedError: E0803, with the place of what Munta cannot say.
+    Raises UnsupportedError: E0803, with the place of the construct that Munta lacks.
     """
     if query.target is None:
-        raise refused(
+        raise unsupported(
             f"`{query.kind}` with the meaning that it has here",
             query.span,
             "for Munta, runs never end and never wait for ever; only A[] and E<> mean the same",
@@ -93,14 +93,14 @@ def _check_features(network: Network) -> None:
     for process in network.processes:
         for location in process.locations:
             if location.rates:
-                raise refused("clocks that stand still", location.rates[0][0].span)
+                raise unsupported("clocks that stand still", location.rates[0][0].span)
         if process.priority != network.processes[0].priority:
-            raise refused("priorities of processes", process.span)
+            raise unsupported("priorities of processes", process.span)
     for variable in begun_clocks(network):
-        raise refused("clocks that do not begin with 0", variable.span, "set the clock on the first edge")
+        raise unsupported("clocks that do not begin with 0", variable.span, "set the clock on the first edge")
     for variable in network.all_variables():
         if any(p != network.default_priority for p in variable.priorities):
-            raise refused("priorities of channels", variable.span)
+            raise unsupported("priorities of channels", variable.span)
 
 
 def is_deadlock(predicate: Expression) -> bool:
@@ -144,10 +144,10 @@ class _MuntaWriter:
             for place in places[number]
         }
         reached += [(number, place) for (number, _), place in self.outside.items()]
-        asked = [names[end] for end in reached if end in names]
-        if formula != FALSE or not asked:
-            asked.append(written(formula, names, variables))
-        network = MuntaNetwork(tuple(processes), variables, tuple(self.broadcast), f"E<> {' || '.join(asked)}", places)
+        goals = [names[end] for end in reached if end in names]
+        if formula != FALSE or not goals:
+            goals.append(written(formula, names, variables))
+        network = MuntaNetwork(tuple(processes), variables, tuple(self.broadcast), f"E<> {' || '.join(goals)}", places)
         return MuntaModel(network, asks_deadlock)
 
     # ---- processes --------------------------------------------------------------------------------------------------
@@ -184,7 +184,7 @@ class _MuntaWriter:
             receivers = [a for a in actions if a.direction is Direction.RECEIVE and a.over(channel)]
             type_, _ = self.model.channels[channel]
             if type_.urgent:
-                raise refused("urgent channels", self._span(channel), "make a location urgent instead")
+                raise unsupported("urgent channels", self._span(channel), "make a location urgent instead")
             if type_.broadcast:
                 self._check_broadcast(channel, receivers)
                 self._announce(finder, channel, senders, receivers, processes)
@@ -204,14 +204,14 @@ class _MuntaWriter:
     def _check_broadcast(self, channel: int, receivers: Sequence[SelectedEdge]) -> None:
         for receiver in receivers:
             if any(c != () for case in _over(receiver, channel) for c in case.outcome.guard):
-                raise refused(
+                raise unsupported(
                     "clock guards on edges that receive a broadcast",
                     receiver.span,
                     "receive in any case, and decide on an edge behind a committed location",
                 )
             for other in receivers:
                 if other.participant.process != receiver.participant.process and other.written & receiver.heard:
-                    raise refused(
+                    raise unsupported(
                         "receivers of a broadcast that read what another receiver may have written", receiver.span
                     )
 
@@ -298,9 +298,9 @@ class _MuntaWriter:
         While a committed location is occupied its process must take the edge, else a process made for that does.
         """
         try:
-            asked = alternatives(formula)
+            conjunctions = alternatives(formula)
         except TooManyAlternativesError:
-            raise refused("conditions on clocks with so many alternatives", span) from None
+            raise unsupported("conditions on clocks with so many alternatives", span) from None
         for number in sorted({-1 - cell for cell in cells_in(formula) if cell < 0}):
             process = processes[number]
             process.edges = [
@@ -310,7 +310,7 @@ class _MuntaWriter:
                 for e in process.edges
             ]
         watch = MuntaProcess(self.names.fresh("Goal"), ["watching", "reached"], [(), ()], set(), set(), 0, added=(0,))
-        watch.edges += [MuntaEdge(0, 1, conditions, clocks) for conditions, clocks in asked]
+        watch.edges += [MuntaEdge(0, 1, conditions, clocks) for conditions, clocks in conjunctions]
         reached = [(len(processes), 1)]
         for number, process in enumerate(processes):
             if process.committed:
@@ -319,7 +319,7 @@ class _MuntaWriter:
                 process.edges += [
                     MuntaEdge(source, place, conditions, clocks)
                     for source in sorted(process.committed)
-                    for conditions, clocks in asked
+                    for conditions, clocks in conjunctions
                     if all(c.low <= source <= c.high for c in conditions if c.cell == -1 - number)
                 ]
         processes.append(watch)

@@ -265,7 +265,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     tally = _Tally()
     file = arguments.runs_file
     opened = nullcontext() if file is None else run_files(file, model, definitions, arguments.runs)
-    with _kept_summary(file, tally), opened as write:
+    with _reported_when_stopped(file, tally), opened as write:
         numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
         _until_stopped(drawn, partial(_take, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
@@ -301,7 +301,7 @@ class _NothingWritten(Exception):
 
 
 @contextmanager
-def _kept_summary(file: Path | None, tally: _Tally) -> Iterator[None]:
+def _reported_when_stopped(file: Path | None, tally: _Tally) -> Iterator[None]:
     """A part after which the runs are reported also where they are in no file."""
     try:
         yield

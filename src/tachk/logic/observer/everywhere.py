@@ -100,7 +100,7 @@ def requirement(task: TableauTask) -> Iterator[ast.Expression]:
     if task.phase in (FREE, CLOSED, OPEN):
         yield _at(goal, goal.allowed, task.before)
     if task.phase != FREE:
-        yield _at(goal, goal.kept, task.before)
+        yield _at(goal, goal.inner_ways, task.before)
 
 
 def beginnings(goal: Everywhere) -> list[Beginning]:
@@ -134,39 +134,39 @@ def _is_better(one: Beginning, other: Beginning) -> bool:
 def moves(task: TableauTask) -> Iterator[ObserverMoveTask]:
     """The steps that lead on from a task."""
     goal = _goal(task)
-    allowed, kept = _at(goal, goal.allowed, task.before), _at(goal, goal.kept, task.before)
+    allowed, inner_ways = _at(goal, goal.allowed, task.before), _at(goal, goal.inner_ways, task.before)
     if task.phase in (FREE, DURING, CLOSED, OPEN) and goal.window.high is not None:
         after = {FREE: None, DURING: _next(task, "last")}.get(task.phase, _next(task, f"past {task.phase}"))
         yield ObserverMoveTask(after, clocks=(over(goal.window, task.clocks[0]),))
     match task.phase:
         case "free":
-            if goal.kept:
+            if goal.inner_ways:
                 yield ObserverMoveTask(_next(task, DURING), guard=conjunction((negated(allowed),)))
-            at_once = [kept] if goal.inner is not None and goal.inner.low_closed else []
+            at_once = [inner_ways] if goal.inner is not None and goal.inner.low_closed else []
             for valuation in _others(task):
                 yield from _change(task, FREE, valuation, (allowed,))
-                if goal.kept:
+                if goal.inner_ways:
                     yield from _change(task, CLOSED, valuation, at_once)
                     yield from _change(task, DURING, valuation, at_once)
         case "during":
             yield ObserverMoveTask(_next(task, OPEN), guard=conjunction((allowed,)))
             for valuation in _others(task):
-                yield from _change(task, DURING, valuation, (kept,))
-                yield from _change(task, OPEN, valuation, (allowed, kept))
-                yield from _change(task, CLOSED, valuation, (kept,))
+                yield from _change(task, DURING, valuation, (inner_ways,))
+                yield from _change(task, OPEN, valuation, (allowed, inner_ways))
+                yield from _change(task, CLOSED, valuation, (inner_ways,))
         case "closed" | "open":
             for guard in _ended(task):
                 yield ObserverMoveTask(_next(task, FREE), clocks=(guard,))
             yield ObserverMoveTask(_next(task, DURING), guard=conjunction((negated(allowed),)))
             for valuation in _others(task):
-                yield from _change(task, task.phase, valuation, (allowed, kept), renewed=False)
-                yield from _change(task, CLOSED, valuation, (kept,))
-                yield from _change(task, DURING, valuation, (kept,))
+                yield from _change(task, task.phase, valuation, (allowed, inner_ways), renewed=False)
+                yield from _change(task, CLOSED, valuation, (inner_ways,))
+                yield from _change(task, DURING, valuation, (inner_ways,))
         case _:
             for guard in _ended(task):
                 yield ObserverMoveTask(None, clocks=(guard,))
             for valuation in _others(task):
-                yield from _change(task, task.phase, valuation, (kept,))
+                yield from _change(task, task.phase, valuation, (inner_ways,))
 
 
 def _change(
@@ -186,7 +186,7 @@ def _conditions_to_require(task: TableauTask, conditions: Conjunction) -> Conjun
     allow more than is allowed."""
     goal = _goal(task)
     required = conjunction(requirement(task))
-    if goal.kept or not conditions <= required:
+    if goal.inner_ways or not conditions <= required:
         return conditions
     allowed = _at(goal, goal.allowed, task.before)
     if allowed == truth(True, allowed.span):
@@ -204,7 +204,7 @@ def _task(goal: Everywhere, phase: str, valuation: Valuation) -> TableauTask:
 
 def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[TableauTask, ...]:
     """The tasks that begin with something to last, which the instant itself, or only what comes after it, asks for."""
-    if not goal.kept:
+    if not goal.inner_ways:
         return ()
     during = _task(goal, DURING, valuation)
     lasting = (during,) if _may_stay_undecided(goal, valuation) else ()
@@ -257,7 +257,7 @@ def _literal(before: HeldBefore) -> tuple[ast.Expression, bool]:
 
 
 def _edges(goal: Everywhere) -> list[ast.Expression]:
-    found = {_literal(before)[0] for way in (*goal.allowed, *goal.kept) for before in way.before}
+    found = {_literal(before)[0] for way in (*goal.allowed, *goal.inner_ways) for before in way.before}
     return sorted(found, key=repr)
 
 
@@ -286,7 +286,7 @@ def _at(goal: Everywhere, ways: tuple[GoalAlternative, ...], valuation: Valuatio
 
 def _demanded_at_once(goal: Everywhere) -> tuple[GoalAlternative, ...]:
     if goal.inner is None or goal.inner.low_closed:
-        return goal.kept
+        return goal.inner_ways
     return (GoalAlternative(truth(True, _span(goal)), frozenset()),)
 
 

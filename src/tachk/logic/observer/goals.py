@@ -189,14 +189,14 @@ class GoalAlternative:
 @dataclass(frozen=True, slots=True)
 class Everywhere:
     """Every instant of the window, whose lower bound is 0, is as in one of the ways ``allowed``; or else all instants
-    of the window ``inner`` from it on, which begins at 0 too, are as in one of the ways ``kept``.
+    of the window ``inner`` from it on, which begins at 0 too, are as in one of the ways ``inner_ways``.
 
     The instants of a window with an open lower bound are those after the present one.
     """
 
     window: GoalWindow
     allowed: tuple[GoalAlternative, ...]
-    kept: tuple[GoalAlternative, ...] = ()
+    inner_ways: tuple[GoalAlternative, ...] = ()
     inner: GoalWindow | None = None
 
 

@@ -204,7 +204,7 @@ def _ahead(
 def _sometime(window: GoalWindow, meanwhile: ast.Expression, goal: Goal) -> Goal:
     free = truth(True, meanwhile.span)
     match goal:
-        case Sometime(window=inner, meanwhile=kept, goal=last) if meanwhile == free and kept == free:
+        case Sometime(window=inner, meanwhile=before, goal=last) if meanwhile == free and before == free:
             return Sometime(window.then(inner), meanwhile, last)
         case _:
             return Sometime(window, meanwhile, goal)
@@ -326,7 +326,7 @@ def _everywhere(node: Formula, window: GoalWindow, goal: Either | Preceded) -> G
     allowed = ways_of(Either(tuple(now)))
     if len(later) > 1 or not allowed:
         return None
-    kept: tuple[GoalAlternative, ...] = ()
+    inner_ways: tuple[GoalAlternative, ...] = ()
     inner: GoalWindow | None = None
     match later:
         case []:
@@ -334,8 +334,8 @@ def _everywhere(node: Formula, window: GoalWindow, goal: Either | Preceded) -> G
         case [Both(parts=each)]:
             return both(tuple(_always(node, window, either((*now, part))) for part in each))
         case [Throughout(window=inner, condition=condition)]:
-            kept = (GoalAlternative(condition, frozenset()),)
-        case [Everywhere(window=inner, allowed=kept, kept=())]:
+            inner_ways = (GoalAlternative(condition, frozenset()),)
+        case [Everywhere(window=inner, allowed=inner_ways, inner_ways=())]:
             pass
         case _:
             return None
@@ -343,7 +343,7 @@ def _everywhere(node: Formula, window: GoalWindow, goal: Either | Preceded) -> G
         return None
     high = None if window.high is None else window.high - window.low
     rest = GoalWindow(0, high, window.low_closed, window.high_closed)
-    found = goal if rest.is_now else Everywhere(rest, allowed, kept, inner)
+    found = goal if rest.is_now else Everywhere(rest, allowed, inner_ways, inner)
     return found if window.low == 0 else Sometime(GoalWindow(window.low, window.low), truth(True, node.span), found)
 
 

@@ -166,9 +166,9 @@ def _excludes(task: TableauTask, goal: Goal) -> bool:
         return False
     match task.goal:
         case Throughout(condition=condition):
-            kept: tuple[GoalAlternative, ...] = (GoalAlternative(condition, frozenset()),)
-        case Everywhere(window=GoalWindow(low_closed=True), allowed=kept, kept=()):
+            ways_held: tuple[GoalAlternative, ...] = (GoalAlternative(condition, frozenset()),)
+        case Everywhere(window=GoalWindow(low_closed=True), allowed=ways_held, inner_ways=()):
             pass
         case _:
             return False
-    return not any(everywhere.is_possible(everywhere.joined((one, other))) for one in ways for other in kept)
+    return not any(everywhere.is_possible(everywhere.joined((one, other))) for one in ways for other in ways_held)

@@ -450,7 +450,7 @@ class Monitor:
 
     def _story(self, watched: _WatchedFormula) -> MonitorRecord | None:
         """The violation on the rows that are kept, if it is found there as the first one."""
-        ticks, values_of_rows, whole = self._group.kept()
+        ticks, values_of_rows, whole = self._group.retained_rows()
         columns = {
             name: values if name in self._texts.columns else held_values(values, name, "the trace")
             for name, values in zip(self.columns, values_of_rows, strict=True)

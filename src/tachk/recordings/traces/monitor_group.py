@@ -11,7 +11,7 @@ from tachk.recordings.traces.monitor_program import MonitorProgram
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.verdict_explanation import horizon, memory
 
-MOST_KEPT = 1 << 16
+MOST_RETAINED_ROWS = 1 << 16
 """Rows that are kept to explain a violation, where the bounds of the formulas would ask for more."""
 
 
@@ -58,7 +58,7 @@ def open_group(
         decimals=decimals,
         parts=parts,
         reach=max(horizon(program) + memory(program) for program in programs),
-        most_kept=MOST_KEPT,
+        most_rows=MOST_RETAINED_ROWS,
         exact=exact,
         truths=(Truth.FALSE, Truth.TRUE, Truth.UNDETERMINED),
     )

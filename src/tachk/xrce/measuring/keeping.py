@@ -66,7 +66,7 @@ def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[Submess
     return [event for event in events if event.kind is kind]
 
 
-def kept_quantity(found: Sequence[tuple[str, LateRequest]]) -> Quantity:
+def retained_samples(found: Sequence[tuple[str, LateRequest]]) -> Quantity:
     """The number of samples that the Agent keeps: seen where a client gets fewer than were written, but not where it
     asks for no more."""
     name, title = "kept", "samples that the Agent keeps for a client that asks late"

@@ -114,7 +114,7 @@ class _Measuring:
             window,
             *self._network(),
             faults.stops_quantity(stopped),
-            keeping.kept_quantity(late),
+            keeping.retained_samples(late),
         )
         requests = [request for _, recording in self.recordings for request in sleeps.read_requests(recording)]
         known = {quantity.name: quantity for quantity in quantities}

@@ -156,9 +156,9 @@ def _network(found: SettingsFindings) -> Iterator[Setting]:
 
 def _subscriber(found: SettingsFindings) -> Iterator[Setting]:
     limited = [request for request in found.read_requests if request.samples not in (UNLIMITED, 0)]
-    kept = found.quantities["kept"]
-    if kept.value is not None and kept.confidence is not Confidence.BOUND:
-        yield Setting("KEEP", kept.value, False, kept.confidence, kept.how)
+    retained = found.quantities["kept"]
+    if retained.value is not None and retained.confidence is not Confidence.BOUND:
+        yield Setting("KEEP", retained.value, False, retained.confidence, retained.how)
     copies = found.created_again
     if copies:
         how = f"CREATE_CLIENT reached the Agent again while messages were under way: {copies}"

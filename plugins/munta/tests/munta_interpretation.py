@@ -1,4 +1,4 @@
-"""Munta's networks read a second time: what their files mean, after Munta's theory ``Simple_Network_Language``.
+"""A second interpretation of Munta's networks, after Munta's theory ``Simple_Network_Language``.
 
 Written for the tests of the export, which cannot call Munta. Only what tachk writes is read: guards are conjunctions of
 comparisons with constants, updates assign constants, formulas are disjunctions of conjunctions.
@@ -47,7 +47,7 @@ class Edge:
     resets: tuple[int, ...]
 
 
-class Reading:
+class MuntaInterpretation:
     """A network that was read, with the question that its formula asks."""
 
     def __init__(self, text: str, renaming: str) -> None:
