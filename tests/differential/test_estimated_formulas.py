@@ -10,7 +10,7 @@ import pytest
 
 import tachk
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
-from tachk.engine.simulation.simulator import horizon as ticks_until
+from tachk.engine.simulation.simulator import time_bound as ticks_until
 from tachk.logic.horizon import horizon
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth

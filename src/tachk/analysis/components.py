@@ -41,7 +41,7 @@ class ComponentSet:
             self._elements.setdefault(variable, set()).add(element)
 
     def meets(self, cells: Iterable[Cell]) -> bool:
-        """Whether one of the cells overlaps one of the set."""
+        """True if one of the cells overlaps one of the set."""
         return any(self._meets(variable, element) for variable, element in cells)
 
     def _meets(self, variable: Variable, element: int | None) -> bool:

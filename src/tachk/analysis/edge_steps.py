@@ -107,7 +107,7 @@ def _step(network: Network, number: int, place: int, edge: Edge, known: Known, f
 
 
 def _is_fixed(place: Expression) -> bool:
-    """Whether a place is the same whenever it is evaluated."""
+    """True if a place is the same whenever it is evaluated."""
     variables = [node.variable for node in walk(place) if isinstance(node, Reference)]
     return len(variables) == 1
 
@@ -186,7 +186,7 @@ def _added(update: Expression, variable: Variable) -> tuple[bool, Expression] | 
 
 
 def _allows(guard: Expression, variable: Variable, value: int, known: Known) -> bool:
-    """Whether the guard may be true where the variable has a value."""
+    """True if the guard may be true where the variable has a value."""
     there = Known({**known.values, variable: (value,)}, known.bound)
     parts = [part for part in conjuncts(guard) if not reads_clock(part)]
     return not any(isinstance(folded := fold(part, there), Constant) and folded.value == 0 for part in parts)

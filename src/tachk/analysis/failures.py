@@ -31,7 +31,7 @@ class FailureDomain(IntervalDomain):
 
 
 def can_fail(expression: Expression, known: Known) -> bool:
-    """Whether evaluating the expression can be a run-time error in some state. Conservative: what is not plain can.
+    """True if evaluating the expression can be a run-time error in some state. Conservative: what is not plain can.
 
     ``x / y``, for one, cannot where the range of ``y`` leaves out 0, and ``n = m`` cannot where all of ``m`` fits.
     """
@@ -48,13 +48,13 @@ def _fails(expression: Expression, domain: FailureDomain) -> bool:
 
 
 def location_can_fail(location: Location, known: Known) -> bool:
-    """Whether the invariant or a rate of a location can be a run-time error."""
+    """True if the invariant or a rate of a location can be a run-time error."""
     invariant = () if location.invariant is None else (location.invariant,)
     return any(can_fail(expression, known) for expression in (*invariant, *(rate for _, rate in location.rates)))
 
 
 def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None = None) -> bool:
-    """Whether something of an edge can be a run-time error.
+    """True if something of an edge can be a run-time error.
 
     Args:
         updates: the updates to look at, and nothing but them; all of the edge if there are none.
@@ -72,7 +72,7 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
 
 
 def _assumed_fails(guard: Expression, domain: FailureDomain) -> bool:
-    """Whether a guard can fail, each part of it behind those to its left. The domain learns the ranges of variables
+    """True if a guard can fail, each part of it behind those to its left. The domain learns the ranges of variables
     where the guard holds, as far as it compares them with constants."""
     fails = False
     for part in conjuncts(guard):

@@ -105,7 +105,7 @@ def drawn_values(network: Network) -> Iterator[Expression]:
 
 
 def is_integer(type_: Type) -> bool:
-    """Whether the type is a single cell that holds a number."""
+    """True if the type is a single cell that holds a number."""
     return isinstance(type_, IntType | BoolType | ScalarType)
 
 
@@ -139,7 +139,7 @@ def truth(expression: Expression) -> Expression:
 
 
 def cannot_fail(expression: Expression) -> bool:
-    """Whether the expression has neither a run-time error nor an effect, whatever the state. Conservative."""
+    """True if the expression has neither a run-time error nor an effect, whatever the state. Conservative."""
     for node in walk(expression):
         match node:
             case Constant() | LocationTest() | Deadlock() | Field() | Conditional() | Aggregate() | Comma():

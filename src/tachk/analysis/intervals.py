@@ -357,7 +357,7 @@ def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Int
 
 
 def _ever_defined(operator: BinaryOperator, right: Interval) -> bool:
-    """Whether there is a value for some right side in an interval."""
+    """True if there is a value for some right side in an interval."""
     return operator.total or any(first <= right[1] and right[0] <= last for first, last in operator.rights)
 
 

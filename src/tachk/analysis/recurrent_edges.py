@@ -38,7 +38,7 @@ def lasting_edges(network: Network, known: Known, never: Collection[tuple[int, i
 
 
 def all_runs_end(network: Network, known: Known, never: Collection[tuple[int, int]]) -> bool:
-    """Whether certainly no run takes infinitely many transitions.
+    """True if certainly no run takes infinitely many transitions.
 
     Args:
         never: edges that are known never to be taken.
@@ -69,7 +69,7 @@ def suspicious(steps: Steps) -> Steps:
             return rest
         one = _recurrent(frozenset(step for step in rest if clock not in step.waits))
         other = _recurrent(frozenset(step for step in rest if clock not in step.resets))
-        # What can be taken for ever among some edges can be among more of them.
+        # An edge that can be taken for ever among some edges can be among more of them.
         waiting += [one] if other <= one else [other] if one <= other else [one, other]
     return frozenset()
 

@@ -473,9 +473,9 @@ class Model(Estimable):
             seconds: the limit on everything together; what is not finished then is missing in the table.
             progress: called after each cell.
             settings: how statistical queries are answered.
-            monitor: a formula, or a file of them, that judges so many ``runs`` of each cell ``until`` a time, such as
-                10 or ``"2 h"``. Properties of the model are checked then only where they are named.
-            part: ``(3, 10)``: compute and tell every tenth cell, from the third one on, as one of ten jobs.
+            monitor: a formula, or a file of them, that is evaluated on so many ``runs`` of each cell ``until`` a time,
+                such as 10 or ``"2 h"``. Properties of the model are checked then only where they are named.
+            part: ``(3, 10)``: compute and return every tenth cell, from the third one on, as one of ten jobs.
             merge: files of the same sweep, such as parts have made, whose cells are taken over.
 
         The processes import the program that calls this: a script needs ``if __name__ == "__main__":`` around it.

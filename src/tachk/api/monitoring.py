@@ -67,7 +67,7 @@ def monitor(
         interpolation: between rows ``"constant"`` values are held, ``"linear"`` numbers move in straight lines.
         constants: values for names in bounds and conditions, such as ``{"T": 2.5}`` for ``F[0, T] p``; of a model,
             other values of its constants.
-        select: the names of the formulas that are judged; none: all.
+        select: the names of the formulas that are evaluated; none: all.
         decimals: times are rounded to so many; None: they are exact, unless they are floating-point numbers of more
             than fifteen digits.
         run: the number of the run that is meant in a file of several, such as `tachk simulate --runs` writes.

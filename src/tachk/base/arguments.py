@@ -101,7 +101,7 @@ def _fits(value: object, kind: str) -> bool:
         inner = kind.removeprefix(name)[1:-1]
         if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
             return False
-        # What can be read only once is not looked at.
+        # An iterator, which can be read only once, is not examined.
         once = isinstance(value, Iterator) or not inner
         return once or all(any(_fits(each, part) for part in _alternatives(inner)) for each in value)
     if name in _CLASSES:

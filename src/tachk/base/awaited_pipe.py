@@ -106,7 +106,7 @@ class AwaitedStream:
         self._ended = False
 
     def begins_dump(self) -> bool:
-        """Whether it begins as a value change dump does, with a keyword such as ``$date``."""
+        """True if it begins as a value change dump does, with a keyword such as ``$date``."""
         while not self._come.strip() and self._take():
             pass
         return self._come.lstrip().startswith(b"$")

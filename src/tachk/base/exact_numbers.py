@@ -32,10 +32,10 @@ def exact_number(text: str) -> Fraction:
 
 
 def is_whole(text: str) -> bool:
-    """Whether a text is a whole number without a sign, as `DIGITS` has it."""
+    """True if a text is a whole number without a sign, as `DIGITS` has it."""
     return text.isdecimal() and len(text) <= _MOST_CHARACTERS
 
 
 def is_huge(text: str) -> bool:
-    """Whether a number has an exponent of four digits, or more than a thousand digits."""
+    """True if a number has an exponent of four digits, or more than a thousand digits."""
     return len(text) > _MOST_CHARACTERS or re.search(_HUGE_EXPONENT, text) is not None

@@ -76,7 +76,7 @@ class _Ceiling:
 
 
 class _Interruption:
-    """Whether the user has interrupted a job."""
+    """True once the user has interrupted a job."""
 
     def __init__(self) -> None:
         self.came = False
@@ -222,7 +222,7 @@ def note_interruption() -> None:
 
 
 def is_interrupted() -> bool:
-    """Whether the user has interrupted the job, or another part of the command that it belongs to."""
+    """True if the user has interrupted the job, or another part of the command that it belongs to."""
     interruption = _current.get().interruption
     return interruption is not None and interruption.came
 

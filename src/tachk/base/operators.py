@@ -127,7 +127,7 @@ class BinaryOperator(StrEnum):
 
     @property
     def associative(self) -> bool:
-        """Whether ``a o (b o c)`` is ``(a o b) o c``."""
+        """True if ``a o (b o c)`` is ``(a o b) o c``."""
         return _ROWS[self].associative
 
     @property
@@ -137,7 +137,7 @@ class BinaryOperator(StrEnum):
 
     @property
     def total(self) -> bool:
-        """Whether there is a value for all operands."""
+        """True if there is a value for all operands."""
         return _ROWS[self].failure is None
 
     @property
@@ -163,7 +163,7 @@ class BinaryOperator(StrEnum):
         return wrapped(int(row.meaning(left, right)))
 
     def holds(self, left: int | Fraction, right: int | Fraction) -> bool:
-        """Whether a comparison is true of two numbers or clock values."""
+        """True if a comparison is true of two numbers or clock values."""
         row = _ROWS[self]
         if row.group is not OperandGroup.COMPARISON:
             raise ValueError(f"{self} is not a comparison")
@@ -175,7 +175,7 @@ class BinaryOperator(StrEnum):
         return _ROWS[self].rights
 
     def defined_for(self, low: int, high: int) -> bool:
-        """Whether there is a value for every right side from ``low`` to ``high``."""
+        """True if there is a value for every right side from ``low`` to ``high``."""
         return any(first <= low and high <= last for first, last in self.rights)
 
     def _other(self, name: str) -> BinaryOperator:

@@ -41,7 +41,7 @@ class Reporting:
 
     @property
     def on_screen(self) -> bool:
-        """Whether people read the report where the command prints its messages, too."""
+        """True if people read the report where the command prints its messages, too."""
         return self.form == "text" and self.output is None and not self.quiet
 
 

@@ -1,4 +1,4 @@
-"""The signals of a single run: judged and written."""
+"""The signals of a single run: evaluated and written."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ _MOST_RANDOM = 10_000
 
 
 class QuitError(Exception):
-    """Somebody has said so."""
+    """The command `quit` was given."""
 
 
 class NotUnderstoodError(ValueError):

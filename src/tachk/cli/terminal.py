@@ -68,7 +68,7 @@ def _spelled(error: UnicodeError) -> tuple[str, int]:
 
 
 def wants_colour(stream: TextIO) -> bool:
-    """Whether to colour: not with NO_COLOR, always with FORCE_COLOR, else on terminals that are not dumb."""
+    """True if to colour: not with NO_COLOR, always with FORCE_COLOR, else on terminals that are not dumb."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
@@ -77,7 +77,7 @@ def wants_colour(stream: TextIO) -> bool:
 
 
 def can_rewrite_lines(stream: TextIO) -> bool:
-    """Whether a stream is a terminal that understands escape sequences."""
+    """True if a stream is a terminal that understands escape sequences."""
     return stream.isatty() and os.environ.get("TERM") != "dumb"
 
 

@@ -42,7 +42,7 @@ class RunningSearch(Protocol):
 
 
 class CoreSearch(RunningSearch, Protocol):
-    """One that remembers the run-time error that ended it."""
+    """A search that remembers the run-time error that ended it."""
 
     def fault(self) -> tuple[_core.FaultKind, int, list[list[int]], list[int]] | None: ...
 

@@ -101,7 +101,7 @@ class _TwoSearches:
         return _core.Status.RUNNING
 
     def _ends(self, search: _core.CoverSearch, status: _core.Status) -> bool:
-        """Whether all is said when one search has ended."""
+        """True if all is said when one search has ended."""
         self._running.remove(search)
         if status is not _core.Status.FINISHED:
             return not self._running and not self._covers
@@ -115,7 +115,7 @@ class _TwoSearches:
         return False
 
     def _is_hopeful(self, search: _core.CoverSearch) -> bool:
-        """Whether a search may go on. Stored zones are covered by others now and then, but hardly most of them."""
+        """True if a search may go on. Stored zones are covered by others now and then, but hardly most of them."""
         best = self.best()
         explored, stored, *_ = search.statistics()
         return explored < _SHORT or best is None or (explored < self._most and stored <= _AGAIN * best.zones)

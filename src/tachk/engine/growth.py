@@ -42,7 +42,7 @@ MOST_GUESSES = 200
 def grows_without_limit(
     network: Network, path: Sequence[Transition], where: Expression, grows: Expression, less: Expression | None = None
 ) -> bool:
-    """Whether a clock, or by how much it exceeds another one, has no largest value where a predicate holds behind
+    """True if a clock, or by how much it exceeds another one, has no largest value where a predicate holds behind
     paths through the same states as the given one; False also where this is not found out.
 
     Args:
@@ -106,7 +106,7 @@ class _OutOfSteps(Exception):
 
 
 class _PathWalk:
-    """Goes along paths. The last clock of the model belongs to nobody."""
+    """Goes along paths. The last clock of the model is spare."""
 
     def __init__(self, model: PreparedNetwork, constants: ClockConstants) -> None:
         self.model = model
@@ -136,7 +136,7 @@ class _PathWalk:
         return state.here.discrete, tuple(zone.bounds for zone in zones)
 
     def loops(self, start: _ReachedZone, path: Sequence[Transition], goes_on: Callable[[_ReachedZone], bool]) -> bool:
-        """Whether the path can be taken again and again from there, each time in at least one time unit, before the run
+        """True if the path can be taken again and again from there, each time in at least one time unit, before the run
         goes on: from all valuations, or from those that remain when what the path does not lead to is left out until
         nothing changes."""
         for zone in self._widened(self._timed(start.here, start.zones)):

@@ -129,7 +129,7 @@ def _ending(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) ->
         whole = symbolic.situation(model, unrolled.states[last])
         target, ending = avoidance.idles_for_ever(whole, goal), Ending.IDLE
         if whole.stopped and whole.invariant is not None:
-            # What time leads to is no zone then; the judge decides if the goal stays unmet.
+            # The states after a delay are no zone then; the judge decides if the goal stays unmet.
             target = dbm.subtract_all([whole.invariant], goal)
     solve = any_solution if any(phase.stopped for phase in unrolled.phases) else earliest
     durations = solve(unrolled.phases, [*unrolled.requirements, at_end(last, conditions(target))])

@@ -53,7 +53,7 @@ def measure(
     """Explores everything, unless all of some goals are reached or a limit is hit, and measures all states.
 
     A measurement is None where no state was measured. That of a clock is about the abstraction of the zones beyond its
-    horizon, see `tachk.engine.compiler.lower.lower_measures`.
+    time bound, see `tachk.engine.compiler.lower.lower_measures`.
     """
     explorer = _core.Explorer(encode(program, goals, measures), core_options(options), core_limits(limits))
     start, user = time.perf_counter(), user_seconds()

@@ -27,7 +27,7 @@ class Pace(StrEnum):
     EARLY = "early"
     """One along the path that was found, early."""
     FASTEST = "fastest"
-    """One that takes the least time of all runs."""
+    """A run that takes the least time of all runs."""
     SLOWEST = "slowest"
     """The one along the path that was found whose last transition is latest."""
 
@@ -44,7 +44,7 @@ class SearchOrder(StrEnum):
 
     @property
     def finds_shortest(self) -> bool:
-        """Whether the path that is found first can be a shortest one."""
+        """True if the path that is found first can be a shortest one."""
         return self in (SearchOrder.AUTO, SearchOrder.BFS)
 
 
@@ -58,7 +58,7 @@ class Extrapolation(StrEnum):
 
     @property
     def keeps_deadlocks(self) -> bool:
-        """Whether a widened valuation is in a deadlock only if one from which it comes is."""
+        """True if a widened valuation is in a deadlock only if one from which it comes is."""
         return self in (Extrapolation.MAX, Extrapolation.NONE)
 
 

@@ -85,7 +85,7 @@ class SearchStrategy:
         return status, reason
 
     def decides(self, problem: SearchProblem, search: ZoneSearch, status: _core.Status) -> bool:
-        """Whether the outcome of the search is that of the problem."""
+        """True if the outcome of the search is that of the problem."""
         if isinstance(search, _core.LocalExplorer):
             failed = status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT)
             return not failed or Exactness.ERRORS in self.exactness
@@ -94,7 +94,7 @@ class SearchStrategy:
         return all(search.reached(number) is not None for number, goal in enumerate(problem.goals) if goal.decides)
 
     def is_stopped(self, status: _core.Status, reason: str) -> bool:
-        """Whether the search was ended from outside; its memory is free again once it has ended."""
+        """True if the search was ended from outside; its memory is free again once it has ended."""
         outside = status in (_core.Status.RUNNING, _core.Status.TIME_LIMIT)
         return outside and bool(reason) and reason != OutOfMemoryError.reason
 
@@ -148,7 +148,7 @@ def _in_one_order(problem: SearchProblem) -> _core.Explorer | None:
 
 
 def _saves_many(search: ZoneSearch, explored: int) -> bool:
-    """Whether one order of actions was enough in a quarter of the states."""
+    """True if one order of actions was enough in a quarter of the states."""
     return isinstance(search, _core.Explorer) and 4 * search.reduced_states() >= explored
 
 

@@ -86,7 +86,7 @@ def explore_everything(
 def leads_to(
     program: Program, goals: Sequence[Goal], options: Options, actions: Sequence[Sequence[int]], goal: int
 ) -> bool:
-    """Whether a path of edges of the program, by their numbers, leads to a goal. Zones are exact."""
+    """True if a path of edges of the program, by their numbers, leads to a goal. Zones are exact."""
     exact = replace(options, extrapolation=Extrapolation.NONE)
     return _explorer(program, goals, exact, Limits()).leads_to(actions, goal)
 

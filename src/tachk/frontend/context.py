@@ -92,7 +92,7 @@ class Context:
         self.findings.add(code, span, message, help)
 
     def allow_instances(self, count: int, span: Span) -> bool:
-        """Whether a quantifier may be written out that many times; reports if it may not."""
+        """True if a quantifier may be written out that many times; reports if it may not."""
         self.budget.instances -= count
         if self.budget.instances >= 0:
             return True
@@ -100,7 +100,7 @@ class Context:
         return False
 
     def allow_variable(self, type_: Type, span: Span) -> bool:
-        """Whether a variable of that type may be declared; reports if it may not."""
+        """True if a variable of that type may be declared; reports if it may not."""
         self.budget.cells -= cell_count(type_)
         self.budget.clocks -= clock_count(type_)
         if self.budget.cells < 0:

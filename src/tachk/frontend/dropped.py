@@ -145,7 +145,7 @@ def is_dropped(node: ast.Expression, scope: Scope) -> bool:
 
 
 def drop_rate(clock: ast.Expression, value: ast.Expression, scope: Scope, context: Context) -> bool:
-    """Whether a rate is that of a clock which is left out. Symbolic checking never computes such a rate, so that it may
+    """True if a rate is that of a clock which is left out. Symbolic checking never computes such a rate, so that it may
     use what is not supported; names that nothing declares are reported."""
     while isinstance(clock, ast.IndexExpression):
         clock = clock.base
@@ -165,7 +165,7 @@ def report_unknown_names(value: ast.Expression, scope: Scope, context: Context) 
 
 
 def is_harmless(node: ast.Expression, scope: Scope) -> bool:
-    """Whether computing an expression changes nothing and cannot be a run-time error: no calls of the model's
+    """True if computing an expression changes nothing and cannot be a run-time error: no calls of the model's
     functions, no indices, no division by something that may be zero."""
     match node:
         case ast.IntegerLiteral() | ast.FloatLiteral() | ast.BooleanLiteral() | ast.StringLiteral():

@@ -81,7 +81,7 @@ def _bounds(condition: Expression) -> Iterator[Bound]:
 
 
 def _exclude(one: Bound, other: Bound) -> bool:
-    """Whether no value of one clock satisfies both."""
+    """True if no value of one clock satisfies both."""
     (clock, first, low, _), (same, second, high, _) = one, other
     if clock != same:
         return False

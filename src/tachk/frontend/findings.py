@@ -45,7 +45,7 @@ class DiagnosticCollector:
 
     @property
     def has_mistakes(self) -> bool:
-        """Whether there are errors besides constructs that tachk knows and refuses."""
+        """True if there are errors besides constructs that tachk knows and refuses."""
         return any(d.severity is Severity.ERROR and not d.is_unsupported for d in self._found.values())
 
     def sorted(self) -> tuple[Diagnostic, ...]:

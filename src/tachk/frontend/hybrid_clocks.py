@@ -88,7 +88,7 @@ def _passed(
 
 
 def urgent_guards(items: Iterable[ast.Item]) -> Iterator[ast.Expression]:
-    """The guards that compare clocks on edges over urgent channels. Receivers of a broadcast, which wait for nobody,
+    """The guards that compare clocks on edges over urgent channels. Receivers of a broadcast, which do not wait,
     are not among them."""
     tree = tuple(items)
     clocks: set[str] = set()
@@ -171,12 +171,12 @@ def computed_clocks(node: ast.Expression, declared: DeclaredNames, measured: boo
 
 
 def _outermost_comparisons(tree: object) -> Iterator[ast.Node]:
-    """What is inexact inside of a comparison makes it inexact, too, so that those within it need no look."""
+    """The comparisons that stand in no other one. An inexact part makes the outermost one inexact, too."""
     return outermost(tree, _compares)
 
 
 def _compares(node: ast.Node) -> bool:
-    """Whether a node is a comparison, but not one that gives a rate."""
+    """True if a node is a comparison, but not one that gives a rate."""
     if not isinstance(node, ast.BinaryExpression) or node.operator not in COMPARISONS:
         return False
     return node.operator is not BinaryOperator.EQUAL or not any(
@@ -220,7 +220,7 @@ def _used(
 
 
 def _is_copy(target: ast.Expression, value: ast.Expression, clocks: AbstractSet[str]) -> bool:
-    """Whether an assignment looks like `x = y` or `x = y + e` with clocks x and y."""
+    """True if an assignment looks like `x = y` or `x = y + e` with clocks x and y."""
     if not _is_place(target, clocks):
         return False
     if isinstance(value, ast.BinaryExpression) and value.operator is BinaryOperator.ADD:
@@ -252,17 +252,17 @@ def _is_floating(node: ast.VariableDeclaration | ast.Parameter) -> bool:
 
 
 def _is_exact(node: ast.Node | None, floating: AbstractSet[str]) -> bool:
-    """Whether nothing in an expression is a floating point number."""
+    """True if nothing in an expression is a floating point number."""
     return not any(nodes_of_kind(node, ast.FloatLiteral)) and not any(_names(node, floating))
 
 
 def _draws(node: ast.Node | None) -> bool:
-    """Whether a function of UPPAAL's that draws random numbers may be called."""
+    """True if a function of UPPAAL's that draws random numbers may be called."""
     return any(call.function.span.text.startswith("random") for call in nodes_of_kind(node, ast.CallExpression))
 
 
 def _stops_or_runs(value: ast.Expression, truths: AbstractSet[str]) -> bool:
-    """Whether a rate is certainly 0 or 1."""
+    """True if a rate is certainly 0 or 1."""
     match value:
         case ast.IntegerLiteral(value=number):
             return number in (0, 1)

@@ -42,7 +42,7 @@ def other_interpretations(items: Sequence[ast.Item]) -> Iterator[PriorityInterpr
 
 
 def says_default(node: ast.ChannelPriorityDeclaration) -> bool:
-    """Whether the declaration has `default` among its channels."""
+    """True if the declaration has `default` among its channels."""
     return any(isinstance(c, ast.NameExpression) and c.name == "default" for group in node.groups for c in group)
 
 

@@ -270,7 +270,7 @@ class _RecordingClauseReader:
         return value
 
     def _words(self, columns: Iterable[ast.RecordedColumn], names: Scope) -> dict[str, dict[str, int]]:
-        """Of columns that tell in which location a process is: the numbers of the locations, by name."""
+        """The numbers of locations, by name, for each column that shows in which location a process is."""
         found: dict[str, dict[str, int]] = {}
         for node in columns:
             process = _process(_written(node), names)
@@ -280,7 +280,7 @@ class _RecordingClauseReader:
         return found
 
     def _check_left(self, visible: Iterable[VisibleEvents], replaced: Collection[int]) -> None:
-        """Reports columns that tell of processes whose place the recording takes."""
+        """Reports columns about processes whose place the recording takes."""
         gone = {variable: number for number in replaced for variable in self.processes[number].variables}
         for _, column in (each for clause in visible for each in clause.columns):
             for node in walk(column):

@@ -335,7 +335,7 @@ class _Meaning:
                 assert_never(response)
 
     def is_triggered(self, condition: Formula) -> bool:
-        """Whether the trigger itself says that the condition is true when the response is due."""
+        """True if the trigger itself says that the condition is true when the response is due."""
         trigger = self.sentence.trigger
         return (
             isinstance(trigger, s.Whenever | s.Becomes)

@@ -167,7 +167,7 @@ def _weak_until(node: WeakUntil) -> Formula:
 
 
 def is_empty(interval: Interval) -> bool:
-    """Whether no distance lies in the interval, as in (a,a]."""
+    """True if no distance lies in the interval, as in (a,a]."""
     lower, upper = _lower(interval), _upper(interval)
     if lower is None or upper is None:
         return False
@@ -175,7 +175,7 @@ def is_empty(interval: Interval) -> bool:
 
 
 def is_now(interval: Interval) -> bool:
-    """Whether the interval is [0,0]."""
+    """True if the interval is [0,0]."""
     return _lower(interval) == 0 == _upper(interval) and interval.lower_closed and interval.upper_closed
 
 
@@ -206,7 +206,7 @@ def _includes_now(interval: Interval) -> bool | None:
 
 
 def _never_empty(node: _Window, interval: Interval) -> bool:
-    """Whether the window holds an instant wherever it is opened, on every trace."""
+    """True if the window holds an instant wherever it is opened, on every trace."""
     if _includes_now(interval):
         return True
     return not isinstance(node, _PAST) and _lower(interval) is not None and _upper(interval) is not None

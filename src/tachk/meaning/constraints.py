@@ -58,7 +58,7 @@ _Excuses = tuple[tuple[Expression, bool], ...]
 
 
 def _excused(excuses: _Excuses, environment: Environment) -> bool:
-    """Whether something makes it superfluous to ask a part: an expression with the truth it must have for that."""
+    """True if something makes it superfluous to ask a part: an expression with the truth it must have for that."""
     return any((evaluate(expression, environment) != 0) is wanted for expression, wanted in excuses)
 
 
@@ -157,7 +157,7 @@ def _is_connected(predicate: Expression) -> bool:
 
 
 def satisfied(condition: Disjunction, clocks: Sequence[Fraction]) -> bool:
-    """Whether clock values, entry i for clock number i + 1, satisfy a disjunction."""
+    """True if clock values, entry i for clock number i + 1, satisfy a disjunction."""
     point = (Fraction(0), *clocks)
 
     def met(constraint: Constraint) -> bool:
@@ -256,7 +256,7 @@ def _tightest(constraints: Conjunction) -> dict[tuple[int, int], int] | None:
 
 
 def _implies(one: dict[tuple[int, int], int], other: dict[tuple[int, int], int]) -> bool:
-    """Whether each bound of the other is met by the one. No two of `tidied` imply each other."""
+    """True if each bound of the other is met by the one. No two of `tidied` imply each other."""
     return all(one.get(clocks, INFINITY) <= raw for clocks, raw in other.items())
 
 

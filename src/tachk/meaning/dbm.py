@@ -281,13 +281,13 @@ def without_covered(federation: Iterable[Zone]) -> Federation:
 
 
 def contains(zone: Zone, clocks: Sequence[Fraction]) -> bool:
-    """Whether a point, given without clock 0, lies in the zone."""
+    """True if a point, given without clock 0, lies in the zone."""
     point = (Fraction(0), *clocks)
     return all(holds(constraint, point) for constraint in zone.constraints())
 
 
 def holds(constraint: Constraint, point: Sequence[Fraction]) -> bool:
-    """Whether the constraint holds for a point, given with clock 0."""
+    """True if the constraint holds for a point, given with clock 0."""
     i, j, raw = constraint
     difference = point[i] - point[j]
     return raw >= INFINITY or (difference < bound_value(raw) if is_strict(raw) else difference <= bound_value(raw))

@@ -122,7 +122,7 @@ def _fixed_channels(
 
 
 def _is_the_same_everywhere(place: Expression, written: Container[Variable]) -> bool:
-    """Whether a place is the same in every state: made of constants and of variables that nothing writes."""
+    """True if a place is the same in every state: made of constants and of variables that nothing writes."""
     match place:
         case Reference(variable):
             return not variable.reference and variable not in written
@@ -219,14 +219,14 @@ def may_receive(model: PreparedNetwork, participant: Participant, channel: int) 
 
 
 def may_be_urgent(model: PreparedNetwork, participant: Participant) -> bool:
-    """Whether an edge names an urgent channel in some state."""
+    """True if an edge names an urgent channel in some state."""
     synchronisation = model.edge(participant).synchronisation
     urgent = (number for number, (type_, _) in enumerate(model.channels) if type_.urgent)
     return synchronisation is not None and any(_may_denote(model, synchronisation.channel, n) for n in urgent)
 
 
 def _may_denote(model: PreparedNetwork, place: Expression, channel: int) -> bool:
-    """Whether a channel expression can denote a channel in any state, judged by the variable it is built on."""
+    """True if a channel expression can denote a channel in any state, judged by the variable it is built on."""
     match place:
         case Index(base) | Field(base):
             return _may_denote(model, base, channel)
@@ -280,13 +280,13 @@ def channel_of(model: PreparedNetwork, discrete: DiscreteState, transition: Tran
 
 
 def is_urgent(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> bool:
-    """Whether the transition is a synchronisation over an urgent channel."""
+    """True if the transition is a synchronisation over an urgent channel."""
     channel = channel_of(model, discrete, transition)
     return channel is not None and model.channels[channel][0].urgent
 
 
 def is_announced(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> bool:
-    """Whether the transition is a broadcast."""
+    """True if the transition is a broadcast."""
     channel = channel_of(model, discrete, transition)
     return channel is not None and model.channels[channel][0].broadcast
 
@@ -344,7 +344,7 @@ def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Tra
 
 @by_state
 def may_delay(model: PreparedNetwork, discrete: DiscreteState) -> bool:
-    """Whether no current location is urgent or committed."""
+    """True if no current location is urgent or committed."""
     return not any(location.urgent or location.committed for location in model.current(discrete))
 
 

@@ -28,7 +28,7 @@ class ObservableClocks:
     related: frozenset[int]
 
     def same(self, clock: int, before: Fraction, after: Fraction) -> bool:
-        """Whether nothing can tell one value of a clock from the other, now or after the same delay: they are equal,
+        """True if nothing can tell one value of a clock from the other, now or after the same delay: they are equal,
         or the clock is compared with nothing, or both are larger than all it is compared with."""
         if before == after:
             return True

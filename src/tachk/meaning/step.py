@@ -59,7 +59,7 @@ def initial_state(model: PreparedNetwork) -> TimedState:
 
 
 def satisfies_invariants(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether all invariants hold; none is evaluated after a false one. Raises EvaluationFault."""
+    """True if all invariants hold; none is evaluated after a false one. Raises EvaluationFault."""
     return all(satisfies_invariant(model, state, process) for process in _relevant_invariants(model, state.discrete))
 
 
@@ -80,7 +80,7 @@ def _relevant_invariants(model: PreparedNetwork, discrete: DiscreteState) -> tup
 
 
 def satisfies_invariant(model: PreparedNetwork, state: TimedState, process: int) -> bool:
-    """Whether the invariant of a process's location holds. Raises EvaluationFault."""
+    """True if the invariant of a process's location holds. Raises EvaluationFault."""
     return _holds_at(model, state, _invariant_requirement(model, state.discrete, process))
 
 
@@ -122,7 +122,7 @@ def _requirement(
 
 
 def _holds_at(model: PreparedNetwork, state: TimedState, requirement: _StepRequirement) -> bool:
-    """Whether a guard or an invariant holds, evaluated as docs/semantics.md says. Raises EvaluationFault.
+    """True if a guard or an invariant holds, evaluated as docs/semantics.md says. Raises EvaluationFault.
 
     The rule says what goes wrong, and what is false whatever the clocks; the evaluator, which knows nothing of
     constraints, says what holds, unless it meets in the order of the text what the rule does not ask.
@@ -139,7 +139,7 @@ def _holds_at(model: PreparedNetwork, state: TimedState, requirement: _StepRequi
 
 
 def is_open(model: PreparedNetwork, state: TimedState, participant: Participant) -> bool:
-    """Whether the guard of an edge holds. Raises EvaluationFault."""
+    """True if the guard of an edge holds. Raises EvaluationFault."""
     return _holds_at(model, state, _guard_requirement(model, state.discrete, participant))
 
 
@@ -177,7 +177,7 @@ def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> I
 
 
 def _is_guarded(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
-    """Whether the guards of one transition hold and the committed rule admits it; nothing else is evaluated."""
+    """True if the guards of one transition hold and the committed rule admits it; nothing else is evaluated."""
     first, *others = transition.participants
     if first not in initiators(model, state.discrete) or not is_open(model, state, first):
         return False
@@ -206,7 +206,7 @@ def successors(model: PreparedNetwork, state: TimedState) -> list[tuple[Transiti
 
 
 def is_possible(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
-    """Whether a transition whose guards hold leads to a state that satisfies the invariants. Raises EvaluationFault."""
+    """True if a transition whose guards hold leads to a state that satisfies the invariants. Raises EvaluationFault."""
     return satisfies_invariants(model, _successor(model, state, transition))
 
 
@@ -223,7 +223,7 @@ def fire(model: PreparedNetwork, state: TimedState, transition: Transition) -> T
 
 
 def _is_blocked(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
-    """Whether a transition of higher priority is possible. The updates of no others are evaluated."""
+    """True if a transition of higher priority is possible. The updates of no others are evaluated."""
     own = priority(model, state.discrete, transition)
     return any(
         priority(model, state.discrete, other) > own and is_possible(model, state, other)
@@ -237,7 +237,7 @@ def _successor(model: PreparedNetwork, state: TimedState, transition: Transition
 
 
 def time_passes(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether some time can pass in a state; not where that cannot be computed."""
+    """True if some time can pass in a state; not where that cannot be computed."""
     # No bound is nearer than this to a clock that is not at it.
     finest = lcm(*(value.denominator for value in state.clocks))
     try:
@@ -267,7 +267,7 @@ def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Time
 
 
 def urgent(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether the guards of a synchronisation over an urgent channel hold now. No other guards are evaluated."""
+    """True if the guards of a synchronisation over an urgent channel hold now. No other guards are evaluated."""
     return any(
         is_urgent(model, state.discrete, transition)
         for first in _perhaps_urgent(model, state.discrete)
@@ -283,7 +283,7 @@ def _perhaps_urgent(model: PreparedNetwork, discrete: DiscreteState) -> tuple[Pa
 
 
 def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:
-    """Whether no transition is possible, now or after any delay that can pass."""
+    """True if no transition is possible, now or after any delay that can pass."""
     if possible(model, state):
         return False
     if not may_delay(model, state.discrete):
@@ -299,7 +299,7 @@ def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:
 
 
 def satisfies(model: PreparedNetwork, state: TimedState, predicate: Expression) -> bool:
-    """Whether a state predicate, which may ask for deadlock, is true.
+    """True if a state predicate, which may ask for deadlock, is true.
 
     Raises EvaluationFault only if that depends on something that cannot be evaluated.
     """
@@ -323,7 +323,7 @@ def _truth(predicate: Expression, scratch: Environment) -> bool:
 
 
 def _either(left: Expression, left_negated: bool, right: Expression, right_negated: bool, scratch: Environment) -> bool:
-    """Whether one of two predicates, each perhaps negated, is true, even if the other cannot be evaluated."""
+    """True if one of two predicates, each perhaps negated, is true, even if the other cannot be evaluated."""
     try:
         if _truth(left, scratch) is not left_negated:
             return True

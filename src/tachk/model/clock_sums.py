@@ -66,6 +66,6 @@ def clock_copies(network: Network) -> Iterator[Assign]:
 
 
 def advances_clocks(network: Network) -> bool:
-    """Whether some assignment sets a clock to more than the value of a clock."""
+    """True if some assignment sets a clock to more than the value of a clock."""
     sums = (clock_sum(assignment.value) for assignment in clock_copies(network))
     return any(whole is None or whole.offset is not None for whole in sums)

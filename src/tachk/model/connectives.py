@@ -58,7 +58,7 @@ def conjuncts(condition: Expression | None) -> Iterator[Expression]:
             yield part
 
 
-def somebody_committed(network: Network) -> Expression:
+def is_any_committed(network: Network) -> Expression:
     """The condition that some process of the network is in a committed location."""
     tests: list[Expression] = [
         LocationTest(number, location)

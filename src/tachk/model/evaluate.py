@@ -105,7 +105,7 @@ def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
     after = {}
     for clock, (source, more) in second.items():
         before, advance = first.get(source, (source, 0))
-        # What is added may be unknown (`tachk.meaning.judge`).
+        # A summand may be unknown (`tachk.meaning.judge`).
         after[clock] = before, advance + more if advance else more
     return after
 
@@ -163,7 +163,7 @@ def evaluate_cells(expression: Expression, environment: Environment) -> tuple[in
 
 
 def holds(condition: Expression | None, environment: Environment) -> bool:
-    """Whether a condition is true; None is. Raises EvaluationFault."""
+    """True if a condition is true; None is. Raises EvaluationFault."""
     return condition is None or evaluate(condition, environment) != 0
 
 

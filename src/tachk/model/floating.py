@@ -100,17 +100,17 @@ class FloatingOperation(IntEnum):
 
     @property
     def draws(self) -> bool:
-        """Whether the result is a random number."""
+        """True if the result is a random number."""
         return self is FloatingOperation.RANDOM or self >= FloatingOperation.RANDOM_NORMAL
 
     @property
     def only_simulated(self) -> bool:
-        """Whether the result is random, or depends on the library that computes it."""
+        """True if the result is random, or depends on the library that computes it."""
         return self >= FloatingOperation.EXPONENTIAL
 
     @property
     def total(self) -> bool:
-        """Whether there is always a result."""
+        """True if there is always a result."""
         return self not in _PARTIAL and not self.only_simulated
 
     def compute(self, arguments: Sequence[float]) -> float | int | None:
@@ -231,7 +231,7 @@ def number_of(cells: Sequence[int]) -> float:
 
 
 def contains_double(type_: Type) -> bool:
-    """Whether a value of the type has a floating point number in it."""
+    """True if a value of the type has a floating point number in it."""
     match type_:
         case RecordType(_, fields):
             return is_double(type_) or any(contains_double(inner) for _, inner in fields)
@@ -242,7 +242,7 @@ def contains_double(type_: Type) -> bool:
 
 
 def is_floating(type_: Type) -> bool:
-    """Whether a value of the type consists of floating point numbers only."""
+    """True if a value of the type consists of floating point numbers only."""
     match type_:
         case ArrayType(element):
             return is_floating(element)
@@ -253,7 +253,7 @@ def is_floating(type_: Type) -> bool:
 
 
 def is_double(type_: Type) -> bool:
-    """Whether a place of the type holds one floating point number."""
+    """True if a place of the type holds one floating point number."""
     return type_ in (DOUBLE, HYBRID_DOUBLE)
 
 

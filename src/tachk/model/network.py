@@ -49,7 +49,7 @@ class Location:
         return 1 + self.observes if self.committed else 0
 
     def may_go(self, most: int) -> bool:
-        """Whether the committed rule lets the process go where this is the largest commitment of all."""
+        """True if the committed rule lets the process go where this is the largest commitment of all."""
         return self.observes or self.commitment >= most
 
 
@@ -99,12 +99,12 @@ class Edge:
 
     @property
     def begins(self) -> bool:
-        """Whether a transition begins with the edge, which sends or is internal: its updates come before all others."""
+        """True if a transition begins with the edge, which sends or is internal: its updates come before all others."""
         return self.synchronisation is None or self.synchronisation.direction is Direction.SEND
 
     @property
     def is_urgent(self) -> bool:
-        """Whether the edge synchronises over an urgent channel."""
+        """True if the edge synchronises over an urgent channel."""
         channel = None if self.synchronisation is None else self.synchronisation.channel.type
         return isinstance(channel, ChannelType) and channel.urgent
 
@@ -165,17 +165,17 @@ class Network:
         return f"<Network of {shown or 'no process'}>"
 
     def resets(self, variable: Variable) -> bool:
-        """Whether the variable is not part of the state: it has its initial value whenever a transition begins."""
+        """True if the variable is not part of the state: it has its initial value whenever a transition begins."""
         return variable.declared_meta and variable not in self.lasting
 
     @property
     def has_priorities(self) -> bool:
-        """Whether any two transitions can differ in priority."""
+        """True if any two transitions can differ in priority."""
         of_channels = {priority for variable in self.all_variables() for priority in variable.priorities}
         return not of_channels <= {self.default_priority} or len({p.priority for p in self.processes}) > 1
 
     def hides(self, process: Process) -> bool:
-        """Whether printed runs leave the process out."""
+        """True if printed runs leave the process out."""
         return process.name in self.hidden or process.template in self.hidden
 
     @property

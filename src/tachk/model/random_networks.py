@@ -375,7 +375,7 @@ def _edge(
             with_clocks = shape.clocks_on_urgent or not urgent
         else:
             receive = channel
-            # A broadcast over an urgent channel is urgent whoever receives it.
+            # A broadcast over an urgent channel is urgent for all receivers.
             with_clocks = shape.clocks_on_broadcast if broadcast else shape.clocks_on_urgent or not urgent
     guard = None if random.random() < 0.2 else _guard(random, shape, parts, selects, with_clocks)
     updates = [_update(random, shape, parts, selects) for _ in range(random.choice((0, 1, 1, 1, 2, 2)))]

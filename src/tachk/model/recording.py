@@ -25,7 +25,7 @@ class VisibleEvents:
         per: the indices that the events of a queue have in common. The events of a queue happen in their recorded
             order, those of different queues as their times allow.
         direction: whether the model sends or receives; None: as the processes show that are left.
-        words: of columns that tell in which location a process is: the values that stand for its locations, by name.
+        words: of columns that show in which location a process is: the values that stand for its locations, by name.
     """
 
     channel: Expression

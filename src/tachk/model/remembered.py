@@ -25,7 +25,7 @@ Result = TypeVar("Result")
 def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[Network, *Arguments], Result]:
     """A function of a network and other arguments, with a cache of its last results.
 
-    The results are shared: nobody may change them. Exceptions are not cached.
+    The results are shared and must not be changed. Exceptions are not cached.
     """
     known: dict[int, tuple[Network, tuple[Any, ...], Any]] = {}
 
@@ -48,7 +48,7 @@ def by_part(function: Callable[[Part, *Arguments], Result]) -> Callable[[Part, *
     """A function of a part of a network, such as an expression, and of what is known about the network, with the last
     result for each part. Networks that have most of their parts in common share what is worked out for them.
 
-    The results are shared: nobody may change them. Nothing that went wrong is remembered.
+    The results are shared and must not be changed. Errors are not remembered.
     """
     known: dict[int, tuple[Part, tuple[Any, ...], Any]] = {}
 

@@ -153,12 +153,12 @@ def with_bodies(expressions: Iterable[Expression]) -> list[Expression]:
 
 
 def may_change(node: Expression) -> bool:
-    """Whether a node itself, its parts aside, may change something."""
+    """True if a node itself, its parts aside, may change something."""
     return isinstance(node, Assign | Increment) or (isinstance(node, Call) and node.function.operation is None)
 
 
 def reads_clock(expression: Expression) -> bool:
-    """Whether the value of the expression depends on the value of a clock; setting one does not read it."""
+    """True if the value of the expression depends on the value of a clock; setting one does not read it."""
     match expression:
         case Call(function, arguments):
             pairs = zip(function.parameters, arguments, strict=True)
@@ -172,7 +172,7 @@ def reads_clock(expression: Expression) -> bool:
 
 
 def reads_hybrid(expression: Expression) -> bool:
-    """Whether the expression, or a function that it calls, names a hybrid clock."""
+    """True if the expression, or a function that it calls, names a hybrid clock."""
     pending = with_bodies([expression])
     while pending:
         node = pending.pop()
@@ -188,7 +188,7 @@ def reads_hybrid(expression: Expression) -> bool:
 
 
 def holds_hybrid_clock(place: Expression) -> bool:
-    """Whether a place is a hybrid clock, or has one in it."""
+    """True if a place is a hybrid clock, or has one in it."""
     return any(map(_holds_hybrid_clock, denoted(place)))
 
 
@@ -209,12 +209,12 @@ def _has_hybrid_clocks(type_: Type) -> bool:
 
 
 def is_clock_comparison(node: Expression) -> bool:
-    """Whether a node itself compares a clock, or a difference of clocks, on its left side with a number."""
+    """True if a node itself compares a clock, or a difference of clocks, on its left side with a number."""
     return isinstance(node, Binary) and node.operator in COMPARISONS and isinstance(node.left.type, ClockType)
 
 
 def depends_on_clocks(condition: Expression) -> bool:
-    """Whether the truth of a condition depends on clocks. Indices, arguments, and what is assigned compare none."""
+    """True if the truth of a condition depends on clocks. Indices, arguments, and what is assigned compare none."""
     if isinstance(condition, Binary) and (_is_clock(condition.left) or _is_clock(condition.right)):
         return True
     is_composed = isinstance(condition, Unary | Binary | Conditional | Quantifier | Comma)
@@ -250,12 +250,12 @@ def _is_clock(side: Expression) -> bool:
 
 
 def compares_clocks(expression: Expression) -> bool:
-    """Whether clocks are compared anywhere in an expression, also in the index of what it sets."""
+    """True if clocks are compared anywhere in an expression, also in the index of what it sets."""
     return any(map(is_clock_comparison, walk(expression)))
 
 
 def asks_deadlock(expression: Expression) -> bool:
-    """Whether an expression contains `deadlock`."""
+    """True if an expression contains `deadlock`."""
     return any(isinstance(node, Deadlock) for node in walk(expression))
 
 

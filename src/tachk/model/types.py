@@ -117,7 +117,7 @@ def is_aggregate(type_: Type) -> TypeGuard[ArrayType | RecordType]:
 
 
 def contains_left_out(type_: Type) -> bool:
-    """Whether the model is without some field of a value of the type."""
+    """True if the model is without some field of a value of the type."""
     match type_:
         case ArrayType(element):
             return contains_left_out(element)

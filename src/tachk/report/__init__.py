@@ -1,4 +1,4 @@
 """Rendering of results for people and programs. `record` is the outcome of a run, which every form of report takes.
 
-`run` prints runs, `monitor` judged traces; `json_text` writes JSON, `drawing` makes pictures.
+`run` prints runs, `monitor` evaluated traces; `json_text` writes JSON, `drawing` makes pictures.
 """

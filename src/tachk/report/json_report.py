@@ -46,7 +46,7 @@ def runs_to_json(records: Iterable[RunRecord | NotRead], every_step: bool = Fals
     """The results of a command, one run for each model, in the one shape of docs/schema/verify.schema.json.
 
     Args:
-        every_step: tell also what the model hides.
+        every_step: include the steps that the model hides.
     """
     return {"runs": [not_read_to_json(r) if isinstance(r, NotRead) else run_to_json(r, every_step) for r in records]}
 

@@ -8,7 +8,7 @@ from rich.console import Console
 
 
 class ReportConsole(Console):
-    """Leaves to the program what happens where nobody reads on: rich would end it with status 1."""
+    """Leaves the handling of a closed pipe to the program: rich would end it with status 1."""
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError

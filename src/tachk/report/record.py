@@ -37,7 +37,7 @@ class NotChecked:
 
     @property
     def is_wrong(self) -> bool:
-        """Whether it has a mistake, other than needing what is not supported."""
+        """True if it has a mistake, other than needing what is not supported."""
         return any(not diagnostic.is_unsupported for diagnostic in self.diagnostics)
 
 
@@ -84,7 +84,7 @@ class RunRecord:
     estimates: tuple[StatisticalAnswer, ...] = ()
 
     def leaves_the_model(self, verdict: Verdict) -> bool:
-        """Whether an answer is another than the model expects while the model does not speak of these constants:
+        """True if an answer is another than the model expects while the model does not speak of these constants:
         values came from outside, and the expectation does not depend on them."""
         said = verdict.query.expectation is not None and not verdict.query.conditional
         return verdict.met is False and said and bool(self.definitions)

@@ -1,4 +1,4 @@
-"""The formats of the report of `tachk verify`, one row each, and nobody else lists them.
+"""The formats of the report of `tachk verify`, one row each, listed here only.
 
 The module of a format is imported when a report is written in it: the command line names all of them.
 """

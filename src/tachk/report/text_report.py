@@ -249,8 +249,8 @@ def print_fault(
     """Prints a run-time error of the model: the place, what was going on, and the run that leads there.
 
     Args:
-        run: tell the run.
-        every_step: tell it whole, however long it is.
+        run: print the run.
+        every_step: print all of it, however long it is.
     """
     console.print(_rendered(diagnostic_of(fault)), soft_wrap=True)
     if fault.transition is not None:

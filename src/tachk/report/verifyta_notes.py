@@ -9,7 +9,7 @@ _STATUS = Path("/proc/self/status")
 
 
 def peak_memory() -> tuple[int, int] | None:
-    """The largest virtual and resident sizes of the process so far, in KiB; None where the system does not tell."""
+    """The largest virtual and resident sizes of the process so far, in KiB; None where they are not known."""
     try:
         lines = _STATUS.read_text(encoding="ascii", errors="replace").splitlines()
     except OSError:
@@ -39,7 +39,7 @@ def note(text: str) -> str:
 
 
 def harmless(text: str) -> str:
-    """A text of one line without the word by which scripts tell verdicts."""
+    """A text of one line without the word by which scripts recognise verdicts."""
     return " ".join(text.split()).replace("satisfied", "fulfilled")
 
 

@@ -129,7 +129,7 @@ def _doubles(name: str, place: Expression, first: int = 0) -> Iterator[tuple[int
 
 
 def _is_half(doubles: Mapping[int, object], place: int) -> bool:
-    """Whether a cell is the second half of a floating point number."""
+    """True if a cell is the second half of a floating point number."""
     return place - 1 in doubles
 
 

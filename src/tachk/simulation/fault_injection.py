@@ -64,7 +64,7 @@ class InjectedFault:
 
     @property
     def at_once(self) -> bool:
-        """Whether it is to happen whenever it can."""
+        """True if it is to happen whenever it can."""
         return self.probability is None and not self.messages
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.time_units import NANOSECONDS, length_of
-from tachk.engine.simulation.simulator import LATEST_END, Horizon, horizon
+from tachk.engine.simulation.simulator import LATEST_END, TimeBound, time_bound
 
 
-def horizon_of(written: str, time_unit: str, name: str = "--until") -> Horizon:
+def parsed_time_bound(written: str, time_unit: str, name: str = "--until") -> TimeBound:
     """A time up to which runs go on: a number of units of the model, or a duration such as ``3 min``.
 
     Args:
@@ -33,4 +33,4 @@ def horizon_of(written: str, time_unit: str, name: str = "--until") -> Horizon:
         time = time * NANOSECONDS[unit] / length
     if not 0 < time <= LATEST_END:
         raise UsageError(f"{name} {written}: runs last more than 0 and at most {int(LATEST_END)} time units")
-    return horizon(time)
+    return time_bound(time)

@@ -86,7 +86,7 @@ def _long_chain(expression: ast.BinaryExpression) -> list[ast.Expression] | None
 
 
 def _is_chain(tree: ast.Expression, operator: BinaryOperator, count: int) -> bool:
-    """Whether `chain` makes this tree of its ``count`` innermost operands."""
+    """True if `chain` makes this tree of its ``count`` innermost operands."""
     if count == 1:
         return not _continues(tree, operator)
     middle = _middle(count) if count > LONGEST_FROM_LEFT else count - 1

@@ -57,12 +57,12 @@ def read_source(path: str | os.PathLike[str], what: str = "a model", most: int =
 
 
 def is_xml(source: Source) -> bool:
-    """Whether a text looks like XML: no model written as text begins with ``<``."""
+    """True if a text looks like XML: no model written as text begins with ``<``."""
     return source.text.lstrip("\ufeff \t\r\n").startswith("<")
 
 
 def is_tchecker(source: Source) -> bool:
-    """Whether a text begins as TChecker's files do; no model of another kind does."""
+    """True if a text begins as TChecker's files do; no model of another kind does."""
     return _TCHECKER.match(source.text) is not None
 
 

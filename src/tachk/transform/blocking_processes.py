@@ -65,9 +65,9 @@ def _trimmed(network: Network, cone: _Cone) -> Network:
 
 
 def _idle(process: Process) -> Process:
-    still = frozen(process)
-    (location,) = still.locations
-    return replace(still, locations=(replace(location, invariant=None, urgent=False, committed=False),))
+    at_rest = frozen(process)
+    (location,) = at_rest.locations
+    return replace(at_rest, locations=(replace(location, invariant=None, urgent=False, committed=False),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,9 +128,9 @@ class _Cone:
         members: the processes that count.
         processes: those whose locations are tested.
         cells: what is read.
-        heard: channels on which a member receives.
-        offered: channels on which one sends to a single partner.
-        announced: broadcast channels on which one sends.
+        received: channels on which a member receives.
+        sent: channels on which one sends to a single partner.
+        broadcast: broadcast channels on which one sends.
         admitted: those on which one sends from a location that is not committed.
     """
 
@@ -139,8 +139,8 @@ class _Cone:
     cells: ComponentSet = field(default_factory=ComponentSet)
     members: set[int] = field(default_factory=set)
     received: ComponentSet = field(default_factory=ComponentSet)
-    offered: ComponentSet = field(default_factory=ComponentSet)
-    announced: ComponentSet = field(default_factory=ComponentSet)
+    sent: ComponentSet = field(default_factory=ComponentSet)
+    broadcast: ComponentSet = field(default_factory=ComponentSet)
     admitted: ComponentSet = field(default_factory=ComponentSet)
 
     def include(self, expressions: Sequence[Expression]) -> None:
@@ -159,16 +159,16 @@ class _Cone:
         return self.cells.meets(written_cells([update], self.known))
 
     def needs(self, number: int, deeds: _Deeds) -> bool:
-        """Whether the process can make something possible for the members."""
+        """True if the process can make something possible for the members."""
         return (
             number in self.processes
             or deeds.stops_clocks
             or self.cells.meets(deeds.writes)
             or self.received.meets(deeds.sends)
-            or self.offered.meets(deeds.receives)
+            or self.sent.meets(deeds.receives)
             # With a receiver in a committed location a broadcast is possible that another committed location forbids.
             or self.admitted.meets(deeds.commits)
-            or any(self.announced.meets(channels) and self.cells.meets(written) for channels, written in deeds.passes)
+            or any(self.broadcast.meets(channels) and self.cells.meets(written) for channels, written in deeds.passes)
         )
 
     def add(self, number: int, process: Process) -> None:
@@ -181,9 +181,9 @@ class _Cone:
             if edge.synchronisation.direction is Direction.RECEIVE:
                 self.received.add(channels)
             elif not is_broadcast(edge.synchronisation.channel):
-                self.offered.add(channels)
+                self.sent.add(channels)
             else:
-                self.announced.add(channels)
+                self.broadcast.add(channels)
                 if not process.locations[edge.source].committed:
                     self.admitted.add(channels)
 

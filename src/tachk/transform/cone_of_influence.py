@@ -45,12 +45,12 @@ def _cone_of_influence(network: Network, targets: tuple[Expression, ...]) -> Tra
 
 
 def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
-    """Whether what any process can do matters: for priorities, or for a target about ``deadlock`` or about nothing."""
+    """True if what any process can do matters: for priorities, or for a target about ``deadlock`` or about nothing."""
     return network.has_priorities or any(map(asks_deadlock, targets)) or any(map(speaks_of_nothing, targets))
 
 
 def speaks_of_nothing(target: Expression) -> bool:
-    """Whether no location, no variable and no ``deadlock`` occurs in a target: ``E<> false``, ``A[] true``."""
+    """True if no location, no variable and no ``deadlock`` occurs in a target: ``E<> false``, ``A[] true``."""
     return not any(mentioned([target])) and not asks_deadlock(target)
 
 

@@ -18,7 +18,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
-from tachk.model.connectives import as_number, is_set, negation, somebody_committed
+from tachk.model.connectives import as_number, is_any_committed, is_set, negation
 from tachk.model.event import BecomesTrue, Event, Fires
 from tachk.model.expressions import (
     BOOL,
@@ -70,7 +70,7 @@ def with_event_timer(network: Network, start: Event | None, end: Event, last: bo
     """
     clock = _local("time", ClockType(), 0)
     now = _local("now", ChannelType(broadcast=True, urgent=True), 0)
-    committed = somebody_committed(network)
+    committed = is_any_committed(network)
     began = BecomesTrue(Constant(1, BOOL)) if start is None else start
     first = _Noticed(began, _local("from", IntType(0, 1), 0), committed)
     second = _Noticed(end, _local("to", IntType(0, 1), 0), committed)

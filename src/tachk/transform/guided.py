@@ -1,10 +1,10 @@
 """Networks in which some processes follow a path, transition by transition, and all others act as they like.
 
 For each process of the path a table says which of its edges, with which values of its select variables, is taken in
-which transition. A variable that nothing else knows says how many transitions have been taken: the guard of an edge
-asks whether it is its turn, and whoever begins a transition counts it. So every run of the guided network has the edges
-of runs of the network, under the same numbers. It need not be one: a process that must receive a broadcast stays out
-where the path says so. Whoever uses a run replays it.
+which transition. A variable that nothing else reads counts the transitions that have been taken: the guard of an edge
+tests whether it is its turn, and the process that begins a transition counts it. So every run of the guided network
+has the edges of runs of the network, under the same numbers. It need not be one: a process that must receive a
+broadcast stays out where the path says so. Each run that is used is replayed.
 """
 
 from __future__ import annotations

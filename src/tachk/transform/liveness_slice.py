@@ -112,7 +112,7 @@ def _ends(location: Location, known: Known) -> Ends | None:
 
 
 def _lets_happen(edge: Edge, ends: list[Ends], known: Known) -> bool:
-    """Whether the edge neither hurries others nor keeps a broadcast from them."""
+    """True if the edge neither hurries others nor keeps a broadcast from them."""
     if edge.synchronisation is None:
         return True
     channel = edge.synchronisation.channel
@@ -122,7 +122,7 @@ def _lets_happen(edge: Edge, ends: list[Ends], known: Known) -> bool:
 
 
 def _may_enter(edge: Edge, ends: list[Ends], known: Known) -> bool:
-    """Whether the invariant behind an edge holds certainly when it has been taken."""
+    """True if the invariant behind an edge holds certainly when it has been taken."""
     return all(_is_bounded(clock, end, edge, ends[edge.source], known) for clock, end in ends[edge.target].items())
 
 
@@ -139,7 +139,7 @@ def _is_bounded(clock: Expression, end: int, edge: Edge, before: Ends, known: Kn
 
 
 def _goes_on(process: Process, source: int, ends: list[Ends], known: Known) -> bool:
-    """Whether the process can move by itself, whatever the variables are, where it lets no more time pass."""
+    """True if the process can move by itself, whatever the variables are, where it lets no more time pass."""
     location = process.locations[source]
     own = [edge for edge in process.edges if edge.source == source and _is_own(edge) and _may_enter(edge, ends, known)]
     if location.urgent or location.committed:
@@ -148,7 +148,7 @@ def _goes_on(process: Process, source: int, ends: list[Ends], known: Known) -> b
 
 
 def _is_own(edge: Edge) -> bool:
-    """Whether taking the edge needs no partner."""
+    """True if taking the edge needs no partner."""
     if edge.selects:
         return False
     synchronisation = edge.synchronisation
@@ -158,7 +158,7 @@ def _is_own(edge: Edge) -> bool:
 
 
 def _some_is_enabled(edges: list[Edge], ends: Ends, clock: Expression | None, known: Known) -> bool:
-    """Whether one of the edges is certainly enabled where a clock has the latest value allowed and no other a later
+    """True if one of the edges is certainly enabled where a clock has the latest value allowed and no other a later
     one; without a clock, wherever the clocks are."""
     conditions = []
     for edge in edges:
@@ -186,7 +186,7 @@ def _is_met(atom: ClockAtom, ends: Ends, clock: Expression | None, known: Known)
 
 
 def _covers(alternatives: list[tuple[Expression, ...]], known: Known) -> bool:
-    """Whether for all values of the variables all conditions of one of the alternatives are true."""
+    """True if for all values of the variables all conditions of one of the alternatives are true."""
     if any(not conditions for conditions in alternatives):
         return True
     tested: dict[Variable, set[int]] = {}

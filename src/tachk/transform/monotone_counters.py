@@ -12,13 +12,13 @@ that the other can, and reaches such a state again:
   receiver of a broadcast may be one, as the sender alone decides whether a broadcast is possible.
 - The same edges are enabled: a counter stands below ``and`` and ``or`` only, so that the guard stays true. The guard
   cannot be a run-time error, which ``losses < LOSSES || a[n] > 0`` is only once the counter is at its bound.
-- Nobody is forced to take part who was not: a process that can receive a broadcast must. An edge that a counter enables
+- No further process is forced to take part: a process that can receive a broadcast must. An edge that a counter enables
   may force it, unless another receiving edge of the same location and channel, whose guard is about no counter, is
   enabled whenever this one is. That is decided with the conditions of which guards consist as unknown truth values.
 - The updates have the same effect. Nothing that is assigned depends on a counter but the counter itself, whose new
   value is the old one and a constant; a smaller one stays in range where a larger one does, and does not wrap round.
 
-Priorities and ``deadlock`` tell what is not possible: nothing is left out there at all. What a target is about is no
+Priorities and ``deadlock`` are about what is impossible: nothing is left out there at all. What a target is about is no
 monotone counter. Weights of branches and rates of delays do not decide what is reachable.
 """
 
@@ -122,7 +122,7 @@ def _read_otherwise(process: Process, candidates: set[Variable], known: Known) -
 
 
 def _asks_for_less(condition: Expression, variable: Variable) -> bool:
-    """Whether a condition that is true stays true when the variable becomes smaller."""
+    """True if a condition that is true stays true when the variable becomes smaller."""
     if variable not in mentioned([condition])[1]:
         return True
     match condition:
@@ -137,7 +137,7 @@ def _asks_for_less(condition: Expression, variable: Variable) -> bool:
 
 
 def _forces_nothing(process: Process, edge: Edge, candidates: set[Variable], known: Known) -> bool:
-    """Whether an edge that is enabled only thanks to a counter keeps nothing from happening."""
+    """True if an edge that is enabled only thanks to a counter keeps nothing from happening."""
     if edge.synchronisation is None:
         return True
     channel = edge.synchronisation.channel
@@ -167,7 +167,7 @@ def _selections(edge: Edge, known: Known) -> list[Known] | None:
 
 
 def _covered(edge: Edge, there: Known, others: Sequence[Edge], candidates: set[Variable]) -> bool:
-    """Whether one of the others can receive from the same channel whenever the edge can."""
+    """True if one of the others can receive from the same channel whenever the edge can."""
     assert edge.synchronisation is not None
     channel = fold(edge.synchronisation.channel, there)
     guards = [

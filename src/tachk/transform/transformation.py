@@ -105,7 +105,7 @@ class Transformation:
         raise StepError("no transition of the original network is the one of the transformed network")
 
     def _acts(self, process: int) -> bool:
-        """Whether a process of the original is there in the network, and not frozen."""
+        """True if a process of the original is there in the network, and not frozen."""
         return bool(self.network.processes[process].edges)
 
     def lift_transition(self, transition: Transition) -> Transition | None:

@@ -78,7 +78,7 @@ class Proof:
 
 
 def is_provable(verdict: Verdict) -> bool:
-    """Whether a certificate shows the answer: it says that something is never reached, or always."""
+    """True if a certificate shows the answer: it says that something is never reached, or always."""
     query = verdict.query
     if query.target is not None:
         return verdict.answer is answers_of(query)[1]

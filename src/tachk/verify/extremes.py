@@ -246,7 +246,7 @@ class ExtremeSearch:
         return self._is_plain(expression) and not self._asks_deadlock
 
     def _is_plain(self, expression: Expression) -> bool:
-        """Whether it is a clock, the same one in all states."""
+        """True if it is a clock, the same one in all states."""
         if not isinstance(expression.type, ClockType):
             return False
         return known_cell(fold_place(expression, known_values(self.network, [self.where]))) is not None
@@ -269,7 +269,9 @@ class ExtremeSearch:
             assert found.value is not None
             if largest or found.value < bound:
                 return FoundExtreme(found.value, found.strict, found.path)
-        raise UndecidedExtremeError("the value is beyond the largest horizon, and no loop that lets it grow was found")
+        raise UndecidedExtremeError(
+            "the value is beyond the largest time bound, and no loop that lets it grow was found"
+        )
 
     def _time_bounds(self) -> list[int]:
         program, _ = lower(self.network, [self.where])
@@ -301,7 +303,7 @@ class ExtremeSearch:
         if missed is None:
             return FoundExtreme(None, False)
         if met is None:
-            raise UndecidedExtremeError("the value is beyond the largest horizon")
+            raise UndecidedExtremeError("the value is beyond the largest time bound")
         while missed - met > 1:
             middle = (met + missed) // 2
             if reaches(middle):
@@ -327,7 +329,9 @@ class ExtremeSearch:
             if self.exact and clocks is not None and all(map(self._is_plain, clocks)):
                 if grows_without_limit(self.network, paths[threshold], self.where, *clocks):
                     return None
-        raise UndecidedExtremeError("the value is beyond the largest horizon, and no loop that lets it grow was found")
+        raise UndecidedExtremeError(
+            "the value is beyond the largest time bound, and no loop that lets it grow was found"
+        )
 
     def _path_to(self, condition: Expression | None) -> tuple[Transition, ...] | None:
         target = self.where if condition is None else Binary(BinaryOperator.AND, self.where, condition, BOOL)

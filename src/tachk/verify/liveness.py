@@ -62,7 +62,7 @@ def sliced(problem: Problem) -> Findings:
         reduced = _reduced(problem.network, task.query)
         if reduced.network is problem.network:
             continue
-        # What is left out may be what meets something again and again: a run that does not need it decides nothing.
+        # The slice may lack the part that meets a condition again and again: a run that does not need it decides nothing.
         query = replace(task.query, again=(), ends=None)
         searched = _any_run(prepare(reduced.network), query, problem)
         verdict = replace(_of_outcome(query, searched.outcome), query=task.query)
@@ -169,7 +169,7 @@ def _any_run(model: PreparedNetwork, query: Query, problem: Problem) -> Searched
 
 @unhurried()
 def _is_answer(model: PreparedNetwork, query: Query, searched: SearchedRun) -> bool:
-    """Whether the run that was found counts, or none was found."""
+    """True if the run that was found counts, or none was found."""
     run = searched.outcome.run
     if run is None:
         return True
@@ -180,7 +180,7 @@ def _is_answer(model: PreparedNetwork, query: Query, searched: SearchedRun) -> b
 
 
 def _counts(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> bool:
-    """Whether a run that avoids the goal meets what it has to meet again and again, or ends where it may.
+    """True if a run that avoids the goal meets what it has to meet again and again, or ends where it may.
 
     The queries speak of locations and variables only.
     """

@@ -169,7 +169,7 @@ def _left_again(number: int, stopped: Expression, condition: Expression | None) 
 
 
 def _may_go_on(network: Network) -> bool:
-    """Whether some process has a cycle of edges that it may take while time stops: through one of its own locations
+    """True if some process has a cycle of edges that it may take while time stops: through one of its own locations
     that stop it, or anywhere while another process is in an urgent location."""
     urgent = {process for process, _ in _urgent_places(network)}
     edges = [(process.locations[edge.source], edge) for process in network.processes for edge in process.edges]
@@ -192,7 +192,7 @@ def _channels(edge: Edge) -> frozenset[Variable]:
 
 
 def _behind(following: Mapping[int, set[int]], place: int) -> set[int]:
-    """What is reached from a place by a step or more."""
+    """The places that are reached from a place by one step or more."""
     pending, seen = list(following.get(place, ())), set(following.get(place, ()))
     while pending:
         for after in following.get(pending.pop(), set()) - seen:
@@ -211,7 +211,7 @@ def _lasting_only(verdicts: Sequence[Verdict]) -> dict[_MomentaryCondition, Expr
 
 
 def _needs_time(verdict: Verdict) -> bool:
-    """Whether the last values of a run count only if time passes: the formula asks nothing of runs without end."""
+    """True if the last values of a run count only if time passes: the formula asks nothing of runs without end."""
     return _may_be_noted(verdict) and verdict.query.observer is not None and not verdict.query.observer.endings
 
 
@@ -228,7 +228,7 @@ def _perhaps_last_places(network: Network) -> Iterator[tuple[int, int]]:
 
 
 def _is_always_possible(network: Network, process: int, edge: Edge) -> bool:
-    """Whether an edge waits for nothing: no guard, no partner, no invariant behind it, no edge that goes before it."""
+    """True if an edge waits for nothing: no guard, no partner, no invariant behind it, no edge that goes before it."""
     return (
         edge.guard is None
         and edge.synchronisation is None

@@ -1,7 +1,7 @@
 """Strategies that search a network which can do more: a target that is not reached there is unreachable.
 
 Existential abstraction (Clarke, Grumberg, Long, Model checking and abstraction, TOPLAS 16(5), 1994), of processes that
-only block others, of variables that tell processes apart, and of which process a target names. What is reached there
+only block others, of variables that distinguish processes, and of which process a target names. What is reached there
 need not be reachable; a path to it is a hint (`tachk.verify.reachability.along_path`).
 """
 
@@ -69,14 +69,14 @@ def symmetrised(problem: Problem) -> Findings:
 
 
 def can_be_symmetrised(problem: Problem, task: Task) -> bool:
-    """Whether a target names some, but not all, of several interchangeable processes and its orbit is small enough."""
+    """True if a target names some, but not all, of several interchangeable processes and its orbit is small enough."""
     original = problem.observed.original
     if not coarse_partition(original).repeats:
         return False
     from tachk.engine.symmetry.symmetrised_query import is_asymmetric  # of no use where all processes differ
 
     conditions = tuple(trigger.condition for trigger in triggers_of([task], problem.network))
-    # What is moved in the network without the observer is found out once for many problems.
+    # Symmetries of the network without the observer are found once for many problems.
     return (
         any(is_asymmetric(original, question) for question in (task.target, *conditions))
         and _of_all(problem.network, (task.target,), conditions, problem.options.cone) is not None
@@ -107,7 +107,7 @@ def abstracted(problem: Problem) -> Findings:
 
 
 def can_be_abstracted(problem: Problem) -> bool:
-    """Whether an abstraction of variables makes processes interchangeable."""
+    """True if an abstraction of variables makes processes interchangeable."""
     conditions = tuple(trigger.condition for trigger in triggers_of(problem.tasks, problem.network))
     hold = problem.options.cone
     return _less_known(problem.network, tuple(problem.targets), conditions, hold) is not None

@@ -67,7 +67,7 @@ class Search:
 
     @property
     def explores_everything(self) -> bool:
-        """Whether nothing of the network may be left out, because it asks for deadlock."""
+        """True if nothing of the network may be left out, because it asks for deadlock."""
         return self.analysis is Analysis.REACHABILITY and any(_asks_deadlock(task.target) for task in self.tasks)
 
     @property

@@ -174,7 +174,7 @@ def names() -> dict[str, str]:
 
 
 def is_plain(name: str) -> bool:
-    """Whether a strategy searches as one expects."""
+    """True if a strategy searches as one expects."""
     return any(strategy.plain for strategy in every_strategy() if strategy.name == name)
 
 
@@ -183,9 +183,10 @@ def check_names(without: Collection[str]) -> None:
     known = names()
     for name in sorted(without):
         if name not in known:
-            near = closest(name, known)
+            suggestion = closest(name, known)
             raise UsageError(
-                f"there is no strategy `{name}` to be left out", f"did you mean `{near}`?" if near else ", ".join(known)
+                f"there is no strategy `{name}` to be left out",
+                f"did you mean `{suggestion}`?" if suggestion else ", ".join(known),
             )
 
 

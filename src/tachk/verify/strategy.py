@@ -232,7 +232,7 @@ def _found(strategy: Strategy, problem: Problem) -> Findings:
 
 
 def _is_final(strategy: Strategy, verdict: Verdict) -> bool:
-    """Whether nothing else has to be tried for a query."""
+    """True if nothing else has to be tried for a query."""
     if verdict.reason == INTERRUPTED:
         return True
     if verdict.reason == STATE_LIMIT and strategy.states is not None:

@@ -55,12 +55,12 @@ class Times:
 
     @property
     def never_begins(self) -> bool:
-        """Whether the first event never comes, or the second one always with it."""
+        """True if the first event never comes, or the second one always with it."""
         return not self.reason and self.waiting is None and self.worst is None and self.best is None
 
     @property
     def may_wait_for_ever(self) -> bool:
-        """Whether nothing bounds how long the second event fails to come."""
+        """True if nothing bounds how long the second event fails to come."""
         return self.waiting is not None and self.waiting.value is None
 
     def in_words(self, unit: str = "") -> dict[str, str]:

@@ -129,7 +129,7 @@ def _check_answerable(network: Network, query: Query, options: Options) -> None:
 
         check_deadline(network, query)
     if query.non_zeno and query.deadline is not None and query.kind is QueryKind.LEADS_TO:
-        # Nobody may act once the deadline is kept.
+        # No process may act once the deadline is kept.
         message = "queries with `-->[<= t]` are not checked with --non-zeno"
         remedy = "the formula G (p -> F[0, t] q) asks nearly the same of runs of any kind"
         raise UnsupportedError(Diagnostic("E0720", message, query.span, remedy))

@@ -27,7 +27,7 @@ class CaptureDecoder:
 
     @property
     def endpoints(self) -> list[Endpoint]:
-        """Whoever sent or received, by number."""
+        """The endpoints that sent or received, by number."""
         return self._messages.endpoints
 
     def pieces(self) -> Iterator[Submessages]:

@@ -11,7 +11,7 @@ from tachk.base.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.serial_line import NOBODY, SerialDecoder
+from tachk.xrce.serial_line import NO_ENDPOINT, SerialDecoder
 from tachk.xrce.submessages import Submessages, parsed, payload
 from tachk.xrce.wire import SubmessageKind
 
@@ -51,12 +51,12 @@ class SubmessageEvent:
 
     @property
     def is_reliable(self) -> bool:
-        """Whether its message has a number that is acknowledged."""
+        """True if its message has a number that is acknowledged."""
         return self.stream is not None and self.stream >= wire.FIRST_RELIABLE_STREAM
 
     @property
     def is_best_effort(self) -> bool:
-        """Whether its message has a number, and nobody acknowledges it."""
+        """True if its message has a number, and nobody acknowledges it."""
         return self.stream is not None and 0 < self.stream < wire.FIRST_RELIABLE_STREAM
 
 
@@ -113,8 +113,8 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Submessage
             packet,
             place,
             time,
-            None if client == NOBODY else endpoints[client],
-            None if agent == NOBODY else endpoints[agent],
+            None if client == NO_ENDPOINT else endpoints[client],
+            None if agent == NO_ENDPOINT else endpoints[agent],
             to_agent,
             kind,
             None if session < 0 else session,

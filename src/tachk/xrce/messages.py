@@ -160,7 +160,7 @@ class MessageReader:
     """Finds the messages to and from the ports of Agents; remembers what TCP has not completed.
 
     Attributes:
-        endpoints: whoever sent or received, by number.
+        endpoints: those that sent or received, by number.
     """
 
     def __init__(self, ports: Iterable[int] = ()) -> None:

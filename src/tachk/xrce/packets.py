@@ -65,7 +65,7 @@ _SECTION: Final = b"\x0a\x0d\x0d\x0a"
 
 
 def is_capture(begin: bytes) -> bool:
-    """Whether a file that begins with these bytes is a capture."""
+    """True if a file that begins with these bytes is a capture."""
     return begin[:4] in _PCAP or begin[:4] == _SECTION
 
 

@@ -14,7 +14,7 @@ from tachk.xrce.serial_framing import AGENT_ADDRESS, FrameReader, SerialFrame
 from tachk.xrce.submessages import Submessages, submessages
 
 _PIECE: Final = 1 << 16
-NOBODY: Final = -1
+NO_ENDPOINT: Final = -1
 """The number of an endpoint that is not known."""
 
 
@@ -120,7 +120,7 @@ class SerialDecoder:
 
     def _number(self, address: int | None) -> int:
         if address is None:
-            return NOBODY
+            return NO_ENDPOINT
         if address not in self._numbers:
             self._numbers[address] = len(self.endpoints)
             self.endpoints.append(Endpoint("serial", address))

@@ -26,7 +26,7 @@ _ANYWHERE: Final = (
     SubmessageKind.TIMESTAMP,
     SubmessageKind.TIMESTAMP_REPLY,
 )
-_NOBODY: Final = Endpoint("", 0)
+_NO_ENDPOINT: Final = Endpoint("", 0)
 
 
 def repaired(frame: SerialFrame) -> bytes | None:
@@ -60,8 +60,8 @@ def _sum(alone: list[int], byte: int) -> int:
 
 
 def _is_message(octets: bytes) -> bool:
-    """Whether these bytes are a message, and in a stream of the kind that DDS-XRCE has for its content."""
-    found = list(events(submessages(one_message(octets)), [_NOBODY]))
+    """True if these bytes are a message, and in a stream of the kind that DDS-XRCE has for its content."""
+    found = list(events(submessages(one_message(octets)), [_NO_ENDPOINT]))
     return bool(found) and all(
         not event.problem and (event.stream == 0 if event.kind in _WITHOUT_STREAM else event.stream != 0)
         for event in found

@@ -31,7 +31,7 @@ Item = tuple[object, ...]
 """The content of a submessage for comparisons."""
 
 
-def near(number: int, reference: int) -> int:
+def nearest_number(number: int, reference: int) -> int:
     """The number with these last 16 bits that is nearest to another one."""
     return reference + (number - reference + _CYCLE // 2) % _CYCLE - _CYCLE // 2
 
@@ -84,7 +84,7 @@ class StreamState:
         """A message has been seen. Returns its number, counted on."""
         if not self._begun:
             self.restart(number)
-        number = near(number, self.sent)
+        number = nearest_number(number, self.sent)
         if number < self.arrived or number in self._seen:
             self.repetitions += 1
         else:
@@ -136,7 +136,7 @@ class StreamState:
         self.heartbeats += 1
         if not self._begun:
             self.restart(first)
-        first, last = near(first, self.sent), near(last, self.sent)
+        first, last = nearest_number(first, self.sent), nearest_number(last, self.sent)
         if first <= last:
             self.sent = max(self.sent, last + 1)
 
@@ -144,7 +144,7 @@ class StreamState:
         """The receiver lacks this number, and others. Returns the numbers that have arrived now."""
         if not self._begun:
             self.restart(first)
-        before, self.acknowledged = self.arrived, near(first, self.sent)
+        before, self.acknowledged = self.arrived, nearest_number(first, self.sent)
         if before < self.acknowledged <= self.sent:
             self._arrive(self.acknowledged)
         self.missing = bitmap.bit_count()
@@ -155,14 +155,14 @@ class StreamState:
         return range(before, self.arrived)
 
     def lacks(self, first: int, behind: int) -> bool:
-        """Whether a message from the first to before the last number has not been seen here nor named as missing."""
+        """True if a message from the first to before the last number has not been seen here nor named as missing."""
         first = max(first, self.arrived)
         if first == self.arrived and self._behind <= behind:
             return len(self._known) < behind - first
         return not all(number in self._known for number in range(first, behind))
 
     def lacks_unheard(self, first: int, behind: int, sender: StreamState) -> bool:
-        """Whether a message of these has not been seen here, and the sender has not heard that it is missing."""
+        """True if a message of these has not been seen here, and the sender has not heard that it is missing."""
         first = max(first, self.arrived, sender.arrived)
         if first >= behind or (first == self.arrived and self._behind <= behind and len(self._seen) == behind - first):
             return False

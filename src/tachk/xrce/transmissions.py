@@ -1,7 +1,7 @@
 """Messages on their way: who sent each of them, when, and whether it arrived.
 
 Where a relay between a client and the Agent was recorded on both sides, a message that got through is in the capture
-twice, and one that was lost is there once. Elsewhere nobody knows.
+twice, and one that was lost is there once. Elsewhere that is not known.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import CaptureError, read_packets
 from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.serial_repair import repaired
-from tachk.xrce.wire import COOKIE, SESSIONS_OF_NOBODY, SubmessageKind
+from tachk.xrce.wire import COOKIE, SESSION_IDS_NONE, SubmessageKind
 
 _LONGEST_RELAY: Final = 5_000_000_000
 """Nanoseconds from a CREATE_CLIENT to its copy behind a relay."""
@@ -245,10 +245,10 @@ class _Leg:
     def session(self) -> int | None:
         """As the client says in the headers of its messages; None if it says none."""
         said = (e.session for m in self.messages if m.to_agent for e in m.events if e.session is not None)
-        return next((one for one in said if one not in SESSIONS_OF_NOBODY), None)
+        return next((one for one in said if one not in SESSION_IDS_NONE), None)
 
     def goes_on(self, other: _Leg, legs: Sequence[_Leg]) -> bool:
-        """Whether the client of the other leg, whose relay was recorded on both sides, has got this address later: the
+        """True if the client of the other leg, whose relay was recorded on both sides, has got this address later: the
         messages have its session, come to the same port of the relay, and it is the only client with it there."""
         here = [leg for leg in legs if leg.agent == self.agent and leg.session == self.session and leg.creation]
         begins = self.messages[0]
@@ -261,7 +261,7 @@ class _Leg:
         self.messages = sorted(messages, key=lambda message: message.packet)
 
     def is_before(self, other: _Leg) -> bool:
-        """Whether a relay hands on to the other leg what comes over this one."""
+        """True if a relay hands on to the other leg what comes over this one."""
         ours, theirs = self.creation, other.creation
         return (
             ours is not None

@@ -50,7 +50,7 @@ FORMAT: Final = 0x0E
 
 FIRST_RELIABLE_STREAM: Final = 0x80
 FIRST_SESSION_WITHOUT_KEY: Final = 0x80
-SESSIONS_OF_NOBODY: Final = (0x00, 0x80)
+SESSION_IDS_NONE: Final = (0x00, 0x80)
 """In the header of a message that belongs to no session, with and without a key; section 8.3.2.1."""
 
 OBJECT_KINDS: Final = {

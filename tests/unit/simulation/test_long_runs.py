@@ -11,13 +11,13 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, SimulationEnding, horizon
+from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, SimulationEnding, time_bound
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.fmi.description import FmiVersion
 from tachk.simulation.fmi.unit import closed_unit
 from tachk.simulation.statistics.estimate import DrawnRuns, Estimated
 from tachk.simulation.tables import run_writer
-from tachk.simulation.times import horizon_of
+from tachk.simulation.times import parsed_time_bound
 from tests.support.simulated.cosimulated import extract
 
 SECOND = """
@@ -33,12 +33,12 @@ system P;
 
 
 def test_ticks_are_as_fine_as_fits() -> None:
-    assert horizon(Fraction(2**58, 10**9)).ticks_per_unit == TICKS_PER_UNIT
-    assert horizon(Fraction(2**58 + 1, 10**9)).ticks_per_unit == TICKS_PER_UNIT // 10
-    assert horizon(LATEST_END) == horizon_of(str(LATEST_END), "")
-    assert horizon(LATEST_END).ticks == 2**58
+    assert time_bound(Fraction(2**58, 10**9)).ticks_per_unit == TICKS_PER_UNIT
+    assert time_bound(Fraction(2**58 + 1, 10**9)).ticks_per_unit == TICKS_PER_UNIT // 10
+    assert time_bound(LATEST_END) == parsed_time_bound(str(LATEST_END), "")
+    assert time_bound(LATEST_END).ticks == 2**58
     with pytest.raises(UsageError, match="at most 288230376151711 time units"):
-        horizon_of(str(LATEST_END + 1), "")
+        parsed_time_bound(str(LATEST_END + 1), "")
 
 
 def test_ten_minutes_in_microseconds(tmp_path: Path) -> None:

@@ -124,7 +124,7 @@ class ActionFinder:
         return SelectedEdge(participant, edge.source, edge.target, direction, edge.spans[0], cases, frozenset(heard))
 
     def _cases(self, participant: Participant, said: Said, heard: set[int]) -> tuple[MuntaCase[CaseEffect], ...]:
-        """What an edge does, if its updates find cells with other contents than its guard did; collects what they
+        """The effect of an edge, if its updates find cells with other contents than its guard did; collects what they
         read."""
         edge = self.model.edge(participant)
 
@@ -197,7 +197,7 @@ def clock_conjunctions(disjunction: Disjunction, span: Span) -> Disjunction:
 
 
 def _is_certain(i: int, _: int, raw: int) -> bool:
-    """Whether a constraint says no more than that a clock is not negative."""
+    """True if a constraint says no more than that a clock is not negative."""
     return not i and raw >= 1
 
 

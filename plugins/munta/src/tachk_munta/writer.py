@@ -104,7 +104,7 @@ def _check_features(network: Network) -> None:
 
 
 def is_deadlock(predicate: Expression) -> bool:
-    """Whether a predicate is `deadlock`, perhaps negated twice."""
+    """True if a predicate is `deadlock`, perhaps negated twice."""
     match predicate:
         case Unary(UnaryOperator.NOT, Unary(UnaryOperator.NOT, operand)):
             return is_deadlock(operand)

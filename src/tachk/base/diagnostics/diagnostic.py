@@ -49,7 +49,7 @@ class Diagnostic:
 
     @property
     def is_unsupported(self) -> bool:
-        """Whether this is about a construct that tachk knows and refuses, not about a mistake."""
+        """True if this is about a construct that tachk knows and refuses, not about a mistake."""
         return self.code in UNSUPPORTED
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 def holds_steps(output: Path | None) -> bool:
-    """Whether a file is one of steps, for which the actions of runs have to be recorded."""
+    """True if a file is one of steps, for which the actions of runs have to be recorded."""
     from tachk.simulation.stepping.run_file import SUFFIX
 
     return output is not None and output.suffix.lower() == SUFFIX
@@ -240,7 +240,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     from tachk.simulation.fault_injection import read_plan, with_faults
     from tachk.simulation.formulas import columns_with, formulas_for
     from tachk.simulation.runs import Runs
-    from tachk.simulation.times import horizon_of
+    from tachk.simulation.times import parsed_time_bound
 
     if (arguments.policy == SCRIPT) is (arguments.script is None):
         problem = (
@@ -254,7 +254,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
     formulas = formulas_for(arguments.formulas, network, definitions)
-    until = horizon_of(arguments.until, network.time_unit)
+    until = parsed_time_bound(arguments.until, network.time_unit)
     columns = columns_with(network, arguments.record, formulas)
     wanted = with_faults(network, read_plan(arguments.faults))
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])

@@ -165,7 +165,7 @@ class SweepArguments:
         seconds_each: the limit of each cell.
         states: the limit of each search.
         max_memory: such as ``2G``.
-        formulas, until: as for `tachk simulate`: by what runs are judged in each cell, and how long they are.
+        formulas, until: as for `tachk simulate`: the formulas for the runs of each cell, and their length.
         part: such as ``3/10``.
         merged: files of the same sweep.
     """

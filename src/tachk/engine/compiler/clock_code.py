@@ -42,7 +42,7 @@ def set_clock(generator: Generator, expression: Assign) -> None:
     if whole.offset is None:
         emit(Opcode.COPY_CLOCK, span=expression.span)
     elif any(clock_assignments([whole.offset])):
-        # What the offset sets comes before the copy.
+        # The assignments of the offset come before the copy.
         offset = generator.layout.temporary(1)
         generator.value(whole.offset)
         emit(Opcode.STORE, offset)

@@ -230,7 +230,7 @@ def _mixed_disjunction(span: Span) -> UnsupportedError:
 
 
 def cannot_fail_when_bound(quantifier: Quantifier, known: Known) -> bool:
-    """Whether no instance of the quantifier's body can fail."""
+    """True if no instance of the quantifier's body can fail."""
     low, high = cell_range(quantifier.variable.type)
     return all(
         cannot_fail(fold(quantifier.body, known.with_bound(quantifier.variable, value)))
@@ -254,7 +254,7 @@ def check_bound(low: int, high: int, span: Span) -> None:
 
 
 def _always_true(constraint: ClockConstraint) -> bool:
-    """Whether the constraint only says that a clock is not negative, without code that might fail."""
+    """True if the constraint only says that a clock is not negative, without code that might fail."""
     codes = constraint.bound_code, constraint.condition, constraint.left_code, constraint.right_code
     if constraint.left or any(code != NO_CODE for code in codes):
         return False

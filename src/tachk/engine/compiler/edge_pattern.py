@@ -179,7 +179,7 @@ def _mentions(expression: Expression, variable: Variable) -> bool:
 
 
 def _is_plain(expression: Expression) -> bool:
-    """Whether the code of a condition or value neither calls anything nor needs slots of its own."""
+    """True if the code of a condition or value neither calls anything nor needs slots of its own."""
     return all(
         isinstance(node, Constant | Field | Index | Unary | LocationTest)
         or (isinstance(node, Reference) and not node.variable.reference)

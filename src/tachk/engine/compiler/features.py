@@ -47,7 +47,7 @@ def stopwatches(network: Network) -> Iterator[Use]:
 
 def urgent_clock_guards(network: Network) -> Iterator[Use]:
     """The clock guards of edges over urgent channels: the moment at which such a synchronisation becomes possible lies
-    inside a delay. Receivers of a broadcast, which wait for nobody, are not among them."""
+    inside a delay. Receivers of a broadcast, which wait for no process, are not among them."""
     for process in network.processes:
         for edge in process.edges:
             if edge.guard is not None and _is_urgent(edge) and reads_clock(edge.guard):

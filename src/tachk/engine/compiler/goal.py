@@ -184,12 +184,12 @@ def _quantifier(expression: Quantifier, positive: bool, known: Known, whole: Spa
 
 
 def mentions_time(expression: Expression) -> bool:
-    """Whether the expression compares clocks or contains ``deadlock``."""
+    """True if the expression compares clocks or contains ``deadlock``."""
     return reads_clock(expression) or asks_deadlock(expression)
 
 
 def _is_condition(expression: Expression) -> bool:
-    """Whether the expression is a truth value rather than a clock, a difference or a number."""
+    """True if the expression is a truth value rather than a clock, a difference or a number."""
     match expression:
         case Binary(operator):
             return operator.group is not OperandGroup.ARITHMETIC

@@ -53,7 +53,7 @@ def flow_test(part: Expression, known: Known, generator: CodeGenerator) -> FlowT
 
 
 def is_affine(value: Expression) -> bool:
-    """Whether a number is a sum of multiples of hybrid clocks, with factors that do not change while time passes."""
+    """True if a number is a sum of multiples of hybrid clocks, with factors that do not change while time passes."""
     if not reads_hybrid(value):
         return True
     match value:

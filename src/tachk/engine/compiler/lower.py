@@ -110,8 +110,8 @@ def lower_measures(
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
     """The program of a network, the goals (predicates, and clocks whose largest value is searched), and the measures.
 
-    The goal is that the clock is beyond its horizon. Up to there the clock bounds of the program keep its values apart.
-    Raises as `lower` does, and ValueError for a clock that depends on the state.
+    The goal is that the clock is beyond its time bound. Up to there the clock bounds of the program distinguish its
+    values. Raises as `lower` does, and ValueError for a clock that depends on the state.
     """
     known = known_values(network, [*avoidance, *(part for m in measured for part in (m.where, m.beyond))])
     lowering = _lowered(network, known, tables)
@@ -166,20 +166,20 @@ class MeasuredExpression:
     Attributes:
         where: without ``deadlock``.
         expression: an integer or a clock.
-        horizon: of a clock: the largest value is found if it is at most so large, the least one if it is smaller.
+        time_bound: of a clock: the largest value is found if it is at most so large, the least one if it is smaller.
     """
 
     where: Expression
     expression: Expression
     largest: bool
-    horizon: int = 0
+    time_bound: int = 0
 
     @property
     def beyond(self) -> Expression:
         """The comparison that a search has to be exact about for what is measured, where the predicate holds."""
         operator = BinaryOperator.GREATER if self.largest else BinaryOperator.LESS
         return Binary(
-            BinaryOperator.AND, self.where, Binary(operator, self.expression, Constant(self.horizon), BOOL), BOOL
+            BinaryOperator.AND, self.where, Binary(operator, self.expression, Constant(self.time_bound), BOOL), BOOL
         )
 
 

@@ -217,15 +217,15 @@ def extreme_solution(
     if total is None or attained:
         close = z3.BoolVal(True) if total is None else time == z3.Q(total.numerator, total.denominator)
     else:
-        near = total - _NEAR if latest else total + _NEAR
-        bound = z3.Q(near.numerator, near.denominator)
+        limit = total - _TOLERANCE if latest else total + _TOLERANCE
+        bound = z3.Q(limit.numerator, limit.denominator)
         close = time >= bound if latest else time <= bound
     # Without a limit on the time, or close to it, the run that ends first is as good as any.
     end, at_end = _limit([*formulas, close], z3.Sum(durations), False, milliseconds)
     if end is None:
         return None
     last = z3.Q(end.numerator, end.denominator)
-    half = z3.Q(_NEAR.numerator, _NEAR.denominator)
+    half = z3.Q(_TOLERANCE.numerator, _TOLERANCE.denominator)
     solver = z3.Solver()
     solver.add(*formulas, close, z3.Sum(durations) == last if at_end else z3.Sum(durations) <= last + half)
     if solver.check() != z3.sat:
@@ -233,7 +233,7 @@ def extreme_solution(
     return ExtremeTime(_values(solver.model(), durations), total, attained)
 
 
-_NEAR = Fraction(1, 2)
+_TOLERANCE = Fraction(1, 2)
 """So close a run comes to a limit that no run is at."""
 
 

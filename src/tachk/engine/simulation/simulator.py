@@ -58,7 +58,7 @@ _ENDINGS = {ending: SimulationEnding[ending.name] for ending in _core.Ending}
 
 
 @dataclass(frozen=True, slots=True)
-class Horizon:
+class TimeBound:
     """A time up to which runs go on.
 
     Attributes:
@@ -69,12 +69,12 @@ class Horizon:
     ticks_per_unit: int
 
 
-def horizon(units: Fraction) -> Horizon:
+def time_bound(units: Fraction) -> TimeBound:
     """A time in the finest ticks in which it can be counted; it is at most `LATEST_END`."""
     per_unit = TICKS_PER_UNIT
     while units * per_unit > LATEST_TICK:
         per_unit //= 10
-    return Horizon(int(units * per_unit), per_unit)
+    return TimeBound(int(units * per_unit), per_unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ class SimulationOptions:
 
     Attributes:
         until: their end, in ticks.
-        ticks_per_unit: the resolution of time, see `horizon`.
+        ticks_per_unit: the resolution of time, see `time_bound`.
         steps: the limit on their transitions; None: any number.
         threads: they make no difference to the runs.
     """

@@ -37,7 +37,7 @@ class Reach:
     """The bound of runs: a moment in ticks, a number of transitions, or a value of a clock in ticks.
 
     Attributes:
-        ticks_per_unit: see `horizon`.
+        ticks_per_unit: see `time_bound`.
     """
 
     until: int | None = None

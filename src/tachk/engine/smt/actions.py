@@ -136,19 +136,19 @@ def _choices(network: Network, moment: EdgesOfMoment, priorities: Sequence[int])
         for condition, channel in first.channels:
             sent = conj(first.open, condition)
             others = [own for process, own in enumerate(receivers) if process != first.process]
-            hearing = [
+            possible = [
                 [(i, _receives(i, channel)) for i in own if _receives(i, channel) is not False] for own in others
             ]
             if not moment.channels[channel].broadcast:
-                for receiver, receiving in (pair for own in hearing for pair in own):
+                for receiver, receiving in (pair for own in possible for pair in own):
                     whole = all_of([sent, receiving, admitted(first, receiver)])
                     yield _JointEdges((first, receiver), whole, priorities[channel])
                 continue
-            options = [[(None, neg(any_of(h for _, h in own))), *own] for own in hearing if own]
+            options = [[(None, neg(any_of(h for _, h in own))), *own] for own in possible if own]
             for chosen in product(*options):
-                heard = tuple(instance for instance, _ in chosen if instance is not None)
-                whole = all_of([sent, *(receiving for _, receiving in chosen), admitted(first, *heard)])
-                yield _JointEdges((first, *heard), whole, priorities[channel])
+                chosen_receivers = tuple(instance for instance, _ in chosen if instance is not None)
+                whole = all_of([sent, *(receiving for _, receiving in chosen), admitted(first, *chosen_receivers)])
+                yield _JointEdges((first, *chosen_receivers), whole, priorities[channel])
 
 
 def _receives(receiver: Instance, channel: int) -> Formula:

@@ -60,7 +60,7 @@ class Proofs:
         return []
 
     def _is_inductive(self, goal: int, depth: int, deadline: float) -> bool:
-        """Whether no run of ``depth + 1`` steps that avoids a goal, wherever it begins, is followed by the goal."""
+        """True if no run of ``depth + 1`` steps that avoids a goal, wherever it begins, is followed by the goal."""
         while len(self._frames) <= depth + 1:
             self._frames.append(self._add_frame(f"i{len(self._frames)}"))
             if len(self._frames) > 1:
@@ -77,7 +77,7 @@ class Proofs:
         return frame
 
     def _enters_wrongly(self, frame: StateFrame, deadline: float, *assumptions: Formula) -> bool:
-        """Whether a step out of a frame leads to where an invariant goes wrong."""
+        """True if a step out of a frame leads to where an invariant goes wrong."""
         faults = any_of(fault.condition for fault in self.relation.entry_faults)
         if faults is False:
             return False

@@ -411,7 +411,7 @@ class _Encoder:
         return all_of(parts)
 
     def _forced_to_receive(self, by_process: Sequence[Sequence[Instance]], sends: Sequence[Formula]) -> list[Formula]:
-        """Whoever can hear a broadcast of another process takes part in it."""
+        """The condition that every process that can receive a broadcast of another one takes part in it."""
         parts: list[Formula] = []
         for of_process in by_process:
             takes_part = any_of(instance.fires for instance in of_process)

@@ -43,11 +43,11 @@ class SolverOptions:
     def solver(self) -> z3.Solver:
         """A new solver. All share one context, so that queries come one after the other."""
         made = z3.Solver()
-        made.set("ctrl_c", False)  # Python hears Ctrl-C, not z3
+        made.set("ctrl_c", False)  # Python handles Ctrl-C, not z3
         return made
 
     def is_satisfiable(self, solver: z3.Solver, *assumptions: Formula, deadline: float | None = None) -> bool:
-        """Whether there is a model of what the solver holds and of the assumptions.
+        """True if there is a model of what the solver holds and of the assumptions.
 
         Raises GaveUpError, and KeyboardInterrupt.
         """
@@ -78,7 +78,7 @@ class SolverOptions:
                 if thread.is_alive() and self.report is not None:
                     self.report()
         except BaseException:
-            while thread.is_alive():  # until it has heard
+            while thread.is_alive():  # until the interruption has arrived
                 solver.interrupt()
                 thread.join(_POLL_SECONDS / 10)
             raise

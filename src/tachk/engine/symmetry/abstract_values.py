@@ -267,7 +267,7 @@ def uses(edge: Edge, variable: Variable) -> bool:
 
 
 def _reads(edge: Edge, variable: Variable) -> bool:
-    """Whether the edge does more with the variable than to set it."""
+    """True if the edge does more with the variable than to set it."""
     parts = []
     for part in _expressions(edge):
         sets = isinstance(part, Assign) and part.operator is None and part.target == Reference(variable)

@@ -211,7 +211,7 @@ class NetworkTerms:
         return None
 
     def keeps_initial_values(self, renaming: Renaming) -> bool:
-        """Whether a renaming that maps the network onto itself maps the initial state onto itself."""
+        """True if a renaming that maps the network onto itself maps the initial state onto itself."""
         return all(self._keeps_values(variable, renaming) for variable in self.moved_variables(renaming))
 
     def moved_variables(self, renaming: Renaming) -> Iterator[Variable]:
@@ -222,7 +222,7 @@ class NetworkTerms:
         return (variable for variable in touched if variable.kind not in (VariableKind.BOUND, VariableKind.FRAME))
 
     def _keeps_values(self, variable: Variable, renaming: Renaming) -> bool:
-        """Whether what a variable begins with becomes that of its image."""
+        """True if what a variable begins with becomes that of its image."""
         other = renaming.variables.get(variable, variable)
         tree = self.reader.tree_of(variable)
         nodes, images = cell_nodes(tree, variable.type), cell_images(self.index_types, tree, variable.type, renaming)
@@ -260,7 +260,7 @@ class NetworkTerms:
         return None
 
     def is_constant(self, variable: Variable) -> bool:
-        """Whether every transition finds the initial value in it."""
+        """True if every transition finds the initial value in it."""
         return variable in self.reader.known.values or self.network.resets(variable)
 
     def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> AsymmetryReason | None:

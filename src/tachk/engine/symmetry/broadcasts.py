@@ -53,7 +53,7 @@ class _BroadcastReceiver:
 
 def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> AsymmetryReason | None:
     """The reason why the order of some members of a group, among themselves and with others, matters; or None."""
-    # Any two members behave to each other, or to somebody else, as the first one and some member do.
+    # Any two members behave to each other, or to another process, as the first one and some member do.
     everybody = {number for block in members for number in block}
     between = [n for n in range(min(everybody), max(everybody)) if n not in everybody]
     others = [*(number for block in members[1:] for number in block), *between]
@@ -62,7 +62,7 @@ def order_matters(network: Network, known: Known, members: Sequence[tuple[int, .
     for number, one in enumerate(own):
         for other in (*own[number + 1 :], *foreign):
             if one.process != other.process and _may_be(one.channel, other.channel) and not _commute(one, other):
-                reason = "the updates of two of them that hear the same broadcast depend on their order"
+                reason = "the updates of two of them that receive the same broadcast depend on their order"
                 return AsymmetryReason(reason, other.edge.spans[0])
     return None
 
@@ -85,7 +85,7 @@ def _receivers(network: Network, known: Known, process: int) -> Iterator[_Broadc
         mentioned = (cell for expression in with_bodies(updates) for cell in _mentioned(expression, known))
         reads = frozenset(cell for cell in mentioned if cell[0].kind is not VariableKind.FRAME)
         written = frozenset(cell for expression in updates for cell in _written(expression))
-        # What functions write through references and globals is written somewhere in it.
+        # Writes of functions through references and to globals stand somewhere in it.
         called = called_functions(updates)
         hidden = (
             {(v, None) for v in written_variables(updates) if v.kind is not VariableKind.FRAME} if called else set()
@@ -107,7 +107,7 @@ def _commute(one: _BroadcastReceiver, other: _BroadcastReceiver) -> bool:
 
 
 def _same_constant(one: _BroadcastReceiver, other: _BroadcastReceiver, cell: Cell, another: Cell) -> bool:
-    """Whether both only set the same cell to the same constant."""
+    """True if both only set the same cell to the same constant."""
     values = {value for where, value in one.sets if where == cell} | {v for where, v in other.sets if where == cell}
     known = any(where == cell for where, _ in one.sets) and any(where == cell for where, _ in other.sets)
     array = one.sets and cell[1] is None and not _is_scalar(cell[0])

@@ -37,7 +37,7 @@ class CoarsePartition:
 
     @property
     def repeats(self) -> bool:
-        """Whether two processes with edges have the same colour."""
+        """True if two processes with edges have the same colour."""
         return len(set(self.colours)) < len(self.colours)
 
     def edges_taken(self, network: Network, process: int) -> tuple[Edge, ...]:

@@ -177,7 +177,7 @@ def _named_cells(
             if isinstance(layout.types[start + cell], ClockType | ChannelType):
                 continue
             index_types = [(root, shift, number) for number in range(len(numbers.get(root, ())))]
-            names += [(start + cell, tables.setdefault(kind, len(tables))) for kind in index_types]
+            names += [(start + cell, tables.setdefault(index_type, len(tables))) for index_type in index_types]
     return names, tuple(tuple(each + shift for each in numbers[root][number]) for root, shift, number in tables)
 
 

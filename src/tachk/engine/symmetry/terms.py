@@ -99,7 +99,7 @@ class TermReader:
     _scope: dict[Variable, int] = field(default_factory=dict)
 
     def copy(self) -> TermReader:
-        """One that knows the same and may read on."""
+        """A copy that may read on."""
         return TermReader(self.known, self.index_types.copy(), {**self.trees}, {**self._functions})
 
     def begin(self) -> None:
@@ -405,7 +405,7 @@ def _round(expression: Expression, size: int) -> tuple[Expression, int] | None:
 
 
 def _each_on_its_own(body: Statement, variable: Variable) -> bool:
-    """Whether a loop only sets the element of arrays that its variable names to constants."""
+    """True if a loop only sets the element of arrays that its variable names to constants."""
     match body:
         case Block(statements):
             return all(_each_on_its_own(statement, variable) for statement in statements)

@@ -24,7 +24,7 @@ from tachk.model.traversal import roots, walk
 from tachk.model.types import ChannelType, IntType
 from tachk.transform.cone_of_influence import every_action_counts, mentioned
 
-_NOBODY = 2
+_OTHER_VALUES = 2
 """A variable that names processes has at most so many values that name none."""
 
 
@@ -68,13 +68,13 @@ def _candidates(network: Network, targets: Sequence[Expression]) -> Sequence[tup
     """Ranges of process numbers, the longest first, each with the variables that may count through them. Cheap tests
     come first, as most networks have no such variables."""
     known, observed = known_values(network, []), mentioned(targets)[1]
-    most = most_alike(network) + _NOBODY
+    most = most_alike(network) + _OTHER_VALUES
     counting = [v for v in _counting(network) if v not in known.values and 2 <= _values(v) <= most]
     forgettable = {v for v in counting if v not in observed and _is_used_by_one_edge_at_a_time(network, v)}
     if not forgettable:
         return []
     found = []
-    for numbers in numbers_of_processes(network, max(2, min(map(_values, forgettable)) - _NOBODY)):
+    for numbers in numbers_of_processes(network, max(2, min(map(_values, forgettable)) - _OTHER_VALUES)):
         names = range(min(numbers), max(numbers) + 1)
         variables = [v for v in counting if _may_name(v, names)]
         if len(names) == len(numbers) and variables and forgettable.issuperset(variables):
@@ -100,10 +100,10 @@ def _values(variable: Variable) -> int:
 
 
 def _may_name(variable: Variable, names: range) -> bool:
-    """True if the values of a variable are the numbers of processes and at most `_NOBODY` others."""
+    """True if the values of a variable are the numbers of processes and at most `_OTHER_VALUES` others."""
     assert isinstance(variable.type, IntType)
     low, high = variable.type.low, variable.type.high
-    return low <= names[0] and names[-1] <= high and _values(variable) <= len(names) + _NOBODY
+    return low <= names[0] and names[-1] <= high and _values(variable) <= len(names) + _OTHER_VALUES
 
 
 def _counting(network: Network) -> list[Variable]:

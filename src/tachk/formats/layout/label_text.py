@@ -46,7 +46,7 @@ def edge_labels(edge: ast.EdgeDeclaration) -> dict[str, str]:
 
 
 def _is_short(comment: str) -> bool:
-    """Whether the comment on an edge can stand with its labels; a long one has to find room elsewhere."""
+    """True if the comment on an edge can stand with its labels; a long one has to find room elsewhere."""
     return 0 < text_width(comment) <= _WIDEST_COMMENT and comment.count("\n") < _HIGHEST_COMMENT
 
 

@@ -45,7 +45,7 @@ class Importer:
             imported.setdefault(node.path, []).extend(self._import(node, path.parent))
         words = _keywords_as_types(item for items in imported.values() for item in items)
         if words:
-            # What the text says depends on these words not being keywords, so it is read again.
+            # The meaning of the text depends on these words not being keywords, so it is read again.
             document, diagnostics = parse_document(source, self.strict_xta, words)
         self.findings.extend(diagnostics)
         items: list[ast.Item] = []

@@ -66,7 +66,7 @@ def network_from_json(value: Json) -> Network:
 
 
 def same_network(left: Network, right: Network) -> bool:
-    """Whether two networks are the same, names and documentation included, places in texts left aside."""
+    """True if two networks are the same, names and documentation included, places in texts left aside."""
     return bool(network_to_json(left) == network_to_json(right))
 
 

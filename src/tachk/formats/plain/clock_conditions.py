@@ -184,7 +184,7 @@ class _ConditionRewriting:
         return node if body is node.body and node.kind == "forall" else replace(node, kind="forall", body=body)
 
     def _is_condition(self, node: ast.Expression) -> bool:
-        """Whether a condition is about clocks."""
+        """True if a condition is about clocks."""
         match node:
             case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
                 return self._is_condition(operand)

@@ -39,13 +39,13 @@ def with_plain_declarations(plain: PlainModel) -> PlainModel:
 
 
 def lacks_return(function: ast.FunctionDeclaration) -> bool:
-    """Whether UPPAAL finds no ``return`` at the end of a function that has a result."""
+    """True if UPPAAL finds no ``return`` at the end of a function that has a result."""
     void = isinstance(function.result.base, ast.BuiltinType) and function.result.base.name == "void"
     return not void and not _returns(function.body)
 
 
 def is_variable_text(type_: ast.TypeExpression) -> bool:
-    """Whether a type is ``string`` without ``const``."""
+    """True if a type is ``string`` without ``const``."""
     return _is_text(type_) and "const" not in type_.prefixes
 
 

@@ -89,7 +89,7 @@ class TextTypes:
                 return ""
 
     def reads_clock(self, expression: ast.Expression) -> bool:
-        """Whether the value of a clock is part of an expression; the arguments of calls and indices aside."""
+        """True if the value of a clock is part of an expression; the arguments of calls and indices aside."""
         match expression:
             case ast.CallExpression() | ast.RateExpression():
                 return False
@@ -107,7 +107,7 @@ class TextTypes:
                 return False
 
     def mentions_clock(self, tree: object) -> bool:
-        """Whether some part of a tree is a clock."""
+        """True if some part of a tree is a clock."""
         places = nodes_of_kind(tree, ast.NameExpression, ast.IndexExpression, ast.MemberExpression)
         return any(self.base(place) == "clock" for place in places)
 

@@ -54,7 +54,7 @@ class Vector:
 
     @property
     def joins_many(self) -> bool:
-        """Whether three or more processes take part, all of them."""
+        """True if three or more processes take part, all of them."""
         return len(self.parts) > 2 and not any(weak for _, _, weak in self.parts)
 
 

@@ -12,7 +12,7 @@ from tachk.syntax.walk import nodes_of_kind
 
 
 def rejects_deadlock(plain: PlainModel) -> bool:
-    """Whether UPPAAL refuses every query about deadlocks of a model: it has priorities, or a template, used or not,
+    """True if UPPAAL refuses every query about deadlocks of a model: it has priorities, or a template, used or not,
     receives broadcasts under clock guards. With observers in it, the answer would not be about the model."""
     if plain.observed:
         return True
@@ -24,7 +24,7 @@ def rejects_deadlock(plain: PlainModel) -> bool:
 
 
 def is_rejected(formula: ast.PropertyFormula, always: bool) -> bool:
-    """Whether UPPAAL refuses a query because of the word ``deadlock``, or because it is a temporal formula.
+    """True if UPPAAL refuses a query because of the word ``deadlock``, or because it is a temporal formula.
 
     Args:
         always: whether it refuses that word everywhere in the model.

@@ -55,7 +55,7 @@ def set_aside(formula: str) -> str:
 
 
 def is_set_aside(formula: Span) -> bool:
-    """Whether a formula stands in a comment that `set_aside` made, so that UPPAAL does not see it."""
+    """True if a formula stands in a comment that `set_aside` made, so that UPPAAL does not see it."""
     return formula.source.text[: formula.start].endswith(_ASIDE)
 
 

@@ -153,7 +153,7 @@ def describe(comment: str) -> Described:
 
 
 def says(comment: str, node: ast.PropertyDeclaration) -> bool:
-    """Whether a comment gives the title and the documentation of a property."""
+    """True if a comment gives the title and the documentation of a property."""
     said = describe(comment)
     named = (said.name, said.title, said.doc) == (node.name.name, node.title, node.doc)
     return named or (not node.title and node.doc == _described(comment))
@@ -198,7 +198,7 @@ def outcome(elements: Sequence[Element]) -> str | None:
 
 
 def _is_empty(span: Span) -> bool:
-    """Whether a formula consists of blanks and comments."""
+    """True if a formula consists of blanks and comments."""
     return not span.text.strip() or lexer().cut(span.source, span.start, span.end).tokens[0].type == END
 
 

@@ -188,7 +188,7 @@ def _comments_beside(
 
 
 def same(written: str | None, parse: Parse, meant: object) -> bool:
-    """Whether a text says exactly what is meant, in today's syntax."""
+    """True if a text says exactly what is meant, in today's syntax."""
     if written is None:
         return not meant
     value, diagnostics = parse(Source("", written))

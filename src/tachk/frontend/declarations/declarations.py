@@ -233,7 +233,7 @@ def _initial(
 
 
 def _draws(node: ast.Expression, scope: Scope) -> bool:
-    """Whether an expression calls a function of UPPAAL's that draws random numbers."""
+    """True if an expression calls a function of UPPAAL's that draws random numbers."""
     called = (call.function for call in nodes_of_kind(node, ast.CallExpression))
     names = {function.name for function in called if isinstance(function, ast.NameExpression)}
     drawing = {name for name, operation in NAMED_OPERATIONS.items() if operation.draws} | {RANDOM_TRI.name}
@@ -319,7 +319,7 @@ def _open_constant(
 
 
 def keeps_names(value: Expression, type_: Type, context: Context) -> bool:
-    """Whether a constant with this value stands for an expression of open constants.
+    """True if a constant with this value stands for an expression of open constants.
 
     One with a range does not, for its range has to be checked.
     """

@@ -136,7 +136,7 @@ def _with_parameters(
 
 
 def _returns(statement: Statement) -> bool:
-    """Whether control cannot pass the statement without returning."""
+    """True if control cannot pass the statement without returning."""
     match statement:
         case Return():
             return True

@@ -31,7 +31,7 @@ from tachk.syntax import ast
 
 
 def is_constant(value: Expression, context: Context) -> bool:
-    """Whether a value is known before the model runs."""
+    """True if a value is known before the model runs."""
     return not context.effects_of([value]).reads - context.constants
 
 

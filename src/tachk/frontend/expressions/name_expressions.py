@@ -83,7 +83,7 @@ def _inside_a_process(name: str, scope: Scope) -> str | None:
 
 
 def _is_inside(name: str, members: Scope) -> bool:
-    """Whether a process has a location or variable of its own with that name; a parameter is a name like any."""
+    """True if a process has a location or variable of its own with that name; a parameter is a name like any."""
     symbol = members.symbols.get(name)
     return symbol is not None and symbol.description in ("location", "clock", "variable")
 

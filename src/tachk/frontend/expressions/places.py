@@ -17,7 +17,7 @@ _COMPARE = "write `==` to compare"
 
 
 def assignable(node: ast.Expression, scope: Scope, context: Context, mend: str | None = _COMPARE) -> bool:
-    """Whether an expression is a place that may change; reports if it is not.
+    """True if an expression is a place that may change; reports if it is not.
 
     Args:
         mend: what to do where it is no variable at all.

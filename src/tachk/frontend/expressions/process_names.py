@@ -142,7 +142,7 @@ def select_member(process: ProcessSymbol | BrokenSymbol, name: ast.Identifier, c
 
 
 def mentions_family(node: object, scope: Scope) -> bool:
-    """Whether an expression names a process by arguments, as in ``T(i).x``."""
+    """True if an expression names a process by arguments, as in ``T(i).x``."""
     return any(
         isinstance(call.function, ast.NameExpression) and isinstance(scope.lookup(call.function.name), FamilySymbol)
         for call in nodes_of_kind(node, ast.CallExpression)

@@ -212,7 +212,7 @@ class TypeReader:
         return RecordType(name, tuple(supported), tuple(left_out))
 
     def is_used_as_hybrid(self, base: Type | None, name: str) -> bool:
-        """Whether what a type declares with a name is a plain clock that a simulation takes for a hybrid one."""
+        """True if what a type declares with a name is a plain clock that a simulation takes for a hybrid one."""
         context = self.context
         return isinstance(base, ClockType) and context.keeps_doubles and name in context.hybrid_clocks
 

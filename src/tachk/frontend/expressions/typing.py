@@ -27,24 +27,24 @@ WIDE = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 
 
 def is_integral(type_: Type) -> TypeGuard[IntType | BoolType]:
-    """Whether arithmetic and conditions can use values of the type."""
+    """True if arithmetic and conditions can use values of the type."""
     return isinstance(type_, IntType | BoolType)
 
 
 def is_bounded(type_: Type) -> TypeGuard[IntType | BoolType | ScalarType]:
-    """Whether one may run over all values of the type: a bounded integer, bool or scalar, not plain ``int``."""
+    """True if a variable may run over all values of the type: a bounded integer, bool or scalar, not plain ``int``."""
     return isinstance(type_, IntType | BoolType | ScalarType) and type_ not in (IntType(), WIDE)
 
 
 def is_data(type_: Type) -> bool:
-    """Whether values of the type can be copied and compared: no clocks, channels or void inside."""
+    """True if values of the type can be copied and compared: no clocks, channels or void inside."""
     return not isinstance(type_, VoidType) and not any(
         isinstance(leaf, ClockType | ChannelType) for leaf in kinds_of_cells(type_)
     )
 
 
 def same_shape(left: Type, right: Type) -> bool:
-    """Whether values of one type can be stored in a variable of the other, ranges aside (they are checked when the
+    """True if values of one type can be stored in a variable of the other, ranges aside (they are checked when the
     model runs)."""
     match left, right:
         case (IntType(), IntType()) | (BoolType(), BoolType()) | (ClockType(), ClockType()):
@@ -69,7 +69,7 @@ def same_shape(left: Type, right: Type) -> bool:
 
 
 def can_assign(target: Type, value: Type) -> bool:
-    """Whether a value of one type may be assigned to a variable of another (not a clock)."""
+    """True if a value of one type may be assigned to a variable of another (not a clock)."""
     if is_integral(target) and is_integral(value):
         return True
     if is_double(target) and is_integral(value):

@@ -148,7 +148,7 @@ def temporal_formula(node: ast.TemporalFormula, scope: Scope, context: Context) 
 
 
 def _speaks_of_states(formula: Formula, scope: Scope, context: Context) -> bool:
-    """Whether every atom is a condition on states without clocks; reports those that are not."""
+    """True if every atom is a condition on states without clocks; reports those that are not."""
     good = True
     for atom in _atoms(formula):
         read = condition if isinstance(atom, Atom) else integral

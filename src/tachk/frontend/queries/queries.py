@@ -46,12 +46,12 @@ class UncheckedQuery:
 
     @property
     def is_wrong(self) -> bool:
-        """Whether the query has a mistake, other than naming what is refused."""
+        """True if the query has a mistake, other than naming what is refused."""
         return any(not diagnostic.is_unsupported for diagnostic in self.diagnostics)
 
 
 def is_statistical(query: object) -> TypeGuard[UncheckedQuery]:
-    """Whether it is one that `tachk.frontend.queries.statistical` reads."""
+    """True if the query is one that `tachk.frontend.queries.statistical` reads."""
     return isinstance(query, UncheckedQuery) and query.family == "statistical"
 
 

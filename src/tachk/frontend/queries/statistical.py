@@ -393,7 +393,7 @@ def _partner(text: str, start: int) -> int | None:
 
 
 def _is_within(limit: RunBound, bound: RunBound | None) -> bool:
-    """Whether an interval ends before the bound of the query does."""
+    """True if an interval ends before the bound of the query does."""
     return bound is None or (bound.scale is Scale.TIME and limit.limit <= bound.limit)
 
 
@@ -403,7 +403,7 @@ def _begins_with_interval(span: Span) -> bool:
 
 
 def _is_half_open(span: Span) -> bool:
-    """Whether a text begins with an interval that lacks one of its ends, or both: with a comma in round brackets."""
+    """True if a text begins with an interval that lacks one of its ends, or both: with a comma in round brackets."""
     text = span.text.lstrip()
     end = _partner(text, 0) if text.startswith(("[", "(")) else None
     if end is None or (text[0], text[end]) == ("[", "]"):

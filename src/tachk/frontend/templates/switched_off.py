@@ -17,7 +17,7 @@ from tachk.syntax.rewrite import names_in
 
 
 def switched_off(guard: ast.Expression | None, value: Expression | None, scope: Scope, context: Context) -> bool:
-    """Whether a part of a guard is false because of a global constant: with another value of it, which ``-D`` may
+    """True if a part of a guard is false because of a global constant: with another value of it, which ``-D`` may
     give, the edge may be taken. A guard that is false whatever the constants are is no switch.
 
     Args:

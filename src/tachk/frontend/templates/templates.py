@@ -399,5 +399,5 @@ def warn_unreachable(template: ast.Template, context: Context) -> None:
 
 
 def _is_channel(symbol: Symbol | None) -> bool:
-    """Whether a name stands for a channel, or an array of them."""
+    """True if a name stands for a channel, or an array of them."""
     return isinstance(symbol, ValueSymbol) and isinstance(element_type(symbol.expression.type), ChannelType)

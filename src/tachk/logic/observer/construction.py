@@ -291,7 +291,7 @@ class _ObserverWriter:
         return f"while {print_expression(all_of(requirement, self.span))}"
 
     def _is_escape(self, step: TableauStep, requirement: Conjunction) -> bool:
-        """Whether the way out that is taken where the requirement fails does the same."""
+        """True if the way out that is taken where the requirement fails does the same."""
         return (
             step.target == self.idle
             and not step.clocks

@@ -212,7 +212,7 @@ def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[Tab
 
 
 def _may_stay_undecided(goal: Everywhere, valuation: Valuation) -> bool:
-    """Whether an interval, and not only an instant, can ask for something that lasts."""
+    """True if an interval, and not only an instant, can ask for something that lasts."""
     undecided = negated(_at(goal, goal.allowed, valuation))
     return not is_false(conjunction((undecided, *_values(goal, valuation))))
 

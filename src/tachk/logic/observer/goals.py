@@ -53,7 +53,7 @@ class GoalWindow:
 
     @property
     def is_ever(self) -> bool:
-        """Whether every later instant is inside, the present one included."""
+        """True if every later instant is inside, the present one included."""
         return self.low == 0 and self.low_closed and self.high is None
 
     def then(self, other: GoalWindow) -> GoalWindow:

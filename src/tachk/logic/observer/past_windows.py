@@ -43,12 +43,12 @@ def _is_ever(interval: formula.Interval) -> bool:
 
 
 def _changes(node: Formula, positive: bool) -> bool:
-    """Whether something in a formula, or in its negation, has to be said of the future."""
+    """True if something in a formula, or in its negation, has to be said of the future."""
     return any(_is_hard(literal) for clause in _clauses(node, positive) or () for literal in clause)
 
 
 def _is_hard(literal: Formula) -> bool:
-    """Whether an observer cannot follow a part about the past as it stands."""
+    """True if an observer cannot follow a part about the past as it stands."""
     if not isinstance(literal, _Past):
         return False
     interval = literal.interval

@@ -109,17 +109,17 @@ def timed_tasks(state: State) -> int:
 
 
 def may_pass(task: TableauTask) -> bool:
-    """Whether the task may be exchanged for others at the instant at which it begins, whatever it requires."""
+    """True if the task may be exchanged for others at the instant at which it begins, whatever it requires."""
     return isinstance(task.goal, Sometime) or (isinstance(task.goal, Recurring) and task.phase == "on")
 
 
 def is_there_initially(past: Past) -> bool:
-    """Whether the past is there when the run begins. Values are not saved by then: `branches_of` sees to that."""
+    """True if the past is there when the run begins. Values are not saved by then: `branches_of` sees to that."""
     return isinstance(past, HeldFor) or (isinstance(past, HeldBefore) and past.initially)
 
 
 def lasts_for_ever(task: TableauTask) -> bool:
-    """Whether the task is never done, and only a run without end fulfils it."""
+    """True if the task is never done, and only a run without end fulfils it."""
     match task:
         case TableauTask(goal=Sometime()) | TableauTask(phase="ahead"):
             return False
@@ -139,20 +139,20 @@ def answered_in(state: State) -> Iterator[TableauTask]:
 
 
 def is_strict(item: Item) -> bool:
-    """Whether what the item requires must hold in every state, too, in which no time passes."""
+    """True if what the item requires must hold in every state, too, in which no time passes."""
     return (
         isinstance(item, TableauTask) and isinstance(item.goal, Throughout) and item.goal.strict and item.phase == "on"
     )
 
 
 def is_endless(state: State) -> bool:
-    """Whether a run that never leaves the state violates the formula."""
+    """True if a run that never leaves the state violates the formula."""
     tasks = [item for item in state if isinstance(item, TableauTask)]
     return bool(tasks) and all(map(lasts_for_ever, tasks))
 
 
 def binds(state: State) -> bool:
-    """Whether it matters in every state of a run from here on what holds."""
+    """True if it matters in every state of a run from here on what holds."""
     return is_endless(state) or any(map(is_strict, state))
 
 

@@ -292,7 +292,7 @@ class Tableau:
         yield TableauStep(state, target, clocks, condition, reset, forced=self._may_force(state, target, clocks))
 
     def _may_force(self, state: State, target: State, clocks: tuple[ClockGuard, ...]) -> bool:
-        """Whether nothing is lost if this step is taken as soon as it can be: idle, the observer waits for conditions
+        """True if nothing is lost if this step is taken as soon as it can be: idle, the observer waits for conditions
         that then have to last for a given time, and has no other choice."""
         return (
             state == self.idle
@@ -323,7 +323,7 @@ class Tableau:
                 yield from self._made(state, rest, (), ending, settling)
 
     def _is_goal(self, state: State, condition: Conjunction) -> bool:
-        """Whether all that is left is to see the condition once from now on: then there is no better moment."""
+        """True if all that is left is to see the condition once from now on: then there is no better moment."""
         match [item for item in state if isinstance(item, TableauTask)]:
             case [TableauTask(goal=Sometime(window=window, goal=Holds() as goal))]:
                 return window.low == 0 and window.low_closed and conjunction((goal.condition,)) <= condition

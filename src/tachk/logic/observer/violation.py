@@ -255,7 +255,7 @@ def _without(node: Formula, window: GoalWindow, right: Formula, goal: Goal) -> G
         case formula.Rise(operand=operand) | formula.Fall(operand=operand) if window.is_ever:
             high = _condition(operand) if isinstance(right, formula.Rise) else negated(_condition(operand))
             fallen = _sometime(window, negated(high), goal)
-            # What does not rise is true for a while, then false.
+            # A condition that does not rise is true for a while, then false.
             unrisen = both((_goal(right, False), _sometime(window, high, either((goal, fallen)))))
             return goal if _is_impossible(unrisen) else either((goal, unrisen))
         case _:

@@ -108,7 +108,7 @@ def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[GoalBranch]
             clocks = () if window.high is None and window.low == 0 else (FRESH,)
             return [GoalBranch(tasks=frozenset((TableauTask(goal, "ahead" if window.low else "on", clocks),)))]
         case ResponseGoal(condition=condition):
-            # Whether an answer is awaited from the beginning on is guessed.
+            # The observer guesses whether an answer is awaited from the beginning on.
             phases = ("gap",) if is_false(conjunction((condition,))) else ("on", "gap")
             return [GoalBranch(tasks=frozenset((TableauTask(goal, phase),))) for phase in phases]
         case Everywhere():
@@ -153,14 +153,14 @@ def _joined(branches: Iterable[GoalBranch]) -> GoalBranch:
 
 
 def _is_excluded(branch: GoalBranch) -> bool:
-    """Whether something is awaited that is impossible because of what has to last for ever."""
+    """True if something is awaited that is impossible because of what has to last for ever."""
     lasting = [task for task in branch.tasks if lasts_for_ever(task)]
     awaited = [task.goal.goal for task in branch.tasks if isinstance(task.goal, Sometime)]
     return any(_excludes(task, goal) for task in lasting for goal in awaited)
 
 
 def _excludes(task: TableauTask, goal: Goal) -> bool:
-    """Whether the goal is never reached while the task lasts."""
+    """True if the goal is never reached while the task lasts."""
     ways = everywhere.ways_of(goal)
     if ways is None:
         return False

@@ -170,7 +170,7 @@ class Automorphisms:
         return None
 
     def _mentions(self, expressions: Iterable[Expression], whole: StatePermutation) -> bool:
-        """Whether something that is exchanged is mentioned."""
+        """True if something that is exchanged is mentioned."""
         for node in (node for expression in with_bodies(expressions) for node in walk(expression)):
             if isinstance(node, LocationTest) and node.process in whole.slots:
                 return True
@@ -246,7 +246,7 @@ class Automorphisms:
         whole: StatePermutation,
         agree: Callable[[Leaf, Leaf, StatePermutation], bool],
     ) -> bool:
-        """Whether in each case the answer to a question, exchanged, is what the other question has in the image."""
+        """True if in each case the answer to a question, exchanged, is what the other question has in the image."""
         return all(
             self._agree(leaf, image, whole, agree)
             for leaf in self.behaviour.of(key, question)

@@ -43,7 +43,7 @@ class Behaviour:
         self.model = model
         self.leaves = Leaves(model)
         self._known: dict[Any, list[Leaf]] = {}
-        self._heard: dict[Participant, frozenset[int]] = {}
+        self._receivable: dict[Participant, frozenset[int]] = {}
 
     def of(self, key: Any, question: Question) -> list[Leaf]:
         """The cases of a question that has a name."""
@@ -74,7 +74,7 @@ class Behaviour:
         return UpdateEffect(cells, dict(scratch.resets))
 
     def is_possible(self, participant: Participant) -> bool:
-        """Whether an edge is part of anything: it is not if its guard is false everywhere, or if no other process is
+        """True if an edge is part of anything: it is not if its guard is false everywhere, or if no other process is
         ever at the other end of its channel. Where it may be an error to ask it, it is."""
         synchronisation, process = self.model.edge(participant).synchronisation, participant.process
         if synchronisation is not None and synchronisation.direction is Direction.RECEIVE:
@@ -123,10 +123,10 @@ class Behaviour:
         return (one for by_location in self.model.instances for of_location in by_location for one in of_location)
 
     def receives(self, participant: Participant) -> frozenset[int]:
-        if participant not in self._heard:
+        if participant not in self._receivable:
             channels = range(len(self.model.channels))
-            self._heard[participant] = frozenset(c for c in channels if may_receive(self.model, participant, c))
-        return self._heard[participant]
+            self._receivable[participant] = frozenset(c for c in channels if may_receive(self.model, participant, c))
+        return self._receivable[participant]
 
     def broadcasts(self, participant: Participant) -> frozenset[int]:
         return frozenset(c for c in self.receives(participant) if self.model.channels[c][0].broadcast)

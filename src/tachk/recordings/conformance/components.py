@@ -65,7 +65,7 @@ def components_of(network: Network, mapping: RecordingMap, streams: EventStreams
 
 
 def are_independent(network: Network, processes: Iterable[int], streams: EventStreams) -> bool:
-    """Whether no event from outside can come in the midst of what a process does in committed locations.
+    """True if no event from outside can come in the midst of what a process does in committed locations.
 
     Other parts may have to act before such an event, and in the whole network they could not.
     """

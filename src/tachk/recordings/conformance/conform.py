@@ -44,8 +44,8 @@ from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.rejection import PossibleEvent, enabled_events, end_of, state_text
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
-SHORT = 100
-"""Runs of so many transitions are judged by the reference, too."""
+LONGEST_BY_REFERENCE = 100
+"""The reference judges runs of at most so many transitions, too."""
 
 
 def moments_of_run(
@@ -58,7 +58,7 @@ def moments_of_run(
         actions: the path by the numbers of the edges of the program.
     """
     moments, _ = exact_run(program, goal, actions)
-    if moments is not None and len(path) > SHORT:
+    if moments is not None and len(path) > LONGEST_BY_REFERENCE:
         return moments
     by_reference = moments_of_trace(run_by_reference(product, path), len(path))
     return by_reference if moments is None else moments
@@ -84,7 +84,7 @@ def moments_of_trace(trace: TimedTrace, transitions: int) -> Moments:
 
 _TRUE = Constant(1, BOOL)
 _STATES_OF_EVENT = 20
-"""So many states for each event the short search stores at most."""
+"""The largest number of states for each event that the budgeted search stores."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,9 +298,9 @@ class _ConformanceSearch:
     def separately(
         self, components: Sequence[IndependentComponent], delays: Sequence[int]
     ) -> list[_SearchOutcome] | None:
-        """An answer for each part; None if these do not tell of the whole.
+        """An answer for each independent component; None if these do not decide the whole.
 
-        A short search for runs with cut windows comes first: most recordings that are runs need no other one.
+        A budgeted search for runs with cut windows comes first: most recordings that are runs need no other one.
         """
         states = _STATES_OF_EVENT * (1 + sum(len(stream.events) for stream in self.streams.streams))
         quick = self._cut(components, delays[0], states)

@@ -23,7 +23,7 @@ from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.location_columns import with_location_variables
-from tachk.recordings.conformance.nearest_log import SHORT_WORK, smallest_edit
+from tachk.recordings.conformance.nearest_log import WORK_BUDGET, smallest_edit
 from tachk.recordings.conformance.question import ExplanationDetail, Question
 
 _DURATION = re.compile(r"\s*(\d{1,20}(?:\.\d{1,20})?)\s*([a-zµμ]*)\s*", re.IGNORECASE)
@@ -183,7 +183,7 @@ def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Ques
         return tried.accepted is True
 
     try:
-        work = None if question.explanation is ExplanationDetail.FULL else SHORT_WORK
+        work = None if question.explanation is ExplanationDetail.FULL else WORK_BUDGET
         search = smallest_edit(network, mapping, events, constants, found, limits, accepts, work)
         return replace(found, edit=search.edit, untried=search.untried)
     except StoppedError:

@@ -78,7 +78,7 @@ class EventStream:
 class EventStreams:
     """Attributes:
     quiet_until: what happens until then has been recorded.
-    horizon: no event happens later.
+    time_bound: no event happens later.
     other: how many events of the recording are of no visible kind.
     origin: the time of the recording at which the model starts.
     scale: units of the model in a unit of the recording.
@@ -87,7 +87,7 @@ class EventStreams:
 
     streams: tuple[EventStream, ...]
     quiet_until: int
-    horizon: int
+    time_bound: int
     other: int
     origin: Fraction
     scale: Fraction
@@ -141,14 +141,14 @@ def make_streams(
             )
         )
     quiet = max([stream.quiet_until for stream in streams], default=0)
-    horizon = max([quiet, *(stream.latest[-1] for stream in streams if stream.latest)]) + 1
-    if horizon > CONSTANT_HIGH:
+    time_bound = max([quiet, *(stream.latest[-1] for stream in streams if stream.latest)]) + 1
+    if time_bound > CONSTANT_HIGH:
         last = f"the last event of {recording.source}, {recording.events[-1].place}," if recording.events else "the end"
         raise UsageError(
             f"{last} may happen more than {CONSTANT_HIGH} units of the model after its start, beyond its clocks",
             "cut the recording, give the model a larger time unit, or allow less lateness",
         )
-    return EventStreams(tuple(streams), quiet, horizon, reader.other, origin, scale, reader.names)
+    return EventStreams(tuple(streams), quiet, time_bound, reader.other, origin, scale, reader.names)
 
 
 def _passed(
@@ -174,10 +174,10 @@ def _passed(
 def around(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
     """For each stream the last event that has happened, if there is one, and the next one."""
     bases = [max(count - 1, 0) for count in happened]
-    near = []
+    shortened = []
     for stream, base, count in zip(streams.streams, bases, happened, strict=True):
         component = slice(base, count + 1)
-        near.append(
+        shortened.append(
             replace(
                 stream,
                 events=stream.events[component],
@@ -192,7 +192,7 @@ def around(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
                 optional=stream.optional[component],
             )
         )
-    return replace(streams, streams=tuple(near))
+    return replace(streams, streams=tuple(shortened))
 
 
 def _scale(network: Network, recording: EventLog) -> Fraction:
@@ -274,7 +274,7 @@ def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tupl
 
 
 def _is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
-    """Whether what is left of the model sends these events, and not what is outside."""
+    """True if what is left of the model sends these events, and not what is outside."""
     if visible.direction is not None:
         return visible.direction is Direction.SEND
     variable = channel_variable(visible.channel)
@@ -332,7 +332,7 @@ class _ColumnClause:
 @dataclass(frozen=True, slots=True)
 class _RecordingClause:
     """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, the
-    places of those that tell what a stream has in common, and the words for locations by column."""
+    places of those that the events of a stream have in common, and the words for locations by column."""
 
     number: int
     names: tuple[str, ...]

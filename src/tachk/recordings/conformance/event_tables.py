@@ -57,7 +57,7 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
 
 
 def _is_json(path: Path) -> bool:
-    """Whether a file of this name has JSON lines. Raises UsageError where it has neither these nor CSV."""
+    """True if a file of this name has JSON lines. Raises UsageError where it has neither these nor CSV."""
     suffix = plain_suffix(path)
     if suffix in JSON_LINES.suffixes:
         return True

@@ -21,7 +21,7 @@ class RecordedEvent:
     place: where it stands in the file, for messages: ``line 5``, ``packet 17``.
     after: the number of an event, from 0, that must have happened before: that a message was sent, if this is its
         arrival. None if there is none.
-        optional: it may have happened or not: nobody has seen whether what was sent arrived.
+        optional: it may have happened or not: whether the message arrived was not observed.
         inferred: it is known from what the model then did: though it comes from outside, it has happened before it was
             recorded, as that has.
         passes: the number of a place past which goes what a participant sends and what comes to it, so that this is

@@ -1,4 +1,4 @@
-"""Locations that recorded events tell: the model keeps them in variables, which hold them at the end of a step.
+"""Locations that recorded events contain: the model keeps them in variables, which hold them at the end of a step.
 
 While a step updates its variables its processes are still where they were, and behind it what is `meta` is lost. So
 each edge of a process whose locations a column tests also sets a variable, which says where the edge leads.

@@ -34,8 +34,8 @@ _BEHIND = range(40, 160)
 """So many events behind it are looked at: up to the longest silence there."""
 _STATES = 20_000
 """So many states at most are stored for each edit and part."""
-SHORT_WORK = 12_000
-"""The limit on the work of a short search for an edit, in edges that are compiled and states that are explored; a few
+WORK_BUDGET = 12_000
+"""The budget of a search for an edit, in edges that are compiled and states that are explored; a few
 seconds."""
 _STATES_OF_EDGE = 5
 """So many states are explored in the time in which one edge is compiled."""
@@ -135,7 +135,7 @@ class NearestLogSearch:
         self.recording = replace(_cut(recording, self.numbers, top), start=found.streams.origin)
 
     def accepts(self, recording: EventLog) -> bool:
-        """Whether each part of the model has a run along these events."""
+        """True if each part of the model has a run along these events."""
         streams = make_streams(self.network, self.mapping, recording, self.constants, *self.exact)
         return all(self._part(start, known, streams) for start, known in zip(self.starts, self.known, strict=True))
 

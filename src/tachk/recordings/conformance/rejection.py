@@ -78,7 +78,7 @@ class FinalState:
 def end_of(
     product: TraceProduct, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
 ) -> FinalState:
-    """The state in which a path ends; found by the core, or by the reference where the core cannot tell.
+    """The state in which a path ends; found by the core, or by the reference where the core does not know it.
 
     Args:
         program: of the network that follows the recording; it has the recording's tables in its code.

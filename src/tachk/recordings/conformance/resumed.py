@@ -33,7 +33,7 @@ def resumed(product: TraceProduct, before: TraceProduct, end: FinalState) -> Tra
         before: follows what the run goes along with.
         end: of that run.
 
-    None where that state has no clock valuation, or clocks of which nobody knows which has run longer.
+    None where that state has no clock valuation, or clocks of which it is not known which has run longer.
     """
     if len(product.network.processes) != len(before.network.processes) or not end.zones:
         return None

@@ -29,7 +29,7 @@ class TraceAutomaton:
         now: the clock that nothing resets.
         positions: the counters of all streams.
         ended: the sender has ended the recording of this stream, which it does not do in the midst of something; None
-            where somebody else ends it.
+            where another automaton ends it.
     """
 
     builder: NetworkBuilder
@@ -59,7 +59,7 @@ class TraceAutomaton:
         """Raises UsageError for events that cannot be followed."""
         process = ProcessBuilder(f"{self.stream.name}.", VariableKind.LOCAL, name=self.stream.name)
         after = self._entry("after", [0, *self.stream.earliest])
-        before = self._entry("before", [*self.stream.latest, self.streams.horizon])
+        before = self._entry("before", [*self.stream.latest, self.streams.time_bound])
         in_time = (self.now >= after) & (self.now <= before)
         if self.stream.outputs:
             matches = self.builder.boolean(f"matches[{self.number}]", True)
@@ -104,8 +104,8 @@ class TraceAutomaton:
         process.edge(here, here, guard=free, receive=channel)
         if is_broadcast(self.stream):
             quiet = self.now < self.stream.quiet_until if self.ended is None else ~self.ended
-            unheard = (self.position == count) & quiet
-            process.edge(here, here, guard=unheard, receive=channel, updates=[matches.assign(_NEVER)])
+            not_recorded = (self.position == count) & quiet
+            process.edge(here, here, guard=not_recorded, receive=channel, updates=[matches.assign(_NEVER)])
 
     def _add_sending_edges(self, process: ProcessBuilder, here: LocationHandle, indices: Indices) -> None:
         """The edge that sends an event from outside, with what it says."""

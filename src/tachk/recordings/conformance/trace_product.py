@@ -127,7 +127,7 @@ def trace_product(
     product = [TraceAutomaton(builder, streams, n, now, positions) for n in range(len(streams.streams))]
     hidden = _outsider(builder, mapping, processes)
     released = _released(mapping, streams, processes)
-    done = now >= (streams.horizon - 1 if to_the_end else streams.quiet_until)
+    done = now >= (streams.time_bound - 1 if to_the_end else streams.quiet_until)
     progress: Term | int = 0
     for position, stream, each in zip(positions, streams.streams, product, strict=True):
         done = done & (position == len(stream.events) if each.ended is None else each.ended)
@@ -187,7 +187,7 @@ def _check_hearable(streams: EventStreams, processes: Sequence[Process]) -> None
             if any(s.direction is Direction.RECEIVE for s in _synchronisations(variable, processes)):
                 raise UsageError(
                     f"`{variable.name}` joins two processes that are both left in the model",
-                    "make it a broadcast channel, so that it can be heard, or replace the process that receives",
+                    "make it a broadcast channel, so that it can be received, or replace the process that receives",
                 )
 
 
@@ -218,13 +218,13 @@ def _outsider(builder: NetworkBuilder, mapping: RecordingMap, processes: Sequenc
         for each in _elements(channel):
             if Direction.RECEIVE in directions:
                 process.edge(here, here, send=Term(each))
-            elif Direction.SEND in directions and not _is_received_by_nobody(channel):
+            elif Direction.SEND in directions and not _has_no_receiver(channel):
                 process.edge(here, here, receive=Term(each))
     return [process.build()]
 
 
-def _is_received_by_nobody(channel: Expression) -> bool:
-    """Whether it can be sent on without a receiver."""
+def _has_no_receiver(channel: Expression) -> bool:
+    """True if it can be sent on without a receiver."""
     type_ = element_type(channel.type)
     return isinstance(type_, ChannelType) and type_.broadcast
 

@@ -460,7 +460,7 @@ class _Compiler:
 
 
 def is_condition(expression: ast.Expression) -> bool:
-    """Whether an expression is true or false by its form."""
+    """True if an expression is true or false by its form."""
     match expression:
         case ast.UnaryExpression(operator=operator):
             return operator == PrefixOperator.NOT

@@ -56,7 +56,7 @@ class ConstantReader:
     found: list[Diagnostic] = field(default_factory=list)
 
     def take(self, span: Span) -> bool:
-        """Whether this is the line of a constant, which is noted then, or what is wrong with it."""
+        """True if this is the line of a constant, which is noted then, or what is wrong with it."""
         match = _LINE.fullmatch(span.text)
         if match is None:
             return False
@@ -131,7 +131,7 @@ class ConstantReader:
         return inner or bool(line.unit)
 
     def _kind(self, expression: ast.Expression, above: tuple[str, ...]) -> bool:
-        """Whether an expression is a time; its constants are those of ``above``."""
+        """True if an expression is a time; its constants are those of ``above``."""
         match expression:
             case ast.NameExpression(name=name, span=span):
                 return self._is_time(name, span, above)

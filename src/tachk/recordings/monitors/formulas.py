@@ -1,4 +1,4 @@
-"""The formulas that a trace is judged by: a text, a file of formulas, or the properties of a model."""
+"""The formulas that are evaluated on a trace: a text, a file of formulas, or the properties of a model."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class NamedFormula:
     sentence: its text if it was written as one, else empty.
     unit: what a bound without unit is measured in, such as ``10 ms``; empty: the unit of the trace.
     constants: of the model or the file that states it; a column of such a name comes first.
-    given: what somebody who monitors gives constants; a column of such a name is an error.
+    given: the values that the user gives constants; a column of such a name is an error.
     durations: as ``constants``, those with a unit, in nanoseconds.
     siblings: formulas of the same file that it may name.
     written: in canonical form, where the formula is another one for some trace; else empty.
@@ -102,7 +102,7 @@ class NamedFormula:
         return replace(self, formula=expanded(self.formula, self.siblings, columns), siblings=None)
 
     def numbers(self, unit: str) -> dict[str, Fraction | int]:
-        """The values of all constants where times are measured in a unit. Raises UsageError if nobody says which."""
+        """The values of all constants where times are measured in a unit. Raises UsageError if there is no unit."""
         length = length_of(unit)
         if self.durations and length is None:
             name = next(iter(self.durations))
@@ -279,7 +279,7 @@ def _ratio(own: str, common: str) -> Fraction:
 
 
 def names_file(given: str | os.PathLike[str]) -> bool:
-    """Whether an argument names a file rather than being a formula."""
+    """True if an argument names a file rather than being a formula."""
     if not isinstance(given, str):
         return True
     if "\n" in given:

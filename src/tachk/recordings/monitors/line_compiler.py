@@ -55,7 +55,7 @@ class _LineChecker:
         self._moving = moving
 
     def moves(self, expression: ast.Expression) -> bool:
-        """Whether the value of an expression depends on a column that moves."""
+        """True if the value of an expression depends on a column that moves."""
         return any(column_name(name) in self._moving for name in nodes_of_kind(expression, *COLUMN_NAMES))
 
     def not_linear(self, expression: ast.Expression) -> Iterator[Diagnostic]:
@@ -137,7 +137,7 @@ def _no_first_instant(expression: ast.Expression, becomes: str, other: str | Non
 
 
 def _reads(expression: ast.Expression) -> bool:
-    """Whether an expression reads a column: any name but those of functions."""
+    """True if an expression reads a column: any name but those of functions."""
     functions = {id(call.function) for call in nodes_of_kind(expression, ast.CallExpression)}
     return any(id(name) not in functions for name in nodes_of_kind(expression, *COLUMN_NAMES))
 

@@ -54,5 +54,5 @@ class Mined:
 
     @property
     def satisfiable(self) -> bool:
-        """Whether some value in the range satisfies the formula on all traces."""
+        """True if some value in the range satisfies the formula on all traces."""
         return self.value is not None or bool(self.ranges)

@@ -172,7 +172,7 @@ class _ParameterSearch:
         program = prepare([named], open_trace(trace))[1][0]
         return evaluate(program.atoms[0].left, program.columns, trace)
 
-    # ---- what comes of it ----
+    # ---- results ----
 
     def _bisected(self, candidates: Candidates, effect: Monotonicity, exact: bool) -> Mined:
         """The least tight of the tightest places of all traces."""

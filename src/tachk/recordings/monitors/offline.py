@@ -71,7 +71,7 @@ def _evaluated_at_once(
     formulas: Sequence[NamedFormula], recording: TraceSource, evaluation: EvaluationOptions, source: str
 ) -> MonitorRecord:
     if isinstance(recording, TableRecording) and evaluation.interpolation is Interpolation.CONSTANT and formulas:
-        # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
+        # Rows are looked over while the first formula is evaluated. To read them before would take half as long.
         try:
             return _evaluated(formulas, recording.supposed(), evaluation, source)
         except (InputError, UsageError):

@@ -241,7 +241,7 @@ class Monitor:
 
     @property
     def decided(self) -> bool:
-        """Whether nothing that follows can change a verdict."""
+        """True if nothing that follows can change a verdict."""
         return self._group.open() == 0
 
     @property
@@ -284,7 +284,7 @@ class Monitor:
 
     @property
     def watches_violations(self) -> bool:
-        """Whether all violations are reported."""
+        """True if all violations are reported."""
         return self._watch is not None
 
     @property

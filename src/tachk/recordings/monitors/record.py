@@ -62,7 +62,7 @@ class MonitorVerdict:
     def finding(self) -> Finding | None:
         """The first violation, or the position at which the verdict stays open; None if the formula is true.
 
-        It is searched on first use, which reads the trace again. Raises UsageError if somebody has
+        It is searched on first use, which reads the trace again. Raises UsageError if a program has
         changed the arrays of the trace meanwhile, so that they no longer have this verdict.
         """
         return self.explainer.finding(self.measured)

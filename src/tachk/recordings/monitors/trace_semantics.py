@@ -45,7 +45,7 @@ class TraceSemantics(Protocol):
     """The semantics of a trace between its rows. Programs and traces count the same ticks."""
 
     def shown(self, trace: Trace) -> Trace:
-        """The trace as reports count it, so that every instant which they tell is a whole number of half ticks."""
+        """The trace as reports count it, so that every instant in them is a whole number of half ticks."""
         ...
 
     def truth(self, program: MonitorProgram, trace: Trace) -> EvaluatedTruth: ...
@@ -165,7 +165,7 @@ def semantics_of(trace: Trace, programs: Iterable[MonitorProgram]) -> TraceSeman
 
 
 def follows_from_truth(program: MonitorProgram) -> bool:
-    """Whether the robustness is infinite, because the formula compares no numbers."""
+    """True if the robustness is infinite, because the formula compares no numbers."""
     return all(atom.relation is AtomRelation.TRUTH for atom in program.atoms)
 
 

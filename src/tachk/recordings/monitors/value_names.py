@@ -60,9 +60,9 @@ def with_named_values(formulas: Sequence[NamedFormula], recording: TraceSource) 
 
 
 def names_of_values(formulas: Sequence[NamedFormula], recording: TraceSource) -> dict[str, dict[int, str]]:
-    """What the recording calls the values of the columns that formulas read, where a value has one name only.
+    """The names in the recording for the values of the columns that formulas read, where a value has one name only.
 
-    Of a column to which no names are known to belong, those that the formulas compare it with.
+    A column to which no names are known to belong has those that the formulas compare it with.
     """
     columns = {name for each in _all(formulas) for name in columns_read(each)}.intersection(recording.columns)
     found = {column: set(names.items()) for column, names in enumerations(recording, columns).items()}

@@ -31,7 +31,7 @@ def topic_of(column: str) -> str | None:
 
 
 def belongs(column: str, topic: str) -> bool:
-    """Whether a column is the topic, or a part of it."""
+    """True if a column is the topic, or a part of it."""
     return column == topic or column.startswith((f"{topic}.", f"{topic}["))
 
 
@@ -46,7 +46,7 @@ def arriving(wanted: Iterable[str], columns: Collection[str]) -> dict[str, tuple
 
 
 def no_arrivals(name: str, topic: str, help: str) -> UsageError:
-    """The error about a recording that does not tell when something arrives.
+    """The error about a recording that does not show when something arrives.
 
     Args:
         name: of the recording.

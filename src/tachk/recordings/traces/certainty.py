@@ -11,7 +11,7 @@ from tachk.recordings.traces.trace import Trace
 
 
 def is_certainly_false(program: MonitorProgram, trace: Trace) -> bool:
-    """Whether a formula that is false on the trace is false however it goes on."""
+    """True if a formula that is false on the trace is false however it goes on."""
     if trace.known_before is None or trace.interpolation is Interpolation.LINEAR:
         return True
     online = OnlineMonitor(program, robustness=False)

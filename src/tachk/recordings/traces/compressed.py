@@ -30,7 +30,7 @@ def plain_suffix(path: Path) -> str:
 
 
 def is_compressed(path: Path) -> bool:
-    """Whether the name of a file says so."""
+    """True if the name of a file says so."""
     return path.suffix.lower() in COMPRESSED_SUFFIXES
 
 

@@ -18,7 +18,7 @@ SEPARATORS = ",;\t"
 
 _LONGEST_HEADER = 1 << 24
 _SAMPLE = 1 << 16
-"""Bytes behind the header that tell how numbers are written."""
+"""Bytes behind the header that show how numbers are written."""
 
 _DECLARED_SEPARATOR = re.compile(r"\"?sep=(?P<separator>[,;\t]|\\t)\"?[,;\t]*", re.IGNORECASE)
 """A line above the header by which spreadsheets declare the separator; some quote it, or write it into the first cell
@@ -32,7 +32,7 @@ _ENDS_OF_LINES = "end lines with a line feed, and put names with other control c
 
 
 _SAMPLE_LINES = 100
-"""Lines that tell which columns hold numbers."""
+"""Lines that show which columns hold numbers."""
 
 _BINARY = {
     b"\x1f\x8b": "compressed by gzip",
@@ -119,7 +119,7 @@ def _first_row(stream: ByteStream) -> bytes:
 def _cells(row: str, separator: str) -> Sequence[str]:
     try:
         return next(csv.reader([row], delimiter=separator, skipinitialspace=True), [])
-    except csv.Error:  # whoever reads the row will tell
+    except csv.Error:  # the reader of the row reports it
         return ()
 
 

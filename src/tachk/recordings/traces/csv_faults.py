@@ -16,7 +16,7 @@ _HALF_VALUE = re.compile(rb"[-+]?(\d+\.?\d*e[-+]?)?|t|tr|tru|f|fa|fal|fals|n|na|
 
 
 def is_half_value(text: bytes) -> bool:
-    """Whether it is what a number or a word begins with."""
+    """True if it is what a number or a word begins with."""
     return _HALF_VALUE.fullmatch(text) is not None
 
 

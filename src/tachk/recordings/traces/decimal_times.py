@@ -62,7 +62,7 @@ def fewest_decimals(count: Callable[[int], Counted | None]) -> Counted | None:
 
 
 def is_binary(text: str) -> bool:
-    """Whether a decimal number, as it is written, was a binary one: it has more than fifteen digits, or is a short one
+    """True if a decimal number, as it is written, was a binary one: it has more than fifteen digits, or is a short one
     but for errors of rounding, as 7.19999999999999 is."""
     mantissa, _, exponent = text.strip().lower().lstrip("+-").partition("e")
     whole, _, fraction = mantissa.partition(".")

@@ -32,7 +32,7 @@ MOST_PARTS = 1_000_000
 """The largest number of parts of a tick, for the instants at which lines cross."""
 
 LAST_TICK_OF_LINES = 1 << 47
-"""The durations of a formula that is judged on lines add up to less than this number of ticks."""
+"""The durations of a formula that is evaluated on lines add up to less than this number of ticks."""
 
 _LAST_TICK = 1 << 59
 

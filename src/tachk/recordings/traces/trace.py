@@ -66,7 +66,7 @@ class FloatTimes:
 
 
 def changed_trace() -> UsageError:
-    """The error for arrays that have changed since they were judged."""
+    """The error for arrays that have changed since they were evaluated."""
     return UsageError(
         "the trace has been changed since it was judged, so that its verdict cannot be explained",
         "leave its arrays as they are while the report is in use, or give copies of them",
@@ -81,7 +81,7 @@ class Trace:
     columns: one value for each row; numbers as float64, truth values as uint8.
     end: in ticks; not before the last row. The trace includes it.
     ticks_per_unit: how many ticks make one unit of time.
-    unit: ``ms``, ``s``, ...; empty if nobody has said it.
+    unit: ``ms``, ``s``, ...; empty if it is not given.
     origin: what the clock of the recording showed when the trace began, in units.
     interpolation: what numbers do between rows.
     texts: the columns that hold texts, as the places of these in ``labels``.
@@ -93,7 +93,7 @@ class Trace:
         formula is false on it only if no way to go on makes it true. None: the trace does not go on.
     calendar: the clock counts seconds since 1970, however the times were written.
     value_names: what a file calls the values of columns of numbers.
-    notes: what its reader did that somebody who reads a verdict should know, such as rounding times.
+    notes: actions of its reader that matter for a verdict, such as rounding times.
     warnings: what is wrong with the file though it could be read, such as that it is cut off.
     """
 
@@ -148,7 +148,7 @@ class Trace:
         return int(self.packets[row]) or None if row >= 0 and self.times[row] == tick else None
 
     def moves(self, column: str) -> bool:
-        """Whether the values of a column lie on lines between the rows."""
+        """True if the values of a column lie on lines between the rows."""
         numbers = self.columns[column].dtype.kind == "f" and column not in self.texts
         return numbers and self.interpolation is Interpolation.LINEAR
 

@@ -26,7 +26,7 @@ _FIRST_BLOCK = 1 << 8
 _BLOCK = 1 << 15
 
 _SAMPLES = 1 << 8
-"""Rows whose times tell in how many decimals all of them may be whole."""
+"""Rows whose times show in how many decimals all of them may be whole."""
 
 
 class _TimeFault(IntEnum):
@@ -168,7 +168,7 @@ def open_table(data: Any, time: str | None = None, unit: str | None = None, name
 
 
 def are_dates(times: Any) -> bool:
-    """Whether a column holds instants of a calendar."""
+    """True if a column holds instants of a calendar."""
     return getattr(getattr(times, "dtype", None), "kind", "") == "M"
 
 
@@ -413,7 +413,7 @@ def _from(values: Values, row: int) -> Values:
 
 
 def is_missing(value: object) -> bool:
-    """Whether a cell means that the value stays."""
+    """True if a cell means that the value stays."""
     return value is None or (isinstance(value, float) and math.isnan(value)) or type(value).__name__ == "NAType"
 
 

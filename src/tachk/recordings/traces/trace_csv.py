@@ -300,7 +300,7 @@ class CsvRecording:
         return (cut_off_warning(self.name, f"line {fault[1]}, which is half written, is left out"),)
 
     def _is_cut_off(self, reader: _core.CsvReader) -> bool:
-        """Whether nothing is wrong but that the last line is half written."""
+        """True if nothing is wrong but that the last line is half written."""
         fault = reader.fault()
         if fault is None or not reader.is_cut_off() or not reader.any_row():
             return False

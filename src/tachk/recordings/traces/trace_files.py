@@ -1,4 +1,4 @@
-"""The formats of recorded traces, one row each, and nobody else lists them; opens a trace, whatever it is kept in.
+"""The formats of recorded traces, one row each, listed here only; opens a trace, whatever it is kept in.
 
 A format is loaded when a trace of it is opened: the command line names all of them.
 """
@@ -79,7 +79,7 @@ _RUN = ".run"
 
 
 def is_csv(path: Path) -> bool:
-    """Whether a file of this name is read as comma-separated values."""
+    """True if a file of this name is read as comma-separated values."""
     return plain_suffix(path) in (*CSV.suffixes, "")
 
 

@@ -66,7 +66,7 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
 
 
 def agreed_unit(own: str, given: str | None, trace: str) -> str:
-    """The unit of the times of a trace that says ``own`` (empty: nothing), where somebody says ``given``.
+    """The unit of the times of a trace that says ``own`` (empty: nothing), where the user gives ``given``.
 
     Raises UsageError where the two contradict each other, or the given one is not known.
     """

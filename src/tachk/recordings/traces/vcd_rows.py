@@ -26,7 +26,7 @@ _BITS: Final = {"0": 0.0, "1": 1.0, "L": 0.0, "H": 1.0, "l": 0.0, "h": 1.0}
 _LARGEST_EXACT: Final = 2**53
 _LAST_TICK: Final = 2**62
 _CHECKPOINTS: Final = (TokenKind.DUMPVARS, TokenKind.DUMPALL, TokenKind.DUMPON, TokenKind.DUMPOFF)
-"""Blocks that tell the values of variables, whether they have changed or not (IEEE 1800-2017, 21.7.2.1)."""
+"""Blocks that hold the values of variables, whether they have changed or not (IEEE 1800-2017, 21.7.2.1)."""
 
 _ESCAPED: Final = re.compile(r"\\x([0-9a-f]{2})")
 """A character of a text that would end it."""
@@ -174,7 +174,7 @@ class VcdRows:
 
 
 def _is_value(change: _Change) -> bool:
-    """Whether a change gives a number or a text, and not `x` or `z`."""
+    """True if a change gives a number or a text, and not `x` or `z`."""
     match change:
         case RealChange(value=value):
             return not isnan(value)

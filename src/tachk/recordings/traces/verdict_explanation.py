@@ -52,7 +52,7 @@ class Finding:
         triggered: the first and the last cell of the stretch around ``cell`` in which the trigger is true.
         response: why the response, or the whole, has its value.
         deadline: the last cell at which the response could have come or been broken; None: without end.
-        decided: the cell from which on the verdict is certain; None if it is not, or nobody can tell.
+        decided: the cell from which on the verdict is certain; None if it is not, or that is not known.
         blamed: the innermost subformulas to blame, with the cells at which they are.
     """
 
@@ -276,7 +276,7 @@ class Explainer:
         return reason.cell
 
     def _reaches_beyond(self, reason: TruthReason) -> bool:
-        """Whether operands that the reasons say nothing about look ahead of the window of their operator."""
+        """True if operands that the reasons say nothing about look ahead of the window of their operator."""
         if reason.parts and reason.kind is not NodeKind.UNTIL:
             return any(self._reaches_beyond(part) for part in reason.parts)
         pending = list(self.program.nodes[reason.node].operands)

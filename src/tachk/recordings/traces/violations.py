@@ -132,7 +132,7 @@ def obligations(program: MonitorProgram) -> Iterator[DemandedNode]:
 
 
 def _empty(node: MonitorNode) -> bool:
-    """Whether the window of an operator has no instant, as that of ``G(2, 2)``."""
+    """True if the window of an operator has no instant, as that of ``G(2, 2)``."""
     return node.lower == node.upper and not (node.lower_closed and node.upper_closed)
 
 

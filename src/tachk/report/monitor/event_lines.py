@@ -25,7 +25,7 @@ def write_lines(record: MonitorRecord, out: TextIO, console: Callable[[TextIO], 
 
 
 def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[str, Json]]:
-    """The events of a trace that has been judged as a whole."""
+    """The events of a trace that has been evaluated as a whole."""
     trace = record.trace
     for verdict in record.verdicts:
         if all_violations and verdict.measured is not Truth.TRUE:

@@ -1,4 +1,4 @@
-"""The machine form of a judged trace: plain dictionaries that follow docs/schema/monitor.schema.json."""
+"""The machine form of an evaluated trace: plain dictionaries that follow docs/schema/monitor.schema.json."""
 
 from __future__ import annotations
 

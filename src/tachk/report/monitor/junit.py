@@ -25,7 +25,7 @@ def monitor_to_junit(record: MonitorRecord, all_violations: bool = False) -> str
     """One suite for the trace, one case for each formula: false is a failure, undetermined an error.
 
     Args:
-        all_violations: tell the story of each, not only of the first.
+        all_violations: describe each one, not only the first.
     """
     truths = [verdict.truth for verdict in record.verdicts]
     suites = ElementTree.Element("testsuites")

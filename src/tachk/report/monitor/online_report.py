@@ -1,4 +1,4 @@
-"""Reports of traces that are judged as they come: some lines when a verdict is decided, a summary at the end."""
+"""Reports of traces that are evaluated as they come: some lines when a verdict is decided, a summary at the end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of judged traces: signals on top, below them what each subformula is worth, and where a formula is violated.
+"""Pictures of evaluated traces: signals on top, below them the values of subformulas, and where a formula is violated.
 
 True, false and undetermined differ in shape, not only in colour: filled, hatched, dotted.
 """

@@ -45,7 +45,7 @@ class Run:
 
         Args:
             clocks: print the value of every clock after each step.
-            every_step: tell also repeated rounds step by step, and what the model hides.
+            every_step: print also repeated rounds step by step, and the steps that the model hides.
         """
         return evidence_text(self.network, self.verdict, RunDisplay(clocks, every_step))
 

@@ -1,8 +1,8 @@
 """The sequence chart of a run of a model.
 
-Who synchronises sends a message that takes no time. What goes through a link of models/lib, into it on
+A process that synchronises sends a message that takes no time. What goes through a link of models/lib, into it on
 ``send[link][kind]`` and out of it on ``deliver[link][kind]``, is one message that takes the time in between; it may be
-lost. Where nobody sends anything, the locations that processes enter are drawn. Blocks of steps that repeat themselves
+lost. Where no process sends anything, the locations that processes enter are drawn. Repeated blocks of steps
 are drawn once.
 """
 
@@ -59,7 +59,7 @@ def _unit(unit: str) -> tuple[str, Fraction]:
 
 
 def _lifelines(run: RunSteps) -> tuple[str, ...]:
-    """Processes that send something, or hear what nobody hears who sends; where nobody sends, those that move."""
+    """Processes that send something, or receive from others than senders; those that move if no process sends."""
     if not run.has_messages:
         moved = {process for step in run.steps for process in step.locations}
         return tuple(process for process in run.processes if process in moved)

@@ -44,7 +44,7 @@ class StatisticalAnswer:
 
     @property
     def is_counted(self) -> bool:
-        """Whether the answer counts: it is the outcome of a test, or something is expected of it, or it is not as
+        """True if the answer counts: it is the outcome of a test, or something is expected of it, or it is not as
         expected whatever that is."""
         return isinstance(self.found, Decided) or self.query.expectation is not None or self.met is not True
 
@@ -83,7 +83,7 @@ def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None
 
 
 def has_run_time_error(found: Estimate) -> bool:
-    """Whether some run ended with one."""
+    """True if some run ended with one."""
     if isinstance(found, DrawnRuns) and any(run.ending is SimulationEnding.FAULT for run in found.runs):
         return True
     return any(sample.endings[SimulationEnding.FAULT] for sample in samples_of(found))

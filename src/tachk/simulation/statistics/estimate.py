@@ -377,7 +377,7 @@ def value_range(network: Network, wanted: ExpectedValue, largest_reset: int) -> 
 
 
 def _clocks_count_time(network: Network) -> bool:
-    """Whether no clock is faster than time."""
+    """True if no clock is faster than time."""
     try:
         list(stopwatches(network))
     except UnsupportedError:

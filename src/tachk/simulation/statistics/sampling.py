@@ -18,7 +18,7 @@ from tachk.base.span import Span
 from tachk.engine.compiler.features import check_simulated
 from tachk.engine.compiler.lower import lower_simulation
 from tachk.engine.compiler.program import Chances, Program
-from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, SimulationEnding, horizon
+from tachk.engine.simulation.simulator import LATEST_END, TICKS_PER_UNIT, SimulationEnding, time_bound
 from tachk.engine.simulation.trials import Reach, TrialAnswer, TrialQuestion, Trials, Trier
 from tachk.model.connectives import both, either, negation
 from tachk.model.expressions import (
@@ -207,7 +207,7 @@ def reach_of(bound: RunBound, network: Network, program: Program) -> Reach:
         return Reach(steps=int(bound.limit))
     if bound.limit > LATEST_END:
         raise UsageError(f"runs last at most {int(LATEST_END)} time units")
-    limit = horizon(bound.limit)
+    limit = time_bound(bound.limit)
     if bound.clock is None:
         return Reach(until=limit.ticks, ticks_per_unit=limit.ticks_per_unit)
     number = clock_number(bound.clock, network, program)

@@ -15,11 +15,11 @@ from tachk.engine.compiler.program import Program
 from tachk.engine.simulation.simulator import (
     LATEST_TICK,
     TICKS_PER_UNIT,
-    Horizon,
     RecordedChanges,
     Simulated,
     SimulationEnding,
     SimulationOptions,
+    TimeBound,
 )
 from tachk.engine.simulation.trials import TrialAnswer
 from tachk.model.connectives import any_of, both
@@ -141,12 +141,12 @@ def _stretches(numbers: Sequence[int]) -> Iterator[tuple[int, int]]:
             first = place
 
 
-def _end(network: Network, question: TrajectoriesQuery, source: RunSource) -> Horizon:
+def _end(network: Network, question: TrajectoriesQuery, source: RunSource) -> TimeBound:
     """The time at which the run with the first number reaches a bound that is a clock."""
     beyond, latest = question.bound.beyond, RunBound(Scale.TIME, Fraction(LATEST_TICK, TICKS_PER_UNIT))
     path = Path(question.bound, None, False, Constant(0)) if beyond is None else Path(latest, None, False, beyond)
     sampler = path_sampler(network, path, source)
-    return Horizon(int(sampler.draw(1).ends[0]), sampler.sample.ticks_per_unit)
+    return TimeBound(int(sampler.draw(1).ends[0]), sampler.sample.ticks_per_unit)
 
 
 def _standing(network: Network, clock: Expression) -> Expression:

@@ -29,7 +29,7 @@ from tachk.simulation.stepping.rejections import rejection_diagnostic
 from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import run_text
 from tachk.simulation.stepping.signals import signals_of
-from tachk.simulation.times import horizon_of
+from tachk.simulation.times import parsed_time_bound
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +200,7 @@ def simulate(
         raise UsageError(f"there is no policy {policy!r}", f"one of {', '.join(Policy)}")
     if runs < 1 or first < 0 or threads < 1:
         raise UsageError("runs and threads are at least 1, and first at least 0")
-    end = horizon_of(str(until), network.time_unit, "until")
+    end = parsed_time_bound(str(until), network.time_unit, "until")
     drawing = SimulationOptions(seed, end.ticks, Policy(policy), max_steps, threads, end.ticks_per_unit)
     plan = [fault] if isinstance(fault, str) else list(fault)
     return drawn_runs(network, drawing, range(first, first + runs), tuple(record), plan)

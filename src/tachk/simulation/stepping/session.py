@@ -102,5 +102,5 @@ def _moment(window: DelayWindow, random: Random) -> Fraction:
     length = last - window.first
     share = Fraction(random.randint(0 if window.first_belongs else 1, 10 if window.last_belongs else 9), 10)
     moment = window.first + share * length
-    near = Fraction(round(moment * _GRID), _GRID)
-    return near if near in window else moment
+    rounded = Fraction(round(moment * _GRID), _GRID)
+    return rounded if rounded in window else moment

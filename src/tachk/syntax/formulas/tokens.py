@@ -79,12 +79,12 @@ def resolve_formula(tokens: list[Token]) -> list[Token]:
 
 
 def is_temporal(marked: list[Token]) -> bool:
-    """Whether marked tokens hold anything that only a temporal formula has."""
+    """True if marked tokens hold anything that only a temporal formula has."""
     return any(token.type in TEMPORAL for token in marked)
 
 
 def is_sentence(tokens: list[Token]) -> bool:
-    """Whether a text is to be read as a sentence: it ends with a full stop, which is not the point of a number."""
+    """True if a text is to be read as a sentence: it ends with a full stop, which is not the point of a number."""
     if len(tokens) < 2 or tokens[-1].text != "." or tokens[-1].type == "STRING":
         return False
     number = tokens[-2].type == "INTEGER" and tokens[-2].span.end == tokens[-1].span.start
@@ -92,7 +92,7 @@ def is_sentence(tokens: list[Token]) -> bool:
 
 
 def lacks_full_stop(tokens: list[Token]) -> bool:
-    """Whether a text that does not end with a full stop can only be meant as a sentence: words follow one another."""
+    """True if a text that does not end with a full stop can only be meant as a sentence: words follow one another."""
     first = tokens[0].text if tokens else ""
     if len(tokens) > 1 and (first in PREFIX or first.lower() in WORDS) and tokens[1].text in ("(", "["):
         return False  # an operator, perhaps in the words of other tools

@@ -163,7 +163,7 @@ class _NameResolver:
         return self.output
 
     def at_start(self) -> bool:
-        """Whether an item, a clause or a statement can begin here."""
+        """True if an item, a clause or a statement can begin here."""
         if not self.output:
             return True
         last = self.output[-1]
@@ -260,7 +260,7 @@ class _NameResolver:
         return False
 
     def names_no_type(self, word: str) -> bool:
-        """Whether nothing in the text can define a word as a type."""
+        """True if nothing in the text can define a word as a type."""
         tokens = self.tokens
         places = [place for place, token in enumerate(tokens) if token.text == word]
         return not any(tokens[place + 1].text in (";", ",", "[") and place > 0 for place in places)
@@ -282,7 +282,7 @@ class _NameResolver:
                 token.type = token.text.upper()
 
     def declares(self) -> bool:
-        """Whether a name and parentheses, but no function body, follow."""
+        """True if a name and parentheses, but no function body, follow."""
         depth = 0
         for index in range(self.position + 2, len(self.tokens) - 1):
             depth += (self.tokens[index].text == "(") - (self.tokens[index].text == ")")
@@ -300,7 +300,7 @@ class _NameResolver:
             token.type = "LOCATION" if word == "location" else _FLAGS[word]
 
     def flagged_location(self) -> bool:
-        """Whether flags, then ``location NAME``, then ``{`` or ``;`` follow."""
+        """True if flags, then ``location NAME``, then ``{`` or ``;`` follow."""
         ahead = 0
         while self.text(ahead) in _FLAGS and ahead < 8:
             ahead += 1
@@ -435,7 +435,7 @@ class _NameResolver:
 
 
 def _is_query(formula: list[Token]) -> bool:
-    """Whether this begins as only a query can, or is ``p --> q``."""
+    """True if this begins as only a query can, or is ``p --> q``."""
     first, second, third = ([token.text for token in formula[:3]] + [""] * 3)[:3]
     if first in ("A", "E") and second + third in ("[]", "<>"):
         return True

@@ -59,7 +59,7 @@ def measured(value: Any, most: int = sys.maxsize) -> tuple[tuple[Diagnostic, ...
 
 
 def _continues(node: Any, part: ast.Node) -> bool:
-    """Whether a part is the next link of the chain that its node belongs to, not a level of nesting."""
+    """True if a part is the next link of the chain that its node belongs to, not a level of nesting."""
     match node, part:
         case ast.BinaryExpression(operator=BinaryOperator.IMPLY), ast.BinaryExpression(operator=BinaryOperator.IMPLY):
             return True
@@ -125,7 +125,7 @@ def _too_long(span: Span, most: int) -> Diagnostic:
 
 
 def _suspicious(tokens: list[Token]) -> bool:
-    """Whether the tree can be deep at all: it cannot where brackets are shallow and statements short."""
+    """True if the tree can be deep at all: it cannot where brackets are shallow and statements short."""
     length = depth = branches = 0
     for token in tokens:
         text = token.text

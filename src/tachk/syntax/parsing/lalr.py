@@ -123,7 +123,7 @@ def _spread(rule: GrammarRule, make: Callable[[list[Any]], Any]) -> Callable[[li
             elif spread:
                 spread += value
             else:
-                # A list that grows at its end would otherwise be copied for each element. Nobody else has it.
+                # A list that grows at its end would otherwise be copied for each element. It is not shared.
                 spread = value
         return make(spread + [None] * places[-1] if places[-1] else spread)
 
@@ -175,7 +175,7 @@ class Stack:
                 return values[-1]
 
     def accepts(self, kinds: Iterable[str], levels: int | None = None) -> bool:
-        """Whether these terminals could come next, the stack cut to a height."""
+        """True if these terminals could come next, the stack cut to a height."""
         rows, gotos, end = self.tables.rows, self.tables.gotos, self.end
         states = self.states[:levels]
         for kind in kinds:
@@ -194,7 +194,7 @@ class Stack:
         return True
 
     def takes(self, level: int, kind: str) -> bool:
-        """Whether the state at a level has a step for a terminal."""
+        """True if the state at a level has a step for a terminal."""
         return kind in self.tables.rows[self.states[level]]
 
     def choices(self) -> Sequence[str]:

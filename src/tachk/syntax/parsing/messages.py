@@ -144,7 +144,7 @@ def _brackets(situation: ParseSituation) -> Diagnostic | None:
 
 
 def _declares_function(situation: ParseSituation) -> bool:
-    """Whether ``void f(`` or ``int f(`` stands in a block, in which only variables are declared."""
+    """True if ``void f(`` or ``int f(`` stands in a block, in which only variables are declared."""
     tokens, index = situation.tokens, situation.index
     if index < 2 or tokens[index - 1].type != "NAME" or "(" in situation.accepted:
         return False
@@ -152,7 +152,7 @@ def _declares_function(situation: ParseSituation) -> bool:
 
 
 def _is_closed_later(situation: ParseSituation) -> bool:
-    """Whether the brace that is open at the token that does not fit is closed, were that token not there."""
+    """True if the brace that is open at the token that does not fit is closed, were that token not there."""
     depth = 1
     for token in situation.tokens[situation.index + 1 :]:
         if token.type in ("PROCESS", "SYSTEM"):

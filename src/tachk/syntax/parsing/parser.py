@@ -335,5 +335,5 @@ def _legacy_warning(first: Diagnostic) -> Diagnostic:
 
 
 def has_errors(diagnostics: Diagnostics) -> bool:
-    """Whether any of the diagnostics is more than a warning."""
+    """True if any of the diagnostics is more than a warning."""
     return any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)

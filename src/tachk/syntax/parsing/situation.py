@@ -47,7 +47,7 @@ def query_start(situation: ParseSituation) -> int | None:
 
 
 def is_formula(situation: ParseSituation) -> bool:
-    """Whether the token stands in a temporal formula, or in a text that would be one if it had an operator."""
+    """True if the token stands in a temporal formula, or in a text that would be one if it had an operator."""
     if situation.start == "formula_fragment":
         return True
     begin = query_start(situation)

@@ -52,7 +52,7 @@ def cached_grammar(text: str, starts: Sequence[str]) -> Grammar:
     path = _cache_path(key)
     if path is not None:
         with suppress(Exception):
-            # Whatever is wrong with a cache file must not stand in the user's way.
+            # A damaged cache file is ignored.
             return _load(path, key)
     from tachk.syntax.parsing.compile_grammar import compile_grammar
 

@@ -35,12 +35,12 @@ class Placement:
     closing: Comments = field(default_factory=lambda: defaultdict(list))
 
     def touches(self, node: Any) -> bool:
-        """Whether a comment belongs to the node itself."""
+        """True if a comment belongs to the node itself."""
         key = id(node)
         return any(key in table for table in (self.before, self.behind, self.opening, self.closing))
 
     def inside(self, node: Any) -> bool:
-        """Whether a comment belongs to something within the node, or to its braces."""
+        """True if a comment belongs to something within the node, or to its braces."""
         key = id(node)
         return (
             key in self.opening

@@ -131,7 +131,7 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
 
 
 def _is_long(operand: ast.Expression) -> bool:
-    """Whether so many signs stand before an operand that parentheses would be nested too deeply."""
+    """True if so many signs stand before an operand that parentheses would be nested too deeply."""
     for _ in range(LONGEST_FROM_LEFT):
         if not isinstance(operand, ast.UnaryExpression):
             return False
@@ -140,7 +140,7 @@ def _is_long(operand: ast.Expression) -> bool:
 
 
 def needs_parentheses(first: ast.Expression, operator: BinaryOperator) -> bool:
-    """Whether the first operand of a chain must not become a part of it."""
+    """True if the first operand of a chain must not become a part of it."""
     return operator.associative and isinstance(first, ast.BinaryExpression) and first.operator == operator
 
 

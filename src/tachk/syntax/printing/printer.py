@@ -195,7 +195,7 @@ def _write_if(writer: Writer, node: ast.IfStatement, word: str) -> None:
 
 
 def _takes_else(node: ast.Statement) -> bool:
-    """Whether a following ``else`` would belong to an ``if`` at the end of the statement."""
+    """True if a following ``else`` would belong to an ``if`` at the end of the statement."""
     match node:
         case ast.IfStatement(otherwise=otherwise):
             return otherwise is None or _takes_else(otherwise)
@@ -395,7 +395,7 @@ def _write_template(writer: Writer, template: ast.Template) -> None:
 
 
 def _brief(writer: Writer, node: Any) -> bool:
-    """Whether a location needs no braces."""
+    """True if a location needs no braces."""
     if not isinstance(node, ast.LocationDeclaration) or node.doc or writer.comments.inside(node):
         return False
     return not (node.invariant or node.exponential_rate or node.edges)

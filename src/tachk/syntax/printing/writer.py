@@ -193,7 +193,7 @@ class Writer:
         return self._blank_before(first)
 
     def _blank_before(self, node: Any) -> bool:
-        """Whether a blank line stands directly before a node or comment, its documentation counted to it."""
+        """True if a blank line stands directly before a node or comment, its documentation counted to it."""
         text = self._source.text
         start = text.rfind("\n", 0, node.span.start) + 1
         while start > 0:
@@ -255,7 +255,7 @@ def _operand(expression: ast.Expression, least: int, last: bool) -> str:
 
 
 def _swallows(expression: ast.Expression, last: bool) -> bool:
-    """Whether the text of an operand ends in the body of a quantifier, which would take in what follows."""
+    """True if the text of an operand ends in the body of a quantifier, which would take in what follows."""
     while not last:
         match expression:
             case ast.QuantifierExpression():

@@ -231,7 +231,7 @@ def _span(children: Children) -> Span:
 
 
 def _polarity(wording: Token | None) -> bool:
-    """Whether a wording such as ``must be false`` is about true or about false."""
+    """True if a wording such as ``must be false`` is about true or about false."""
     return wording is None or "false" not in (wording.text or wording.span.text).lower()
 
 

@@ -157,5 +157,5 @@ def _value(expression: Expression) -> str:
 
 
 def _confusing(text: str) -> bool:
-    """Whether a word of the text might be taken for the beginning of a phrase."""
+    """True if a word of the text might be taken for the beginning of a phrase."""
     return not opening_words().isdisjoint(word.lower() for word in _WORD.findall(text))

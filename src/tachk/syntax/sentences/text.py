@@ -75,7 +75,7 @@ def cut(span: Span) -> tuple[tuple[Piece, ...], tuple[Diagnostic, ...]]:
 
 
 def _ends_sentence(source: Source, position: int, span: Span) -> bool:
-    """Whether a point is not part of ``P.location``."""
+    """True if a point is not part of ``P.location``."""
     after = position + 1
     return after >= span.end or not (source.text[after].isalnum() or source.text[after] in "_`")
 

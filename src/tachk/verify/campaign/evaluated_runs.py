@@ -16,7 +16,7 @@ from tachk.recordings.monitors.formulas import formula_source, formulas_in
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.formulas import columns_with, formulas_about, truths_on
 from tachk.simulation.runs import Runs
-from tachk.simulation.times import horizon_of
+from tachk.simulation.times import parsed_time_bound
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class EvaluatedRuns:
         runs = Runs(network, columns_with(network, (), formulas))
         truths: dict[str, Counter[Truth]] = {formula.name: Counter() for formula in formulas}
         transitions = 0
-        until = horizon_of(self.until, network.time_unit)
+        until = parsed_time_bound(self.until, network.time_unit)
         drawing = SimulationOptions(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
         for run in runs.draw(drawing, range(self.runs), RecordedChanges(observed=True)):
             transitions += run.transitions

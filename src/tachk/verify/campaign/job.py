@@ -102,7 +102,7 @@ class Verification:
 
     @property
     def asks_queries(self) -> bool:
-        """Whether there are queries or properties to check, or formulas only."""
+        """True if there are queries or properties to check, or formulas only."""
         return self.formula_runs is None or len(self.property_names) > len(self.formula_runs.names)
 
     def parts(self) -> dict[str, str]:

@@ -209,7 +209,7 @@ class _Analyst:
         self._report(FindingKind.INCONSISTENT, core, run=self._dead_end(core))
 
     def _is_inconsistent(self, chosen: Sequence[Requirement]) -> bool:
-        """Whether no run without end satisfies the requirements. Raises _Undecided."""
+        """True if no run without end satisfies the requirements. Raises _Undecided."""
         world = self._world(chosen)
         if self._reached(world, world.quiet) is not None or not self._dead_end(chosen):
             return False
@@ -371,7 +371,7 @@ class _Analyst:
 
 
 def _forbids(rule: RequirementRule) -> bool:
-    """Whether a rule says of its trigger only that it must not happen."""
+    """True if a rule says of its trigger only that it must not happen."""
     return rule.demand is not Demand.COME and rule.condition == ast.BooleanLiteral(rule.condition.span, False)
 
 
@@ -380,7 +380,7 @@ def _listed(requirements: Sequence[Requirement]) -> str:
 
 
 def _is_condition(formula: Formula) -> bool:
-    """Whether no operator in it is about time."""
+    """True if no operator in it is about time."""
     pending = [formula]
     while pending:
         each = pending.pop()

@@ -35,7 +35,7 @@ class RequirementTrigger:
 
     @property
     def is_instant(self) -> bool:
-        """Whether it is there at single instants only."""
+        """True if it is there at single instants only."""
         return bool(self.rises or self.falls or self.initially)
 
     def and_also(self, other: RequirementTrigger) -> RequirementTrigger:

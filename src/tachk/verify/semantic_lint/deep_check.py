@@ -79,7 +79,7 @@ def interchange_parts(network: Network) -> tuple[LintAnswer, ...]:
 
 
 def _repeats(network: Network) -> bool:
-    """Whether two processes may have the same text: a quick look."""
+    """True if two processes may have the same text: a quick look."""
     shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes if p.edges]
     return len(set(shapes)) < len(shapes)
 

@@ -63,7 +63,7 @@ class DeepCheck:
 
     @property
     def decided(self) -> bool:
-        """Whether every question is decided."""
+        """True if every question is decided."""
         return not any(part.undecided for part in self.parts)
 
     def __str__(self) -> str:

@@ -129,7 +129,7 @@ def _of(network: Network, process: Process) -> str:
 
 
 def _met(known_spans: Iterable[Span], spans: Iterable[Span]) -> bool:
-    """Whether there is a finding about a place inside one of the spans."""
+    """True if there is a finding about a place inside one of the spans."""
     return any(
         one.source is span.source and one.start < span.end and span.start < one.end
         for one in known_spans

@@ -96,7 +96,7 @@ def time_lock_finding(model: PreparedNetwork, bounds: list[TimeBoundedLocation],
 
 
 def time_passes(model: PreparedNetwork, run: TimedTrace) -> bool:
-    """Whether time may pass at the end of a run that no invariant and no location stops.
+    """True if time may pass at the end of a run that no invariant and no location stops.
 
     An urgent channel stops it where the guards of a synchronisation hold and an invariant of its targets does not.
     """

@@ -59,7 +59,7 @@ def retimed(network: Network, query: Query, path: Sequence[Transition]) -> Verdi
 
 
 def _exists(network: Network, participant: Participant) -> bool:
-    """Whether the network has such an edge with such values of its select variables."""
+    """True if the network has such an edge with such values of its select variables."""
     if participant.process >= len(network.processes):
         return False
     edges = network.processes[participant.process].edges
@@ -150,7 +150,7 @@ class DecidedCells:
         return self._status(known)
 
     def may_infer(self, corners: Sequence[Cell]) -> bool:
-        """Whether the model is right with the values of each of these cells; then it is with all between them."""
+        """True if the model is right with the values of each of these cells; then it is with all between them."""
         for corner in corners:
             try:
                 with limited(self._left()):
@@ -207,14 +207,14 @@ class DecidedCells:
 
     def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, CellEvidence, Proof | None] | None:
         """The verdict that the evidence of the nearest cells also gives here; None if it gives none."""
-        near = _nearest(cell, self._paths)
-        if near is not None:
-            verdict = retimed(network, query, self._paths[near])
+        nearest = _nearest(cell, self._paths)
+        if nearest is not None:
+            verdict = retimed(network, query, self._paths[nearest])
             if verdict is not None:
                 return verdict, CellEvidence.RUN, None
-        near = _nearest(cell, self._proofs)
-        if near is not None:
-            shown = proof_again(network, query, self._proofs[near])
+        nearest = _nearest(cell, self._proofs)
+        if nearest is not None:
+            shown = proof_again(network, query, self._proofs[nearest])
             if shown is not None:
                 return shown[0], CellEvidence.CERTIFICATE, shown[1]
         return None

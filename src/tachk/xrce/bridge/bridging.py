@@ -29,8 +29,8 @@ class Bridge:
         """Raises UsageError if the part has no such channels, or those of several clients."""
         self._part = part
         self._clock = clock
-        out, heard = _links(part.sends, "send"), _links(part.receives, "deliver")
-        links = out or {link ^ 1 for link in heard}
+        out, received = _links(part.sends, "send"), _links(part.receives, "deliver")
+        links = out or {link ^ 1 for link in received}
         if len(links) != 1:
             raise UsageError(
                 f"these processes send on {len(links)} links to the outside",
@@ -46,7 +46,7 @@ class Bridge:
 
     @property
     def is_open(self) -> bool:
-        """Whether the session has begun."""
+        """True if the session has begun."""
         return self._session.is_open
 
     def wake(self) -> int | None:
@@ -83,7 +83,7 @@ class Bridge:
         return packets
 
     def _is_heard(self, word: ProtocolWord) -> bool:
-        """Whether the model hears of it: what is older than the session's first message means nothing to it."""
+        """True if the model receives it: what is older than the session's first message means nothing to it."""
         old = word.detail < 0 if KINDS[word.kind] == "HEARTBEAT" else word.number < 0
         return not old and f"deliver[{self._out ^ 1}][{word.kind}]" in self._part.receives
 
@@ -105,5 +105,5 @@ def _links(channels: Iterable[str], row: str) -> set[int]:
 
 
 def _writes(part: BridgedPart) -> bool:
-    """Whether the part hears acknowledgements, as those who write do."""
+    """True if the part receives acknowledgements, as writers do."""
     return any(name.endswith(f"[{KINDS.index('ACKNACK')}]") for name in part.receives if name.startswith("deliver"))

@@ -24,7 +24,7 @@ class WallClock:
 
 
 class SteppedClock:
-    """As somebody says, for tests and for simulations: nothing waits."""
+    """A clock that is set by its user, for tests and for simulations: nothing waits."""
 
     def __init__(self, now: int = 0) -> None:
         self._now = now

@@ -31,10 +31,10 @@ class SentEvent:
 
 
 class BridgedPart:
-    """A run of some processes of a network, as the simulator draws it; the rest is somebody else.
+    """A run of some processes of a network, as the simulator draws it; the rest is the real system.
 
     Attributes:
-        hears, sends: the channels that lead into it and out of it.
+        receives, sends: the channels that lead into it and out of it.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class BridgedPart:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing can happen any more, whatever the others do."""
+        """True if nothing can happen any more, independently of the others."""
         return self._unit_run.over
 
     def next_event(self) -> int | None:
@@ -74,7 +74,7 @@ class BridgedPart:
                 if sent is not None:
                     yield sent
             if not moved:
-                break  # nothing can happen until somebody says something
+                break  # nothing can happen until a message arrives
         if last > self._unit_run.now:
             self._unit_run.wait_until(last)
 

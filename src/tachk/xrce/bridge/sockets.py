@@ -31,7 +31,7 @@ class BridgeSocket:
     ) -> None:
         """Args:
             listen: where it listens; None: at any free port.
-            to: where it sends; None: to whoever has sent to it.
+            to: where it sends; None: to the last sender.
 
         Raises OSError where the port cannot be used."""
         self.bridge = bridge
@@ -56,7 +56,7 @@ class BridgeSocket:
             except BlockingIOError:
                 return found
             except ConnectionRefusedError:
-                continue  # nobody listens there at present
+                continue  # no socket listens there at present
             found = True
             if self._peer is None or not self.bridge.is_open:
                 self._peer = Endpoint(*source)

@@ -29,7 +29,7 @@ from tachk.xrce.events import SubmessageEvent as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.signals.samples import topic_of
 from tachk.xrce.transmissions import Transmission, read_transmissions
-from tachk.xrce.wire import SESSIONS_OF_NOBODY, SubmessageKind
+from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
 _ENDS = ("data writer", "data reader")
 _LIMITS = (("max_elapsed_seconds", "max_elapsed_time"), ("max_bytes_per_second", "max_bytes_per_second"))
@@ -197,8 +197,8 @@ class _CaptureEventReader:
                 cells["detail"] = content.detail
             if one.to_agent and self._is_new(one.link, content):
                 name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
-                offered: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
-                self.rows.append(_EventRow(time, one.packet, name, offered, inferred=True))
+                columns: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
+                self.rows.append(_EventRow(time, one.packet, name, columns, inferred=True))
             sent = len(self.rows)
             self.rows.append(_EventRow(time, one.packet, "sent", cells, passes=here))
             if one.arrivals is None:
@@ -209,7 +209,7 @@ class _CaptureEventReader:
                 )
 
     def _is_new(self, link: int, content: _Content) -> bool:
-        """Whether the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
+        """True if the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
         if content.kind == "DATA" and content.number == self.written[link]:
             self.written[link] += 1
             return True
@@ -229,7 +229,7 @@ class _CaptureEventReader:
                 start, missing = _integer(fields["first"]), fields["missing"]
                 assert isinstance(missing, list)
                 yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
-            elif event.kind is SubmessageKind.GET_INFO and one.to_agent and event.session not in SESSIONS_OF_NOBODY:
+            elif event.kind is SubmessageKind.GET_INFO and one.to_agent and event.session not in SESSION_IDS_NONE:
                 yield _Content("PING", 0, 0)
 
     def _reject_damaged(self, one: Transmission) -> None:
@@ -254,7 +254,7 @@ def _deletes_client(event: Submessage) -> bool:
 
 
 def _of_client(number: int) -> Iterator[tuple[str, int]]:
-    """The columns that tell a client, with their values."""
+    """The columns that identify a client, with their values."""
     yield "client", number
     yield "link", 2 * number
     yield "link", 2 * number + 1

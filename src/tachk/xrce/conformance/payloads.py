@@ -21,7 +21,7 @@ _ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
 """The submessages that a STATUS answers."""
 _MOST_CREATED = 15
 _MOST_READ = _READ - _READ_BEST_EFFORT
-_NOBODY = Endpoint("", 0)
+_NO_ENDPOINT = Endpoint("", 0)
 
 
 class UnknownContentError(Exception):
@@ -111,7 +111,7 @@ def samples_in(detail: object) -> int:
 
 
 def begins_sample(event: SubmessageEvent) -> bool:
-    """Whether a client writes a sample here, or the first piece of one."""
+    """True if a client writes a sample here, or the first piece of one."""
     if event.kind is SubmessageKind.FRAGMENT:
         return event.to_agent and str(event.fields["piece"]).startswith(f"{SubmessageKind.WRITE_DATA:02x}")
     return event.kind is SubmessageKind.WRITE_DATA
@@ -127,7 +127,7 @@ def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[Submessage
     octets = bytes.fromhex(text)
     if len(octets) < 4 or int.from_bytes(octets[2:4], "little") != len(octets) - 4:
         return None
-    return list(events(submessages(one_message(bytes([0x81, 0x80, 0, 0]) + octets)), [_NOBODY]))
+    return list(events(submessages(one_message(bytes([0x81, 0x80, 0, 0]) + octets)), [_NO_ENDPOINT]))
 
 
 def most_pieces(recording: EventLog) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from tachk.base.records import dataclass
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.quantity import PacketPlace
-from tachk.xrce.streams import near
+from tachk.xrce.streams import nearest_number
 from tachk.xrce.transmissions import Capture, Transmission
 from tachk.xrce.wire import SubmessageKind
 
@@ -123,7 +123,7 @@ class _StreamTracker:
         if any(event.kind is SubmessageKind.CREATE_CLIENT for event in one.events):
             self._sent = self._acknowledged = 0
         if first.stream == self._stream and first.sequence is not None:
-            number = near(first.sequence, self._sent)
+            number = nearest_number(first.sequence, self._sent)
             again = number < self._sent
             self._sent = max(self._sent, number + 1)
             yield SentMessage(time, number, again, self._outstanding, one)
@@ -136,8 +136,8 @@ class _StreamTracker:
         missing: tuple[int, ...] = ()
         for event in one.events:
             if self._is_about(event, SubmessageKind.ACKNACK):
-                first = near(_number(event, "first"), self._sent)
-                missing = tuple(near(number, self._sent) for number in _numbers(event, "missing"))
+                first = nearest_number(_number(event, "first"), self._sent)
+                missing = tuple(nearest_number(number, self._sent) for number in _numbers(event, "missing"))
                 self._acknowledged = max(self._acknowledged, min(first, self._sent))
         yield Came(time, first, missing, before, self._outstanding, one)
 

@@ -39,7 +39,7 @@ def stops(recording: Capture, is_expected: Callable[[Transmission], bool]) -> It
     """The ways that stop for good.
 
     Args:
-        is_expected: whether a message is not to be heard, as its receiver sleeps.
+        is_expected: whether a message cannot arrive, as its receiver sleeps.
     """
     for link in range(len(recording.links)):
         for to_agent in (True, False):

@@ -51,7 +51,7 @@ _FEW: Final = 4
 """The number of waits below which a client's period cannot be separated from its other activity."""
 
 _CLEARLY: Final = 1.25
-"""By how much two times have to differ to tell two laws apart."""
+"""By how much two times have to differ to distinguish two laws."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ def waits(conversation: Conversation) -> Iterator[HeartbeatWait]:
 
 
 def _overdue(activity: Moment, beat: Beat) -> bool:
-    """Whether the timer had run out while the client was in no run function: then HEARTBEAT follows at once what the
+    """True if the timer had run out while the client was in no run function: then HEARTBEAT follows at once what the
     next call sends first. Where nothing but that is unacknowledged, and HEARTBEAT does not follow at once but a tick
     of the clock later, it is the first one of an old client."""
     if not isinstance(activity, SentMessage) or _between(activity, beat) >= _AT_ONCE:
@@ -162,7 +162,7 @@ def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
 
 
 def client_law(found: Sequence[HeartbeatWait]) -> tuple[HeartbeatLaw | None, tuple[HeartbeatWait, ...], int]:
-    """The law that most HEARTBEATs follow that tell laws apart, those that do, and how many follow another one."""
+    """The law that most HEARTBEATs follow that distinguish laws, those that do, and how many follow another one."""
     votes = [(_vote(wait, found), wait) for wait in found]
     counted = Counter(law for law, _ in votes if law is not None)
     if not counted:
@@ -240,7 +240,7 @@ def client_period(found: Sequence[HeartbeatWait], law: HeartbeatLaw | None) -> Q
 
 
 def _fits_usual(wait: float) -> bool:
-    """Whether a wait may be that of the usual period: recorded a little early at its end or late at its begin, or kept
+    """True if a wait may be that of the usual period: recorded a little early at its end or late at its begin, or kept
     by what else the client had to do."""
     return 0.85 * USUAL_PERIOD < wait < 1.2 * USUAL_PERIOD
 

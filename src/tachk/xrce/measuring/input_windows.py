@@ -14,7 +14,7 @@ from tachk.base.records import dataclass
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.quantity import Confidence
 from tachk.xrce.measuring.settings import Setting
-from tachk.xrce.streams import near
+from tachk.xrce.streams import nearest_number
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
@@ -30,14 +30,14 @@ def unanswered(recording: Capture) -> int:
     return sum(_unanswered(_at_client(recording, link)) for link in range(len(recording.links)))
 
 
-def _unanswered(stream: Sequence[_SentAcknack | _Heard]) -> int:
+def _unanswered(stream: Sequence[_SentAcknack | _Received]) -> int:
     answers = [number for number, each in enumerate(stream) if isinstance(each, _SentAcknack)]
-    heard = [each for each in stream[: answers[-1]] if isinstance(each, _Heard)] if answers else []
-    return max(sum(not each.begins for each in heard) - len(answers), 0)
+    received = [each for each in stream[: answers[-1]] if isinstance(each, _Received)] if answers else []
+    return max(sum(not each.begins for each in received) - len(answers), 0)
 
 
 def input_history(recordings: Iterable[Capture]) -> Iterator[Setting]:
-    """The setting, if ACKNACKs tell the numbers of slots apart."""
+    """The setting, if ACKNACKs distinguish the numbers of slots."""
     streams = [_at_client(recording, link) for recording in recordings for link in range(len(recording.links))]
     wrong = {size: sum(_differences(stream, size) for stream in streams) for size in _SIZES}
     best = min(wrong.values())
@@ -59,7 +59,7 @@ class _SentAcknack:
 
 
 @dataclass(frozen=True, slots=True)
-class _Heard:
+class _Received:
     """An arrival at the client: a message, a HEARTBEAT with the last ``number`` that there is, or the beginning of a
     session."""
 
@@ -70,9 +70,9 @@ class _Heard:
     begins: bool = False
 
 
-def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _Heard]:
-    """In the order of times; empty where nobody has seen what arrived."""
-    found: list[tuple[int, int, _SentAcknack | _Heard]] = []
+def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _Received]:
+    """In the order of times; empty where arrivals were not observed."""
+    found: list[tuple[int, int, _SentAcknack | _Received]] = []
     for one in recording.transmissions:
         if one.link != link:
             continue
@@ -81,10 +81,10 @@ def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _Heard]:
     return [each for _, _, each in sorted(found, key=lambda row: row[:2])]
 
 
-def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Heard]:
+def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Received]:
     fields = event.fields
     if event.kind is SubmessageKind.CREATE_CLIENT:
-        yield _Heard(time, 0, False, False, begins=True)
+        yield _Received(time, 0, False, False, begins=True)
     elif event.to_agent:
         if (
             event.kind is SubmessageKind.ACKNACK
@@ -93,17 +93,17 @@ def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Heard]:
         ):
             yield _SentAcknack(time, int(str(fields["first"])), frozenset(fields["missing"]))
     elif event.kind is SubmessageKind.HEARTBEAT and fields["subject"] == FIRST_RELIABLE_STREAM:
-        yield _Heard(time, int(str(fields["last"])), False, False)
+        yield _Received(time, int(str(fields["last"])), False, False)
     elif event.stream == FIRST_RELIABLE_STREAM and event.sequence is not None and event.place == 0:
-        yield _Heard(time, event.sequence, True, event.kind is SubmessageKind.FRAGMENT and not fields["last"])
+        yield _Received(time, event.sequence, True, event.kind is SubmessageKind.FRAGMENT and not fields["last"])
 
 
-def _differences(stream: Sequence[_SentAcknack | _Heard], size: int) -> int:
+def _differences(stream: Sequence[_SentAcknack | _Received], size: int) -> int:
     """The number of ACKNACKs that a client with ``size`` slots would not have sent."""
-    client, waiting, wrong = _InputStream(size), deque[_Heard](), 0
+    client, waiting, wrong = _InputStream(size), deque[_Received](), 0
     sleeps = _unanswered(stream) > 0
     for each in stream:
-        if isinstance(each, _Heard):
+        if isinstance(each, _Received):
             waiting.append(each)
             continue
         while waiting and (waiting[0].begins or (sleeps and each.time - waiting[0].time > _ASLEEP)):
@@ -124,10 +124,10 @@ class _InputStream:
         self._announced = 0
         self._slots: dict[int, bool] = {}
 
-    def receive(self, heard: _Heard) -> None:
-        number = near(heard.number, self._handled)
-        if heard.is_message and self._handled <= number < self._handled + self._size:
-            self._slots.setdefault(number % self._size, heard.is_piece)
+    def receive(self, received: _Received) -> None:
+        number = nearest_number(received.number, self._handled)
+        if received.is_message and self._handled <= number < self._handled + self._size:
+            self._slots.setdefault(number % self._size, received.is_piece)
         self._announced = max(self._announced, number + 1)
         while together := self._complete():
             for _ in range(together):

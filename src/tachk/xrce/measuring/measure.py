@@ -131,14 +131,16 @@ class _Measuring:
         )
         chosen = settings(findings)
         by_name = {setting.name: setting for setting in chosen}
-        unheard = sum(
+        not_received = sum(
             bool(one.arrivals) and any(name == file and sleep.covers(one) for name, sleep in asleep)
             for file, recording in self.recordings
             for one in recording.transmissions
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
-        unheard += sum(unanswered(recording) for _, recording in self.recordings)
-        counted = SettingsEvidence(known, by_name, self._samples(), self._longest(), clients, unheard, self._rounds())
+        not_received += sum(unanswered(recording) for _, recording in self.recordings)
+        counted = SettingsEvidence(
+            known, by_name, self._samples(), self._longest(), clients, not_received, self._rounds()
+        )
         recorded = recorded_settings(counted)
         recorded += tuple(input_history(recording for _, recording in self.recordings))
         return Measurement(files, quantities, chosen, recorded, problems)

@@ -104,7 +104,7 @@ _OFF: Final = 0.004
 
 
 def roundest(low: float, high: float, samples: int) -> float:
-    """The number with the fewest digits between two others or a little below: what somebody has set a timer to.
+    """The number with the fewest digits between two others or a little below: a likely setting of a timer.
 
     Args:
         samples: how many waits were seen; the fewer, the longer even the shortest of them may be.

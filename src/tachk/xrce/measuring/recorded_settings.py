@@ -36,7 +36,7 @@ class SettingsEvidence:
         samples: how many different ones are in the captures.
         longest: how many messages the longest stream has.
         clients: how many take part in one capture.
-        unheard: packets that came to clients while they slept.
+        not_received: packets that came to clients while they slept.
         rounds: when the Agent sent HEARTBEATs, in nanoseconds.
     """
 
@@ -45,7 +45,7 @@ class SettingsEvidence:
     samples: int
     longest: int
     clients: int
-    unheard: int
+    not_received: int
     rounds: Sequence[int]
 
 
@@ -69,8 +69,8 @@ def _settings(found: SettingsEvidence) -> Iterator[Setting]:
     yield from _delay(found)
     yield Setting("EXACT_BITMAPS", 1, False, Confidence.MEASURED, "packets have every bit of a bitmap")
     yield from _missed_rounds(found.quantities)
-    if found.unheard:
-        how = f"packets that came to clients while they slept: {found.unheard}"
+    if found.not_received:
+        how = f"packets that came to clients while they slept: {found.not_received}"
         yield Setting("SLEEPS", 1, False, Confidence.MEASURED, how)
     else:
         yield from _pauses(found.quantities["client_reaction"], found.quantities["overdue_heartbeat"])

@@ -77,7 +77,7 @@ class SettingsFindings:
         late_readings: first READ_DATA of clients for which samples were waiting.
         stopped: ways on which nothing comes through in the end.
         created_again: how often CREATE_CLIENT came to the Agent when the client had sent messages of its streams.
-        lost: packets lost on their way to somebody awake; None where nobody looked.
+        lost: packets lost on their way to a receiver that is awake; None where that was not examined.
     """
 
     quantities: Mapping[str, Quantity]

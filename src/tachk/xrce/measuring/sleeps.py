@@ -47,7 +47,7 @@ class Sleep:
     waking: int | None
 
     def covers(self, one: Transmission) -> bool:
-        """Whether a message was sent to the client during this time."""
+        """True if a message was sent to the client during this time."""
         return one.link == self.link and not one.to_agent and self.begin <= one.sent <= self.end
 
 
@@ -56,23 +56,23 @@ def sleeps(recording: Capture) -> Iterator[Sleep]:
     for link in range(len(recording.links)):
         ours = [one for one in recording.transmissions if one.link == link]
         spoken = [one for one in ours if one.to_agent]
-        heard = [one for one in ours if not one.to_agent]
+        received = [one for one in ours if not one.to_agent]
         for number, last in enumerate(spoken):
             following = spoken[number + 1] if number + 1 < len(spoken) else None
-            found = _sleep(link, last, following, heard, recording.end)
+            found = _sleep(link, last, following, received, recording.end)
             if found is not None:
                 yield found
 
 
 def _sleep(
-    link: int, last: Transmission, waking: Transmission | None, heard: Sequence[Transmission], end: int
+    link: int, last: Transmission, waking: Transmission | None, received: Sequence[Transmission], end: int
 ) -> Sleep | None:
     until = end if waking is None else waking.sent
     if until - last.sent < _SHORTEST_SLEEP:
         return None
     unanswered = [
         one
-        for one in heard
+        for one in received
         if last.sent < one.sent < until and _wants_answer(one) and (one.is_lost or until - one.arrived > _AT_ONCE)
     ]
     if len(unanswered) < 2 or until - unanswered[0].sent < _SHORTEST_SLEEP:
@@ -133,12 +133,12 @@ def _given_up(
     conversation: Conversation, recording: Capture, period: float
 ) -> Iterator[tuple[Observation, Observation]]:
     """Silences at the last HEARTBEAT and at the one that should have been next."""
-    heard = _heard(conversation, recording)
+    received = _received(conversation, recording)
     beats = [moment for moment in conversation.moments if isinstance(moment, Beat) and moment.unacknowledged]
     for number, beat in enumerate(beats):
-        before = [time for time, _ in heard if time <= beat.time]
+        before = [time for time, _ in received if time <= beat.time]
         following = beats[number + 1].time if number + 1 < len(beats) else conversation.end
-        spoken = min((time for time, _ in heard if time > beat.time), default=conversation.end)
+        spoken = min((time for time, _ in received if time > beat.time), default=conversation.end)
         missed = min(following, spoken) - beat.time
         if before and missed > 3 * period * _MILLISECOND and beat.time - before[-1] > 10 * period * _MILLISECOND:
             silence = (beat.time - before[-1]) / _MILLISECOND
@@ -147,14 +147,14 @@ def _given_up(
 
 
 def _longest_silence(conversation: Conversation, recording: Capture) -> Iterator[Observation]:
-    heard = _heard(conversation, recording)
+    received = _received(conversation, recording)
     for moment in conversation.moments:
-        before = [time for time, _ in heard if time <= moment.time]
+        before = [time for time, _ in received if time <= moment.time]
         if isinstance(moment, Beat) and moment.unacknowledged and before:
             yield Observation((moment.time - before[-1]) / _MILLISECOND, (conversation.place(moment),))
 
 
-def _heard(conversation: Conversation, recording: Capture) -> list[tuple[int, Transmission]]:
+def _received(conversation: Conversation, recording: Capture) -> list[tuple[int, Transmission]]:
     """The times at which packets of the client arrived at the Agent."""
     found = [
         (one.arrived, one)

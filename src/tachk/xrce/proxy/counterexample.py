@@ -154,7 +154,7 @@ class _ClientMessages:
         return [earlier for earlier in wanted if earlier not in implied]
 
     def is_natural(self, earlier: int, message: ModelMessage) -> bool:
-        """Whether a delivery comes before that of the message because it was sent before it and is not held."""
+        """True if a delivery comes before that of the message because it was sent before it and is not held."""
         one = self.happenings[earlier]
         sent = self.sent_at.get(one.message)
         if one.sent or sent is None or message not in self.sent_at:
@@ -173,7 +173,7 @@ def _one_before(message: ModelMessage) -> ModelMessage:
 
 
 def _is_delivery_before(one: Happening, message: ModelMessage) -> bool:
-    """Whether a packet waits for this delivery. A second CREATE_CLIENT waits for the same as what comes after it."""
+    """True if a packet waits for this delivery. A second CREATE_CLIENT waits for the same as what comes after it."""
     other = one.message
     return (
         not one.sent

@@ -47,7 +47,7 @@ class CaptureWriter:
 
 
 class Sorted:
-    """Packets in the order of their times, of some of which one hears later than of others that passed behind them."""
+    """Packets in the order of their times; some are reported later than others that passed behind them."""
 
     def __init__(self, recording: CaptureWriter) -> None:
         self._recording = recording

@@ -231,7 +231,7 @@ class Relay:
                 self._record(now, _name(at), client, octets)
                 at.sendto(octets, (client.host, client.port))
         except (BlockingIOError, ConnectionRefusedError):
-            pass  # nobody listens there: on a network the datagram would be gone, too
+            pass  # no socket listens there: on a network the datagram would be gone, too
 
     # ---- what is recorded --------------------------------------------------------------------------------------------
 

@@ -104,7 +104,7 @@ class _Line:
         return token
 
     def skip(self, text: str) -> bool:
-        """Whether this was next; then it is taken."""
+        """True if this was next; then it is taken."""
         found = self.sees(text)
         self.next += found
         return found

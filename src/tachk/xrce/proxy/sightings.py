@@ -33,7 +33,7 @@ def said(octets: bytes) -> tuple[Said, ...]:
 
 
 def are_among(sayings: tuple[Said, ...], way: PacketDirection, port: int, packets: ChosenPackets) -> bool:
-    """Whether a packet that says this, goes this way and belongs to the client of this port is one of them."""
+    """True if a packet that says this, goes this way and belongs to the client of this port is one of them."""
     if packets.way not in (None, way) or packets.port not in (None, port):
         return False
     if packets.kind is None:

@@ -100,7 +100,7 @@ def measurement_to_text(found: Measurement, time: ModelTime) -> str:
 
 
 def _is_coarse(setting: Setting, time: ModelTime) -> bool:
-    """Whether a time in units of the model is more than 2 % off."""
+    """True if a time in units of the model is more than 2 % off."""
     return abs(setting.in_units(time.milliseconds) * time.milliseconds - setting.value) > setting.value / 50
 
 

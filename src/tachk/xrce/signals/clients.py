@@ -48,7 +48,7 @@ class Side:
         client_endpoint, agent_endpoint: their numbers.
         owner: whose packets they are.
         session: as the client says in the headers of its messages; None before it has said one.
-        heard: when the client sent something last.
+        last_sent: when the client sent something last.
         owing_since: the time since which it owes an answer to a message; None: it owes none. While it is awake it is
             noted only where arrivals are seen.
         owing_packet: the number of the packet to answer.
@@ -64,7 +64,7 @@ class Side:
         self.agent_endpoint = agent_endpoint
         self.owner = Client("", [self])
         self.session: int | None = None
-        self.heard = time
+        self.last_sent = time
         self.owing_since: int | None = None
         self.owing_packet = 0
         self.asleep = self.disturbed = self.ended = self.forgotten = False
@@ -73,7 +73,7 @@ class Side:
 
     @property
     def sees_arrivals(self) -> bool:
-        """Whether what is sent to the client is known to arrive here: the other side of the relay was recorded, too."""
+        """True if what is sent to the client is known to arrive here: the other side of the relay was recorded, too."""
         return len(self.owner.sides) > 1 and self is self.owner.own_side
 
     def due(self, silence: int, patience: int, answer: int) -> int:
@@ -88,12 +88,12 @@ class Side:
             return NEVER
         if self.asleep:
             return (self.owing_since or 0) + answer
-        silent = self.heard + silence
+        silent = self.last_sent + silence
         return silent if self.owing_since is None else min(silent, self.owing_since + patience)
 
     def woken(self, time: int, row: int) -> None:
         """It has sent something, or is no longer there."""
-        self.heard, self.owing_since = time, None
+        self.last_sent, self.owing_since = time, None
         if self.asleep:
             self.asleep = self.disturbed = False
             self.sleep_log.note(row, (0,))
@@ -121,9 +121,9 @@ class Transfer:
     Attributes:
         reached: the number up to which all has arrived. It stays where the receiver alone begins anew.
         open: something that was sent has not arrived: of the client's messages at the Agent; of the Agent's messages
-            as far as the Agent has heard.
+            as far as the Agent knows.
         lost: something that was sent has not come to the other end, and that end has not named it as missing.
-        unheard: something that was sent has not come to the other end, and the sender has not heard that it is missing.
+        unheard: something that was sent has not come to the other end, and the sender does not know that it is missing.
         waiting: where and when the Agent sent what is not confirmed; each for the messages before a number.
     """
 
@@ -191,14 +191,14 @@ class Client:
         return self.sides[0]
 
     def is_settled(self, until: int) -> bool:
-        """Whether it has closed its session, sent nothing since this time, and nothing is on its way."""
-        return all(side.ended and side.heard < until and not side.asleep for side in self.sides) and not any(
+        """True if it has closed its session, sent nothing since this time, and nothing is on its way."""
+        return all(side.ended and side.last_sent < until and not side.asleep for side in self.sides) and not any(
             one.open or one.lost or one.unheard or one.waiting for one in self.transfers.values()
         )
 
     def is_silent(self, since: int) -> bool:
-        """Whether it has sent nothing since this time."""
-        return all(side.heard < since for side in self.sides)
+        """True if it has sent nothing since this time."""
+        return all(side.last_sent < since for side in self.sides)
 
     def transfer(self, stream: Stream) -> Transfer:
         """The other end of a stream."""

@@ -227,7 +227,7 @@ class SignalTracker:
             if side.asleep:
                 self._woken(side, time)
             else:
-                side.heard, side.owing_since = time, None
+                side.last_sent, side.owing_since = time, None
 
     def wait(self, time: int) -> None:
         """Nothing has come until this time, in nanoseconds since the epoch."""
@@ -239,7 +239,7 @@ class SignalTracker:
         """Keeps nothing of clients that have vanished, nor of those that have closed their session, are long silent,
         and owe and are owed nothing.
 
-        Whoever reads a capture without an end calls this now and then. The rows stay what they are, unless a client has
+        A reader of a capture without an end calls this now and then. The rows stay what they are, unless a client has
         vanished: there is a row then in which it is no longer there.
         """
         gone = [owner for owner in self._owners() if owner.is_settled(self.latest - GONE)]
@@ -316,7 +316,7 @@ class SignalTracker:
         side.woken(time, self._row)
 
     def _time_passes(self, time: int, row: int) -> int:
-        """Whoever has been silent for long, until this time. Returns how many rows have been put in, from this one."""
+        """Adds rows, from this one on, for the sides that become silent until this time. Returns how many."""
         count = 0
         while self.sides:
             side = min(self.sides, key=self._due)
@@ -482,7 +482,7 @@ class SignalTracker:
 
 
 def _is_session(number: int) -> bool:
-    return number > 0 and number not in wire.SESSIONS_OF_NOBODY
+    return number > 0 and number not in wire.SESSION_IDS_NONE
 
 
 def _item(found: Submessages, entry: int, kind: int, octets: bytes) -> Item:

@@ -82,7 +82,7 @@ class DataReader:
 
     @property
     def has_all(self) -> bool:
-        """Whether it has got everything that has been written."""
+        """True if it has got everything that has been written."""
         return not self.unread and not self.skipped
 
     def written(self, writer: Owner, sample: int) -> None:
@@ -138,7 +138,7 @@ class SampleExchange:
             self._readers[reader] = DataReader(topic)
 
     def close(self, client: object, number: int | None) -> None:
-        """Nobody owes an object of a client, or all of them, anything new."""
+        """Closes the readers of an object of a client, or of all its objects: they are owed nothing new."""
         for owner, reader in self._readers.items():
             if owner[0] is client and number in (None, owner[1]):
                 reader.closed = True

@@ -18,4 +18,4 @@ class Pipe:
         return self._pipe.read1(size)
 
     def close(self) -> None:
-        """It belongs to whoever opened it."""
+        """Does nothing: the opener of the stream closes it."""

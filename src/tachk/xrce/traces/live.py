@@ -55,7 +55,7 @@ class Arriving(Protocol):
 
 
 def needs_hindsight(columns: Collection[str]) -> bool:
-    """Whether one of these columns is known only when the capture is over."""
+    """True if one of these columns is known only when the capture is over."""
     return any(name in _WITH_HINDSIGHT for name in columns)
 
 

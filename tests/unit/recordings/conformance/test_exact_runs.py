@@ -38,7 +38,7 @@ def held(name: str) -> Conformance:
 
 
 def test_core_and_reference_make_the_same_run_of_a_capture(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exact_runs, "SHORT", 0)
+    monkeypatch.setattr(exact_runs, "LONGEST_BY_REFERENCE", 0)
     found = held("client_2_0")
     assert found.accepted
     for run in found.runs:
@@ -46,7 +46,7 @@ def test_core_and_reference_make_the_same_run_of_a_capture(monkeypatch: pytest.M
 
 
 def test_long_run_is_not_made_by_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exact_runs, "SHORT", 0)
+    monkeypatch.setattr(exact_runs, "LONGEST_BY_REFERENCE", 0)
     monkeypatch.setattr(exact_runs, "run_by_reference", None)
     assert held("client_2_0").runs
 

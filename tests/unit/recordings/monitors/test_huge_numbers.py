@@ -7,7 +7,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import TachkError
 from tachk.base.exact_numbers import exact_number
-from tachk.simulation.times import horizon_of
+from tachk.simulation.times import parsed_time_bound
 
 NINES = 5000 * "9"
 TRACE = {"time": [0, 1], "x": [1, 2]}
@@ -29,7 +29,7 @@ def test_as_values_and_times(number: str, tmp_path: Path) -> None:
     with pytest.raises(TachkError):
         tachk.monitor("G (x < T)", TRACE, constants={"T": number})
     with pytest.raises(TachkError):
-        horizon_of(number, "")
+        parsed_time_bound(number, "")
     with pytest.raises(TachkError):
         tachk.mine("G (x < T)", [TRACE], {"T": (0, number)})
     with pytest.raises(ValueError, match=r"too many digits|division"):

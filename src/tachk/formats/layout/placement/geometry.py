@@ -30,7 +30,7 @@ class Box(NamedTuple):
         return Box(self.left - margin, self.top - margin, self.right + margin, self.bottom + margin)
 
     def overlaps(self, other: Box) -> bool:
-        """Whether the insides have a point in common."""
+        """True if the insides have a point in common."""
         return (
             self.left < other.right and other.left < self.right and self.top < other.bottom and other.top < self.bottom
         )
@@ -46,7 +46,7 @@ def node_box(centre: Point) -> Box:
 
 
 def segment_meets_box(a: Point, b: Point, box: Box) -> bool:
-    """Whether a segment has a point inside a box (clipping of Liang and Barsky, 1984)."""
+    """True if a segment has a point inside a box (clipping of Liang and Barsky, 1984)."""
     low, high = 0.0, 1.0
     for start, step, least, most in (
         (a.x, b.x - a.x, box.left, box.right),
@@ -66,7 +66,7 @@ def segment_meets_box(a: Point, b: Point, box: Box) -> bool:
 
 
 def segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Whether two segments cross in one point that is an end of neither."""
+    """True if two segments cross in one point that is an end of neither."""
     if max(a.x, b.x) < min(c.x, d.x) or max(c.x, d.x) < min(a.x, b.x):
         return False
     if max(a.y, b.y) < min(c.y, d.y) or max(c.y, d.y) < min(a.y, b.y):

@@ -117,7 +117,7 @@ class _Scene:
         return [*self.texts, *labels, *(circle for node, circle in enumerate(self.circles) if node not in ends)]
 
     def _has_room(self, label: Box, at: int, route: Sequence[Point]) -> bool:
-        """Whether a label of an edge that is drawn like this overlaps nothing."""
+        """True if a label of an edge that is drawn like this overlaps nothing."""
         wide = label.grown(_MARGIN)
         if any(wide.overlaps(box) for box in (*self.texts, *self.circles)):
             return False

@@ -114,7 +114,7 @@ def _to_label(route: Sequence[Point], label: Box) -> float:
 
 
 def _are_disjoint(route: Sequence[Point], rival: Sequence[Point]) -> bool:
-    """Whether two edges between the same nodes are distinct in the drawing: one has a nail off the other's line."""
+    """True if two edges between the same nodes are distinct in the drawing: one has a nail off the other's line."""
     inner = [(point, rival) for point in route[1:-1]] + [(point, route) for point in rival[1:-1]]
     return any(
         min(distance_to_segment(point, a, b) for a, b in pairwise(line)) >= 2 * _CLEARANCE for point, line in inner
@@ -122,7 +122,7 @@ def _are_disjoint(route: Sequence[Point], rival: Sequence[Point]) -> bool:
 
 
 def spread(node: Point, nail: Point, others: Sequence[Sequence[Point]]) -> bool:
-    """Whether a line from a node is distinct from the other lines there, a little way from it."""
+    """True if a line from a node is distinct from the other lines there, a little way from it."""
     length = hypot(nail.x - node.x, nail.y - node.y)
     along = min(1.0, _FAN / length) if length else 0.0
     point = Point(round(node.x + along * (nail.x - node.x)), round(node.y + along * (nail.y - node.y)))

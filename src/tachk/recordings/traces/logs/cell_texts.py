@@ -26,7 +26,7 @@ Cell = float | bool | None
 
 
 def cell_of(text: str) -> Cell:
-    """What a text says. Raises ValueError for one that is neither a number nor a truth value."""
+    """The content of a text. Raises ValueError for one that is neither a number nor a truth value."""
     word = text.strip().lower()
     if word in _MISSING:
         return None
@@ -38,7 +38,7 @@ def cell_of(text: str) -> Cell:
 
 
 def is_cell(text: str) -> bool:
-    """Whether a text reads as a number, as a truth value, or as no value."""
+    """True if a text reads as a number, as a truth value, or as no value."""
     try:
         cell_of(text)
     except ValueError:

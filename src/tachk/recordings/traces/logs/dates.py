@@ -13,7 +13,7 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 def is_date(text: str) -> bool:
-    """Whether a time is written as a date."""
+    """True if a time is written as a date."""
     return _DATE.fullmatch(text.strip()) is not None
 
 

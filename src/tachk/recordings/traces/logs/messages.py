@@ -1,7 +1,7 @@
 """Recordings of messages on topics, as MCAP files and ROS bags hold them: each field of each message is a column.
 
 A column is called after topic and field, ``odom.pose.x`` for the topic ``/odom``, elements of arrays with their number,
-``scan.ranges[3]``. Only the messages of topics that somebody asks for are decoded.
+``scan.ranges[3]``. Only the messages of requested topics are decoded.
 """
 
 from __future__ import annotations

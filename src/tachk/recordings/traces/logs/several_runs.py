@@ -93,7 +93,7 @@ def _runs(rows: list[tuple[Any, Any]]) -> dict[str, Run]:
     try:
         if not rows or any(rows[row][1] > rows[row - 1][1] for row in places):
             return {}
-    except (TypeError, InvalidOperation):  # whoever reads the times says what is wrong with them
+    except (TypeError, InvalidOperation):  # the reader of the times reports the error
         return {}
     edges = [0, *places, len(rows)]
     runs = {str(rows[first][0]): (first, end) for first, end in pairwise(edges)}
@@ -122,12 +122,12 @@ def _csv_runs(recording: CsvRecording) -> Iterator[tuple[str, CsvRecording]]:
                 rows.append((cells[place], _time(cells[clock], recording.point)))
                 numbers.append(number)
                 lines.append(line)
-            elif rows and not line.endswith(b"\n"):  # half written, as its run will tell
+            elif rows and not line.endswith(b"\n"):  # half written: its run reports that
                 rows.append(rows[-1])
                 numbers.append(number)
                 lines.append(line)
             elif line.strip() and not line.lstrip().startswith(b"#"):
-                return  # whoever reads the file as one trace says what is wrong
+                return  # the reader of the file as one trace reports the error
             number += 1
     if any(time is None for _, time in rows):
         return
@@ -138,7 +138,7 @@ def _csv_runs(recording: CsvRecording) -> Iterator[tuple[str, CsvRecording]]:
 
 
 def _is_one_run(recording: CsvRecording, place: int) -> bool:
-    """Whether the last line of a file is of the same run as the first one: they are counted up."""
+    """True if the last line of a file is of the same run as the first one: they are counted up."""
     if recording.size is None:
         return False
     with open(recording.name, "rb") as stream:

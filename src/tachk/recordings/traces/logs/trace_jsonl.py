@@ -141,7 +141,7 @@ def open_jsonl(path: Path, time: str | None, unit: str | None) -> JsonRecording:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JsonStream:
-    """JSON lines as they come. The columns are those that somebody asks for: what will come is not known."""
+    """JSON lines as they come. The columns are those that are requested: later ones are not known."""
 
     name: str
     stream: ByteStream = field(repr=False)

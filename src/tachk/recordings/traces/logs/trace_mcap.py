@@ -30,7 +30,7 @@ _CHUNK_HEAD = struct.Struct("<BQQQQI")
 
 
 def is_whole(stream: IO[bytes]) -> bool:
-    """Whether a file ends as MCAP says; it is then at its beginning."""
+    """True if a file ends as MCAP says; it is then at its beginning."""
     size = stream.seek(0, SEEK_END)
     stream.seek(max(0, size - len(_MAGIC)))
     ends = stream.read()
@@ -128,7 +128,7 @@ _LARGE = 1 << 20
 
 
 class _Careful(BufferedReader):
-    """A file of which nobody can ask for more than is there: a damaged one claims to have records of any length, for
+    """A file whose reads end where it ends: a damaged one claims to have records of any length, for
     which memory would be taken."""
 
     def read(self, size: int | None = -1, /) -> bytes:
@@ -225,7 +225,7 @@ class McapMessages(WithSummary[dict[str, bool]]):
 
     @cached_property
     def _is_whole(self) -> bool:
-        """Whether the file ends as it should."""
+        """True if the file ends as it should."""
         with self._opened() as stream:
             return is_whole(stream)
 

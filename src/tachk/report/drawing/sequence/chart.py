@@ -37,7 +37,7 @@ class Message:
         sent: when.
         arrivals: when it comes, several times if it was copied; none if it is lost or still under way.
         label: what it says, in the words of the protocol.
-        detail: more about it, for whoever points at it.
+        detail: more about it, shown when the pointer is on it.
         category: what it is for.
         is_repeated: it has been sent before.
         tag: what it is called elsewhere, such as the number of its packet; stands before its time.

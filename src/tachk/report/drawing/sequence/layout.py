@@ -407,7 +407,7 @@ def _at(label: ChartLabel, y: float) -> ChartLabel:
 
 
 def overlap(one: ChartLabel, other: ChartLabel) -> bool:
-    """Whether the boxes of two labels have a point in common."""
+    """True if the boxes of two labels have a point in common."""
     left, top, right, bottom = one.box
     left_2, top_2, right_2, bottom_2 = other.box
     return left < right_2 and left_2 < right and top < bottom_2 and top_2 < bottom
