@@ -62,7 +62,7 @@ def sliced(problem: Problem) -> Findings:
         reduced = _reduced(problem.network, task.query)
         if reduced.network is problem.network:
             continue
-        # The slice may lack the part that meets a condition again and again: a run that does not need it decides nothing.
+        # The slice may lack the part that meets a condition again: a run that does not need it decides nothing.
         query = replace(task.query, again=(), ends=None)
         searched = _any_run(prepare(reduced.network), query, problem)
         verdict = replace(_of_outcome(query, searched.outcome), query=task.query)

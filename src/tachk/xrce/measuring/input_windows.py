@@ -30,9 +30,9 @@ def unanswered(recording: Capture) -> int:
     return sum(_unanswered(_at_client(recording, link)) for link in range(len(recording.links)))
 
 
-def _unanswered(stream: Sequence[_SentAcknack | _Received]) -> int:
+def _unanswered(stream: Sequence[_SentAcknack | _ReceivedMessage]) -> int:
     answers = [number for number, each in enumerate(stream) if isinstance(each, _SentAcknack)]
-    received = [each for each in stream[: answers[-1]] if isinstance(each, _Received)] if answers else []
+    received = [each for each in stream[: answers[-1]] if isinstance(each, _ReceivedMessage)] if answers else []
     return max(sum(not each.begins for each in received) - len(answers), 0)
 
 
@@ -59,7 +59,7 @@ class _SentAcknack:
 
 
 @dataclass(frozen=True, slots=True)
-class _Received:
+class _ReceivedMessage:
     """An arrival at the client: a message, a HEARTBEAT with the last ``number`` that there is, or the beginning of a
     session."""
 
@@ -70,9 +70,9 @@ class _Received:
     begins: bool = False
 
 
-def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _Received]:
+def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _ReceivedMessage]:
     """In the order of times; empty where arrivals were not observed."""
-    found: list[tuple[int, int, _SentAcknack | _Received]] = []
+    found: list[tuple[int, int, _SentAcknack | _ReceivedMessage]] = []
     for one in recording.transmissions:
         if one.link != link:
             continue
@@ -81,10 +81,10 @@ def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _Received]:
     return [each for _, _, each in sorted(found, key=lambda row: row[:2])]
 
 
-def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Received]:
+def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _ReceivedMessage]:
     fields = event.fields
     if event.kind is SubmessageKind.CREATE_CLIENT:
-        yield _Received(time, 0, False, False, begins=True)
+        yield _ReceivedMessage(time, 0, False, False, begins=True)
     elif event.to_agent:
         if (
             event.kind is SubmessageKind.ACKNACK
@@ -93,17 +93,17 @@ def _of(time: int, event: SubmessageEvent) -> Iterator[_SentAcknack | _Received]
         ):
             yield _SentAcknack(time, int(str(fields["first"])), frozenset(fields["missing"]))
     elif event.kind is SubmessageKind.HEARTBEAT and fields["subject"] == FIRST_RELIABLE_STREAM:
-        yield _Received(time, int(str(fields["last"])), False, False)
+        yield _ReceivedMessage(time, int(str(fields["last"])), False, False)
     elif event.stream == FIRST_RELIABLE_STREAM and event.sequence is not None and event.place == 0:
-        yield _Received(time, event.sequence, True, event.kind is SubmessageKind.FRAGMENT and not fields["last"])
+        yield _ReceivedMessage(time, event.sequence, True, event.kind is SubmessageKind.FRAGMENT and not fields["last"])
 
 
-def _differences(stream: Sequence[_SentAcknack | _Received], size: int) -> int:
+def _differences(stream: Sequence[_SentAcknack | _ReceivedMessage], size: int) -> int:
     """The number of ACKNACKs that a client with ``size`` slots would not have sent."""
-    client, waiting, wrong = _InputStream(size), deque[_Received](), 0
+    client, waiting, wrong = _InputStream(size), deque[_ReceivedMessage](), 0
     sleeps = _unanswered(stream) > 0
     for each in stream:
-        if isinstance(each, _Received):
+        if isinstance(each, _ReceivedMessage):
             waiting.append(each)
             continue
         while waiting and (waiting[0].begins or (sleeps and each.time - waiting[0].time > _ASLEEP)):
@@ -124,7 +124,7 @@ class _InputStream:
         self._announced = 0
         self._slots: dict[int, bool] = {}
 
-    def receive(self, received: _Received) -> None:
+    def receive(self, received: _ReceivedMessage) -> None:
         number = nearest_number(received.number, self._handled)
         if received.is_message and self._handled <= number < self._handled + self._size:
             self._slots.setdefault(number % self._size, received.is_piece)
