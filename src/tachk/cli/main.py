@@ -54,7 +54,7 @@ SECTIONS = {
     "Models": {
         "check": "Report every mistake in models.",
         "fmt": "Rewrite models in canonical form.",
-        "convert": "Write a model in another form.",
+        "convert": "Write a model in another file format.",
         "export": "Write a model for UPPAAL, TChecker, Munta, Graphviz or FMI.",
         "diff": "Show how the behaviour of two models differs.",
         "draw": "Draw the templates of a model.",

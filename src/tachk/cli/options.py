@@ -86,7 +86,7 @@ def max_seconds(help: str = "Stop after this time, with exit status 20.") -> Cal
 faults = click.option(
     "faults",
     "--fault",
-    metavar="FAULT=ORDER",
+    metavar="FAULT=PLAN",
     multiple=True,
     help="How often a fault of the model happens: lost=0.01, or to which messages: lost=send[0][1]:3,5..7, or as soon "
     "as it can: 'falls asleep=now'. Can be given several times.",

@@ -20,8 +20,8 @@ def seed(help: str) -> _Adds:
 
 
 def threads(of: str) -> _Adds:
-    """``of``: what the number of threads does not change."""
-    help = f"They make no difference to the {of}."
+    """``of``: the results, which do not depend on the number of threads."""
+    help = f"Draw runs with this many threads; the {of} do not depend on it."
     return click.option("--threads", metavar="N", type=options.Count(1, 256), default=1, help=help)
 
 

@@ -73,7 +73,7 @@ def parse_fault(written: str) -> InjectedFault:
     fault, equals, wanted = (part.strip() for part in written.partition("="))
     help = "such as lost=0.01, or lost=send[0][1]:3,5..7, or 'falls asleep=now'"
     if not (fault and equals and wanted):
-        raise UsageError(f"--fault {written}: expected FAULT=ORDER", help)
+        raise UsageError(f"--fault {written}: expected FAULT=PLAN", help)
     if wanted == _NOW:
         return InjectedFault(fault, None, "", (), written)
     channel, colon, listed = wanted.rpartition(":")

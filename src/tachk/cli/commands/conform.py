@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 @click.option(
     "--tolerance",
     metavar="DURATION",
-    help="How much earlier or later than recorded something may have happened, such as 5ms; auto finds the least one. "
+    help="How much earlier or later than recorded an event may have happened, such as 5ms; auto finds the least one. "
     "Without it: as the model says.",
 )
 @click.option(
     "--late",
     metavar="DURATION",
-    help="How much later than it happens something may be recorded. By default as the model says.",
+    help="How much later than it happens an event may be recorded. By default as the model says.",
 )
 @click.option("--unit", metavar="UNIT", help="The unit of the recorded times, if the file does not say it: ms, s, ...")
 @options.agent_ports(
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     metavar="LOG",
     type=click.Path(),
     multiple=True,
-    help="What an application noted, as events (CSV or JSON lines); beside a capture with times since 1970, such as "
+    help="The log of an application, as events (CSV or JSON lines); beside a capture with times since 1970, such as "
     "`time [ns]`. Rows `told` say when it called the run function, rows `written` when it wrote. Can be given several "
     "times.",
 )

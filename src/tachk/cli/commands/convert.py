@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 _ENDINGS = (".ta", *SUFFIXES)
-_HELP = f"""Write a model in another form: {", ".join(_ENDINGS[:-1])} or {_ENDINGS[-1]}.
+_HELP = f"""Write a model in another format: {", ".join(_ENDINGS[:-1])} or {_ENDINGS[-1]}.
 
 A .ta file keeps imports. The other formats contain the imported files, and what tachk adds to UPPAAL's language is
 written out in full. Without --force, a file with other contents is not overwritten.

@@ -43,9 +43,9 @@ def _share(name: str, letter: str, default: float, help: str) -> Callable[[optio
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Answer this property of the model.")
 @options.faults
-@drawing.confidence(0.8, "How probable it is, at least, that an interval contains what it is for.")
+@drawing.confidence(0.8, "Confidence level: the least probability that an interval contains the true value.")
 @drawing.half_width("Draw runs until the interval of a probability is at most 2 E wide.")
-@drawing.runs("Draw N runs, whatever comes of them.")
+@drawing.runs("Draw exactly N runs, however wide the intervals are then.")
 @_share("alpha", "A", 0.05, "Of Pr >= p: say `fails` with at most this probability where Pr is at least p + D.")
 @_share("beta", "B", 0.05, "Of Pr >= p: say `holds` with at most this probability where Pr is at most p - D.")
 @_share("delta", "D", 0.01, "Half the region in which both answers are right.")

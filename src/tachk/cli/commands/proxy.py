@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     metavar="[HOST:]PORT",
     multiple=True,
     required=True,
-    help="Where a client takes the relay for the Agent. Once for each client. HOST is 127.0.0.1 without it.",
+    help="The address at which a client reaches the relay. Once for each client. HOST is 127.0.0.1 without it.",
 )
 @click.option("to", "--to", metavar="HOST:PORT", help="Where the Agent listens.")
 @click.option(
@@ -43,7 +43,14 @@ if TYPE_CHECKING:
     help="Do what the network does in this run of a model, a report of tachk verify --format json.",
 )
 @click.option("prop", "--property", metavar="NAME", help="The property whose run it is, if the report has several.")
-@click.option("seed", "--seed", type=options.Count(0), default=0, show_default=True, help="For rules with a share.")
+@click.option(
+    "seed",
+    "--seed",
+    type=options.Count(0),
+    default=0,
+    show_default=True,
+    help="Seed of the rules for a share of packets.",
+)
 @click.option("record", "--record", metavar="FILE", type=options.type_of_file, help="Write both sides to a capture.")
 @click.option(
     "idle",

@@ -36,7 +36,7 @@ from tachk.report.run.display import RunDisplay
     "formulas",
     "--monitor",
     metavar="FORMULA",
-    help="Judge the run by a formula, a sentence, or a file of them or a model.",
+    help="Check a formula, a sentence, or a file of them or a model on the run.",
 )
 @drawing.record
 @click.option(

@@ -120,7 +120,7 @@ def to_json(analysis: RequirementAnalysis, named: tuple[NamedFormula, ...], unit
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
 @trace_options.definitions
-@options.max_seconds("Stop each search after this time; what it was to find out is then not known.")
+@options.max_seconds("Stop each search after this time; its question then has no answer.")
 def command(file: str, form: str, output: Path | None, seconds: float | None, definitions: tuple[str, ...]) -> None:
     """Examine requirements before there is a model: can all be satisfied, can two deadlines collide, does one follow
     from others, is a trigger impossible?

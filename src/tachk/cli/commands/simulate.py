@@ -92,7 +92,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     metavar="TIME",
     default="100",
     show_default=True,
-    help="How long they are: a number of time units of the model, or a duration such as 3 min.",
+    help="The length of the runs: a number of time units of the model, or a duration such as 3 min.",
 )
 @drawing.seed("The same seed gives the same runs.")
 @click.option(
@@ -113,7 +113,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     "formulas",
     "--monitor",
     metavar="FORMULA",
-    help="Judge each run by a formula, a sentence, or a file of them or a model; write the runs that violate one.",
+    help="Check a formula, a sentence, or a file of them or a model on each run; write the runs that violate one.",
 )
 @click.option(
     "all_runs", "--all-runs", is_flag=True, help="With --monitor: write all runs, not only those that violate."

@@ -96,7 +96,7 @@ if TYPE_CHECKING:
     "formulas",
     "--monitor",
     metavar="FORMULA",
-    help="Judge random runs of each cell by this formula, or by those of a file: how probable it is that a run "
+    help="Check this formula, or those of a file, on random runs of each cell: the probability that a run "
     "satisfies them. Properties are checked then only where they are named.",
 )
 @click.option(
@@ -105,7 +105,7 @@ if TYPE_CHECKING:
     metavar="TIME",
     default="100",
     show_default=True,
-    help="With --monitor: how long the runs are; such as 100 or 2 h.",
+    help="With --monitor: the length of the runs, such as 100 or 2 h.",
 )
 @click.option(
     "part",

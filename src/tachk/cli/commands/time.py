@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     "start",
     "--from",
     metavar="EVENT",
-    help="Where time begins: a condition that becomes true, a channel (c!, c?) or a signal. Without it: the start of "
+    help="The first event: a condition that becomes true, a channel (c!, c?) or a signal. Without it: the start of "
     "the run.",
 )
-@click.option("end", "--to", metavar="EVENT", required=True, help="Where it ends: the next such event after that.")
+@click.option("end", "--to", metavar="EVENT", required=True, help="The second event: the next one after the first.")
 @click.option(
     "last",
     "--last/--first",

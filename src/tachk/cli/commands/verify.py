@@ -60,15 +60,16 @@ _DEFAULT = Options()
 @click.option(
     "--non-zeno",
     is_flag=True,
-    help="For A<>, E[], --> and formulas without deadline: of the runs with infinitely many transitions only those "
-    "count in which time passes without end.",
+    help="For A<>, E[], --> and formulas without deadline: ignore runs with infinitely many transitions in "
+    "finite time.",
 )
 @click.option(
     "--engine",
     type=options.Choice(Engine),
     default=_DEFAULT.engine.value,
     show_default=True,
-    help="What answers: zones; smt, a second engine that shares nothing with the first; or both, which are compared.",
+    help="The engine that answers. zone: searches sets of clock values; smt: z3, which shares nothing with zone; both: "
+    "compare the answers of the two.",
 )
 @click.option(
     "order",
