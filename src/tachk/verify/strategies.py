@@ -57,7 +57,7 @@ REACHABILITY = (
     ),
     Strategy(
         "symmetrised",
-        "ask the question of all interchangeable processes",
+        "search with the symmetrised query, about all interchangeable processes",
         _named("tachk.verify.over_approximations:symmetrised"),
         Exactness.UNREACHABLE,
         states=_MANY,
