@@ -57,6 +57,13 @@ REPLACED = {
     "looked": "explored, sampled",
     "apart": "separate, disjoint, decomposed",
     "attempt": "parse outcome, try, strategy of a portfolio",
+    "heard": "received",
+    "hearing": "receiving",
+    "horizon": "time bound",
+    "offered": "enabled, sent",
+    "nobody": "no process, none",
+    "somebody": "a process, some",
+    "whoever": "the caller, the receiver",
     "kept": "retained, with the name of the things: rows, samples, ways",
 }
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
@@ -80,6 +87,9 @@ EXCEPTIONS = {
     "Sketch": "a drawing of a template",
     "SketchNode": "a drawing of a template",
     "SketchEdge": "a drawing of a template",
+    "horizon": "how far a formula looks ahead",
+    "_horizon": "how far a formula looks ahead",
+    "HORIZON": "a word of a documented output",
     "listeners": "sockets, or processes behind a relay",
     "refusal": "a field of the documented Python API and of documented JSON",
     "refusals": "a field of the documented Python API",

@@ -100,7 +100,7 @@ class Estimable:
         max_steps: int | None = None,
         fault: str | Iterable[str] = (),
     ) -> Estimates:
-        """Answers statistical queries by random runs: docs/statistics.md says what an answer is worth.
+        """Answers statistical queries by random runs: docs/statistics.md says how certain an answer is.
 
         Args:
             queries: such as ``"Pr[<=100](<> P.a)"``; none: those of the model.

@@ -1,4 +1,4 @@
-"""The check of certificates in C++, for large ones: the twin of `tachk.meaning.judge.closed_set`.
+"""The check of certificates in C++, for large ones: the counterpart of `tachk.meaning.judge.closed_set`.
 
 It shares with the engine the compiled program and the machine that evaluates expressions, and nothing else.
 """

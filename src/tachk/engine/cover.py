@@ -32,7 +32,7 @@ _STEPS_FOR_A_ZONE = 20
 
 @dataclass(frozen=True, slots=True)
 class Cover:
-    """A set that covers all reachable states and none that satisfies the goal, as the core claims.
+    """A set that covers all reachable states and none that satisfies the goal, according to the core.
 
     Attributes:
         groups: how many discrete states it has.

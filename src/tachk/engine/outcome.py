@@ -20,7 +20,7 @@ class Statistics:
     peak_bytes: largest size of the engine's data structures.
     user_seconds: CPU time that the process spent in user mode during the search.
     interchangeable: processes that the search did not distinguish.
-    exchanged: the same in words: ``P(1) to P(9) (9)``, for each group or ring.
+    exchanged: the same in words: ``P(1) to P(9) (9)``, for each orbit, cyclic or not.
     less_known: the variables of which a coarser network that was searched keeps less.
     asked_of_all: whether the symmetrised query was checked, about all interchangeable processes in place of some.
     local_times: whether each process had a time of its own.

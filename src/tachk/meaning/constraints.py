@@ -58,7 +58,7 @@ _Excuses = tuple[tuple[Expression, bool], ...]
 
 
 def _excused(excuses: _Excuses, environment: Environment) -> bool:
-    """True if something makes it superfluous to ask a part: an expression with the truth it must have for that."""
+    """True if something makes the evaluation of a part superfluous: an expression with its truth for that."""
     return any((evaluate(expression, environment) != 0) is wanted for expression, wanted in excuses)
 
 

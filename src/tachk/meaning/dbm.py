@@ -1,4 +1,4 @@
-"""Zones as difference bound matrices in plain Python: slow, obvious, exact. The twin the fast core is compared with.
+"""Zones as difference bound matrices in plain Python: slow, obvious, exact. Tests compare the fast core with it.
 
 A *raw bound* is an integer that stands for ``< c`` (``2c``) or ``<= c`` (``2c + 1``), so that a smaller number is a
 tighter bound; `INFINITY` stands for no bound. Entry ``(i, j)`` of a zone bounds ``x_i - x_j``; clock 0 is the constant

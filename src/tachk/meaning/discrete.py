@@ -242,19 +242,19 @@ def transitions_with(
     discrete: DiscreteState,
     sender: Participant,
     channel: int,
-    hearing: Sequence[Sequence[Participant]],
+    receiving: Sequence[Sequence[Participant]],
     may_abstain: Callable[[Sequence[Participant]], bool],
 ) -> Iterator[Transition]:
-    """The transitions of a sender with those that hear it, as far as the committed rule admits them.
+    """The transitions of a sender with its receivers, as far as the committed rule admits them.
 
     For a broadcast ``may_abstain`` says of the edges of one process whether the process can also stay out.
     """
     if not model.channels[channel][0].broadcast:
-        yield from (Transition((sender, receiver)) for of_process in hearing for receiver in of_process)
+        yield from (Transition((sender, receiver)) for of_process in receiving for receiver in of_process)
         return
     admitted = _admitted(model, discrete)
     choices: list[list[tuple[Participant, ...]]] = []
-    for receivers in hearing:
+    for receivers in receiving:
         joins: list[tuple[Participant, ...]] = [(receiver,) for receiver in receivers]
         choices.append(joins + ([()] if may_abstain(receivers) else []))
     for chosen in product(*choices):

@@ -98,7 +98,7 @@ class ManyStates:
         self._type = np.result_type(np.min_scalar_type(self.low.min()), np.min_scalar_type(self.high.max()))
         self._numbers: dict[bytes, int] = {}
         self._invariants: dict[Conjunction, int] = {NEVER: 0, (): 1}
-        self._hearing: dict[int, list[tuple[int, list[tuple[int, list[Participant]]]]]] = {}
+        self._receiving: dict[int, list[tuple[int, list[tuple[int, list[Participant]]]]]] = {}
         self._guards: dict[Participant, Memory[StepCandidate]] = {}
         self._effects: dict[Participant, Memory[Effect]] = {}
         self.moves: list[MoveOfManyStates] = []
@@ -154,7 +154,7 @@ class ManyStates:
                 special = location.rates or location.invariant is not None
                 rows = known + np.flatnonzero(here == number) if special else added[:0]
                 for clock, rate in location.rates:
-                    for part, stopped in self.ask(rows, partial(_stopped, clock, rate)):
+                    for part, stopped in self.evaluated(rows, partial(_stopped, clock, rate)):
                         if isinstance(stopped, EvaluationFault):
                             self.invalid += part.tolist()
                         else:
@@ -166,11 +166,13 @@ class ManyStates:
         self._admitted = np.concatenate((self._admitted, admitted))
         return added
 
-    def ask(self, rows: Numbers, question: Callable[[Environment], T]) -> Iterator[tuple[Numbers, T | EvaluationFault]]:
+    def evaluated(
+        self, rows: Numbers, question: Callable[[Environment], T]
+    ) -> Iterator[tuple[Numbers, T | EvaluationFault]]:
         """Rows, in groups that agree in what answers a question, with the answer."""
-        return self._ask(self.states, rows, question, {})
+        return self._evaluated(self.states, rows, question, {})
 
-    def _ask(
+    def _evaluated(
         self, states: States, rows: Numbers, question: Callable[[Environment], T], memory: Memory[T]
     ) -> Iterator[tuple[Numbers, T | EvaluationFault]]:
         waiting: list[tuple[Numbers, tuple[int, ...]]] = [(rows, ())]
@@ -202,7 +204,7 @@ class ManyStates:
 
     def _limit(self, rows: Numbers, invariant: Callable[[Environment], Disjunction]) -> None:
         """Adds an invariant to those of some states. Once one is false, later ones are not evaluated."""
-        for part, parts in list(self.ask(rows, invariant)):
+        for part, parts in list(self.evaluated(rows, invariant)):
             if isinstance(parts, EvaluationFault):
                 self.invalid += part.tolist()
                 self.limits[part] = 1
@@ -227,7 +229,7 @@ class ManyStates:
                 scratch.deadlock = partial(bool, dead)
                 return certain(one, scratch, negated, TRUE if widely else FALSE)
 
-            for part, condition in self.ask(rows, question):
+            for part, condition in self.evaluated(rows, question):
                 if not isinstance(condition, EvaluationFault) and condition:
                     found.append((part, condition))
         return found
@@ -306,7 +308,7 @@ class ManyStates:
                 return guard, fault
 
         memory = self._guards.setdefault(participants[-1], {})
-        for part, found in self._ask(self.states, rows, candidate, memory):
+        for part, found in self._evaluated(self.states, rows, candidate, memory):
             guard, channel = (TRUE, found) if isinstance(found, EvaluationFault) else found
             if isinstance(channel, EvaluationFault):
                 self._note(part, conjunction(required, guard), Transition(participants), channel)
@@ -314,21 +316,21 @@ class ManyStates:
                 yield part, guard, channel
 
     def _potential_receivers(self, channel: int) -> list[tuple[int, list[tuple[int, list[Participant]]]]]:
-        """The processes that may hear a channel, with the locations where they do and the edges."""
-        if channel not in self._hearing:
+        """The processes that may receive on a channel, with the locations where they do and the edges."""
+        if channel not in self._receiving:
             of_processes = [
                 (
                     q,
                     [
-                        (location, hearing)
+                        (location, receiving)
                         for location, participants in enumerate(by_location)
-                        if (hearing := [p for p in participants if may_receive(self.model, p, channel)])
+                        if (receiving := [p for p in participants if may_receive(self.model, p, channel)])
                     ],
                 )
                 for q, by_location in enumerate(self.model.instances)
             ]
-            self._hearing[channel] = [of_process for of_process in of_processes if of_process[1]]
-        return self._hearing[channel]
+            self._receiving[channel] = [of_process for of_process in of_processes if of_process[1]]
+        return self._receiving[channel]
 
     def _partners(
         self, rows: Numbers, _: int, channel: int, sender: tuple[Participant, ...], guard: Disjunction
@@ -336,8 +338,8 @@ class ManyStates:
         p = sender[0].process
         for q, by_location in self._potential_receivers(channel):
             free = rows[self._admitted[rows, p] | self._admitted[rows, q]]
-            for location, hearing in by_location if q != p else ():
-                for receiver in hearing:
+            for location, receiving in by_location if q != p else ():
+                for receiver in receiving:
                     here = free[self.states[free, q] == location]
                     for part, also, named in self._candidates(here, (*sender, receiver), guard):
                         if named == channel:
@@ -346,16 +348,16 @@ class ManyStates:
     def _receivers(
         self, rows: Numbers, place: int, channel: int, chosen: tuple[Participant, ...], guard: Disjunction
     ) -> Iterator[Joint]:
-        """Each process that can hear a broadcast does, by one of its edges, from the listener of that number on."""
+        """Each process that can receive a broadcast does, by one of its edges, from the receiver of that number on."""
         if place == len(self._potential_receivers(channel)) or not len(rows):
             joined = self._admitted[rows][:, [p.process for p in chosen]].any(axis=1)
             yield rows[joined], chosen, guard, channel
             return
         staying = [(rows, guard)]
         q, by_location = self._potential_receivers(channel)[place]
-        for location, hearing in by_location if q != chosen[0].process else ():
+        for location, receiving in by_location if q != chosen[0].process else ():
             here = rows[self.states[rows, q] == location]
-            for receiver in hearing:
+            for receiver in receiving:
                 for part, also, named in self._candidates(here, (*chosen, receiver), guard):
                     if named != channel:
                         continue
@@ -388,7 +390,7 @@ class ManyStates:
         after: dict[ClockValues, list[tuple[Numbers, States]]] = {}
         for before, (rows, states) in pieces.items():
             memory = self._effects.setdefault(participant, {})
-            for part, found in self._ask(states, np.arange(len(rows)), effect, memory):
+            for part, found in self._evaluated(states, np.arange(len(rows)), effect, memory):
                 if isinstance(found, EvaluationFault):
                     self._note(rows[part], guard, transition, found)
                     continue

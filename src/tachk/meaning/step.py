@@ -91,7 +91,7 @@ class _StepRequirement:
     Attributes:
         condition: None: nothing.
         of: whose guard it is.
-        constraints: what the condition asks of the clocks.
+        constraints: the constraints of the condition on the clocks.
         of_clocks: the condition compares clocks.
     """
 
@@ -167,12 +167,12 @@ def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> I
     if channel is None:
         yield Transition((first,))
         return
-    hearing = [
+    receiving = [
         [p for p in of_process if _receives(model, state, p, channel)]
         for of_process in enabled_receivers(model, state.discrete, first, channel)
     ]
     yield from transitions_with(
-        model, state.discrete, first, channel, hearing, may_abstain=lambda receivers: not receivers
+        model, state.discrete, first, channel, receiving, may_abstain=lambda receivers: not receivers
     )
 
 
@@ -396,8 +396,8 @@ def observable_constraints(
             if channel is None:
                 candidates.append(Transition((first,)))
                 continue
-            hearing = [list(filter(guard, p)) for p in enabled_receivers(model, discrete, first, channel)]
-            candidates.extend(transitions_with(model, discrete, first, channel, hearing, lambda receivers: True))
+            receiving = [list(filter(guard, p)) for p in enabled_receivers(model, discrete, first, channel)]
+            candidates.extend(transitions_with(model, discrete, first, channel, receiving, lambda receivers: True))
     found.update(c for requirement in guards.values() for conjunction in requirement for c in conjunction)
     for transition in candidates:
         with suppress(EvaluationFault):

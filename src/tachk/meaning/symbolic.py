@@ -193,12 +193,12 @@ def guarded_transitions(
         if channel is None:
             found.append((Transition((first,)), guards[first]))
             continue
-        hearing = [
+        receiving = [
             [p for p in of_process if received_channel(p, guards[first]) == channel]
             for of_process in enabled_receivers(model, discrete, first, channel)
         ]
         for transition in transitions_with(
-            model, discrete, first, channel, hearing, lambda receivers: all(() not in guards[r] for r in receivers)
+            model, discrete, first, channel, receiving, lambda receivers: all(() not in guards[r] for r in receivers)
         ):
             with suppress(EvaluationFault):  # which is among the faults
                 found.append((transition, guard_of(model, discrete, transition)))

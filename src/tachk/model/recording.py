@@ -22,8 +22,8 @@ class VisibleEvents:
         event: the name of these events in the recording.
         columns: what a recorded event says, by name: an expression of the indices, and of what variables hold and where
             processes are at the end of the step.
-        per: the indices that the events of a queue have in common. The events of a queue happen in their recorded
-            order, those of different queues as their times allow.
+        per: the indices that the events of a stream have in common. The events of a stream happen in their recorded
+            order, those of different streams as their times allow.
         direction: whether the model sends or receives; None: as the processes show that are left.
         words: of columns that show in which location a process is: the values that stand for its locations, by name.
     """

@@ -1,4 +1,4 @@
-"""Formulas over runs with their names resolved: what a statistical query with several operators asks of each run."""
+"""Formulas over runs with their names resolved: the conditions of statistical queries with several operators."""
 
 from __future__ import annotations
 

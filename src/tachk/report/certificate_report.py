@@ -26,7 +26,7 @@ class Judgement:
 
     Attributes:
         network: without observer.
-        query: what it claims to decide.
+        query: the query that it decides.
         checker: who has judged it; None where its header shows that it is about another model.
         reason: why it is rejected; empty if it is accepted.
         objection: what of it is wrong, where it is for this model and this property.

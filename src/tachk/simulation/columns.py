@@ -47,7 +47,7 @@ class Column:
 def all_columns(network: Network) -> tuple[Column, ...]:
     """The signals of a model, then the location of each process, then the variables that can change.
 
-    The location of a process that has only one is there, too: who reads the run may ask whether the process is in it.
+    The location of a process that has only one is there, too: a formula on the run may be about it.
     """
     return (*_signals(network), *_locations(network), *_variables(network))
 

@@ -33,8 +33,8 @@ def without_blocking(network: Network, targets: Sequence[Expression]) -> Transfo
     looked for.
 
     Processes and variables keep their numbers. The network comes back as it is where a target is about ``deadlock`` or
-    processes or channels have priorities, as there every possible action counts; where a target is about nothing, as
-    that is how to ask for the whole state space; and where all that only block are outside the cone of influence, where
+    processes or channels have priorities, as there every possible action counts; where a target is about nothing, which
+    requests the whole state space; and where all that only block are outside the cone of influence, where
     they cost nothing.
     """
     if every_action_counts(network, targets):

@@ -31,7 +31,7 @@ def cone_of_influence(network: Network, targets: Sequence[Expression]) -> Transf
 
     Processes and variables keep their numbers. Nothing is frozen where a target is about ``deadlock`` or where
     processes or channels have priorities: there every possible action counts. Nor is it where a target is about
-    nothing, as that is how to ask for the whole state space.
+    nothing, as that is how the whole state space is requested.
     """
     return _cone_of_influence(network, tuple(targets))
 

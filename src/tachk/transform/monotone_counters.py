@@ -74,9 +74,9 @@ def monotone_counters(network: Network, targets: Sequence[Expression]) -> frozen
         found -= _read_otherwise(process, found, known)
     for process in network.processes:
         for edge in process.edges:
-            if edge.guard is not None and (spoken_of := mentioned([edge.guard])[1] & found):
+            if edge.guard is not None and (mentioned_counters := mentioned([edge.guard])[1] & found):
                 if can_fail(edge.guard, known) or not _forces_nothing(process, edge, found, known):
-                    found -= spoken_of
+                    found -= mentioned_counters
     return frozenset(found)
 
 
@@ -113,7 +113,7 @@ def _read_otherwise(process: Process, candidates: set[Variable], known: Known) -
     found: set[Variable] = set()
     guards = [edge.guard for edge in process.edges if edge.guard is not None]
     for guard in guards:
-        found |= {v for v in mentioned([guard])[1] & candidates if not _asks_for_less(opened(guard, known), v)}
+        found |= {v for v in mentioned([guard])[1] & candidates if not _needs_less(opened(guard, known), v)}
     rest = replace(process, edges=tuple(replace(edge, guard=None) for edge in process.edges))
     for expression in process_expressions(rest):
         if _raised(expression) is None:
@@ -121,13 +121,13 @@ def _read_otherwise(process: Process, candidates: set[Variable], known: Known) -
     return found
 
 
-def _asks_for_less(condition: Expression, variable: Variable) -> bool:
+def _needs_less(condition: Expression, variable: Variable) -> bool:
     """True if a condition that is true stays true when the variable becomes smaller."""
     if variable not in mentioned([condition])[1]:
         return True
     match condition:
         case Binary(operator, left, right) if operator in _POSITIVE:
-            return _asks_for_less(left, variable) and _asks_for_less(right, variable)
+            return _needs_less(left, variable) and _needs_less(right, variable)
         case Binary(operator, Reference(compared), Constant()) if operator in _SMALLER:
             return compared is variable
         case Binary(operator, Constant(), Reference(compared)) if operator in COMPARISONS:

@@ -69,7 +69,7 @@ class Verdict:
     trace: a replayed run that shows E<> true or A[] false; None where no run can.
     fault: the run-time error of the model that ended the search, if one did.
     unsupported: why this query cannot be checked at all.
-    unexamined: the processes that were held still or left out, and the variables whose updates were, because the
+    unexamined: the processes that were frozen or left out, and the variables whose updates were, because the
         answer does not depend on them, where they can meet run-time errors: these were not looked for.
     assumption: how the model was read where it does not say what it means and the answer depends on it; else empty.
     extremes: for ``sup``, ``inf`` and ``bounds`` one entry for each expression; empty where no state satisfies the

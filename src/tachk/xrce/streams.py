@@ -162,7 +162,7 @@ class StreamState:
         return not all(number in self._known for number in range(first, behind))
 
     def lacks_unheard(self, first: int, behind: int, sender: StreamState) -> bool:
-        """True if a message of these has not been seen here, and the sender has not heard that it is missing."""
+        """True if a message of these has not been seen here, and the sender does not know that it is missing."""
         first = max(first, self.arrived, sender.arrived)
         if first >= behind or (first == self.arrived and self._behind <= behind and len(self._seen) == behind - first):
             return False

@@ -61,7 +61,7 @@ class SelectedEdge:
 
     Attributes:
         direction: None for an internal edge.
-        heard: the cells whose content the updates read from before the transition.
+        read_before: the cells whose content the updates read from before the transition.
     """
 
     participant: Participant
@@ -70,7 +70,7 @@ class SelectedEdge:
     direction: Direction | None
     span: Span
     cases: tuple[MuntaCase[CaseEffect], ...]
-    heard: frozenset[int]
+    read_before: frozenset[int]
 
     @property
     def written(self) -> frozenset[int]:
@@ -110,20 +110,22 @@ class ActionFinder:
 
         return self._found(outcome, sender.span)
 
-    def hearing(self, receiver: SelectedEdge, channel: int, said: Said) -> tuple[MuntaCase[CaseEffect], ...]:
+    def receiving(self, receiver: SelectedEdge, channel: int, said: Said) -> tuple[MuntaCase[CaseEffect], ...]:
         """The effect of a receiver after the sender of a broadcast has written variables."""
-        heard: set[int] = set()
-        cases = self._cases(receiver.participant, said, heard)
+        read_before: set[int] = set()
+        cases = self._cases(receiver.participant, said, read_before)
         return tuple(case for case in cases if case.outcome.channel == channel)
 
     def _action(self, participant: Participant) -> SelectedEdge:
         edge = self.model.edge(participant)
-        heard: set[int] = set()
-        cases = self._cases(participant, (), heard)
+        read_before: set[int] = set()
+        cases = self._cases(participant, (), read_before)
         direction = None if edge.synchronisation is None else edge.synchronisation.direction
-        return SelectedEdge(participant, edge.source, edge.target, direction, edge.spans[0], cases, frozenset(heard))
+        return SelectedEdge(
+            participant, edge.source, edge.target, direction, edge.spans[0], cases, frozenset(read_before)
+        )
 
-    def _cases(self, participant: Participant, said: Said, heard: set[int]) -> tuple[MuntaCase[CaseEffect], ...]:
+    def _cases(self, participant: Participant, said: Said, read_before: set[int]) -> tuple[MuntaCase[CaseEffect], ...]:
         """The effect of an edge, if its updates find cells with other contents than its guard did; collects what they
         read."""
         edge = self.model.edge(participant)
@@ -140,7 +142,7 @@ class ActionFinder:
             try:
                 execute(edge.updates, environment)
             finally:
-                heard.update(contents.read)
+                read_before.update(contents.read)
             return self._effect(guard, channel, environment, contents, edge.spans[0])
 
         return self._found(outcome, edge.spans[0])
@@ -233,6 +235,6 @@ def conflicting(
     """A sender and a receiver for which the order of their updates matters."""
     for sender, receiver in product(senders, receivers):
         if sender.participant.process != receiver.participant.process:
-            if sender.written & (receiver.written | receiver.heard):
+            if sender.written & (receiver.written | receiver.read_before):
                 return sender, receiver
     return None

@@ -210,7 +210,7 @@ class _MuntaWriter:
                     "receive in any case, and decide on an edge behind a committed location",
                 )
             for other in receivers:
-                if other.participant.process != receiver.participant.process and other.written & receiver.heard:
+                if other.participant.process != receiver.participant.process and other.written & receiver.read_before:
                     raise unsupported(
                         "receivers of a broadcast that read what another receiver may have written", receiver.span
                     )
@@ -224,7 +224,7 @@ class _MuntaWriter:
         processes: Sequence[MuntaProcess],
     ) -> None:
         """A broadcast channel for all that senders may have written which receivers need."""
-        needed = frozenset(cell for receiver in receivers for cell in receiver.heard)
+        needed = frozenset(cell for receiver in receivers for cell in receiver.read_before)
         sent: dict[Said, list[tuple[SelectedEdge, MuntaCase[CaseEffect]]]] = {}
         for sender in senders:
             for case in _over(sender, channel):
@@ -236,7 +236,7 @@ class _MuntaWriter:
             for sender, case in sendings:
                 self._add(processes, sender, [case], f"{name}!")
             for receiver in receivers:
-                cases = finder.hearing(receiver, channel, said)
+                cases = finder.receiving(receiver, channel, said)
                 self._add(processes, receiver, cases, f"{name}?")
 
     def _join(

@@ -59,7 +59,7 @@ class PlotArguments:
 
 
 def run_plot(arguments: TraceArguments, evaluation: EvaluationOptions, drawn: PlotArguments) -> ExitStatus:
-    """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
+    """Draws a trace with the values of formulas on it. The verdict has no influence on the exit status."""
     from tachk.api.monitoring import MonitorReport
     from tachk.cli.trace_arguments import print_warnings
     from tachk.recordings.monitors.offline import evaluate_formulas

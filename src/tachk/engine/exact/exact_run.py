@@ -1,4 +1,4 @@
-"""Runs with exact times along long paths: the twin of `tachk.engine.exact.concretise` and `tachk.meaning.judge.replay`.
+"""Runs with exact times along long paths: the counterpart of `engine.exact.concretise` and `meaning.judge.replay`.
 
 Making and judging them are two pieces of C++. They share with the search the compiled program and the machine that
 evaluates expressions, and nothing else; each other they do not know.

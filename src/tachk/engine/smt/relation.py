@@ -144,7 +144,7 @@ class _Encoder:
         after = fresh_frame(self.network, self.layout, self.frame, "n")
         self.stopped = stopped = self._stopped()
         at_end = ClocksOf(self.frame, stopped, self.frame.left)
-        self._ask_all()
+        self._add_conditions()
         invariant, _ = self._invariant(at_end)
         on_entry, entry_faults = self._invariant(ClocksOf(self.frame, stopped, self.frame.entered))
         waits = self.frame.left > self.frame.entered
@@ -177,7 +177,7 @@ class _Encoder:
 
     # ---- what is possible --------------------------------------------------------------------------------------------
 
-    def _ask_all(self) -> None:
+    def _add_conditions(self) -> None:
         """Encodes which edges are open at the end of the delay, over which channels; and the run-time errors in their
         guards where these are evaluated."""
         machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
@@ -185,16 +185,16 @@ class _Encoder:
             Instance(p, self._edge(p), fires, self._at(p.process, [self._edge(p).source]))
             for p, fires in zip(participants(self.network), self.frame.fires, strict=True)
         ]
-        self._ask_committed()
+        self._add_committed()
         for instance in self.instances:
             if not instance.receives:
                 admitted = True if instance.sends else self.may_go[instance.process]
-                self._ask_edge(machine, instance, conj(instance.at_source, admitted))
+                self._add_edge(machine, instance, conj(instance.at_source, admitted))
         for instance in self.instances:
             if instance.receives:
-                self._ask_edge(machine, instance, self._is_called(machine, instance))
+                self._add_edge(machine, instance, self._is_called(machine, instance))
 
-    def _ask_committed(self) -> None:
+    def _add_committed(self) -> None:
         """Encodes the committed rule: is some process committed, and which processes may go (`Location.may_go`)?"""
 
         def at(wanted: Callable[[Location], bool]) -> list[Formula]:
@@ -240,7 +240,7 @@ class _Encoder:
         for variable, value in zip(instance.edge.selects, instance.participant.selects, strict=True):
             machine.bind(variable, value)
 
-    def _ask_edge(self, machine: Machine, instance: Instance, enabled: Formula) -> None:
+    def _add_edge(self, machine: Machine, instance: Instance, enabled: Formula) -> None:
         check_job()
         self._bind(machine, instance)
         machine.faults = []
@@ -355,7 +355,7 @@ class _Encoder:
         moment = z3.Real("later")
         later = _Encoder(self.network, self.layout, self.channels)
         later.frame, later.stopped = replace(self.frame, left=moment), self.stopped
-        later._ask_all()
+        later._add_conditions()
         invariant, _ = later._invariant(ClocksOf(later.frame, self.stopped, moment))
         waits = disj(moment == self.frame.left, self._time_may_pass())
         found = later._actions()

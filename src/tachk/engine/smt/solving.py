@@ -64,13 +64,13 @@ class SolverOptions:
         found: list[z3.CheckSatResult | BaseException] = []
         terms = [formula for formula in assumptions if not isinstance(formula, bool)]
 
-        def ask() -> None:
+        def check() -> None:
             try:
                 found.append(solver.check(*terms))
             except BaseException as error:  # handed to the thread that waits
                 found.append(error)
 
-        thread = threading.Thread(target=ask, daemon=True)
+        thread = threading.Thread(target=check, daemon=True)
         thread.start()
         try:
             while thread.is_alive():

@@ -1,4 +1,4 @@
-"""Storage of symbolic execution: numbered cells; the changes of one branch are kept apart from those of another."""
+"""Storage of symbolic execution: numbered cells; each branch has changes of its own."""
 
 from __future__ import annotations
 

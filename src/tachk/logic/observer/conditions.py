@@ -1,4 +1,4 @@
-"""Conditions on one state, as conjunctions of expressions that are kept apart."""
+"""Conditions on one state, as conjunctions of separate expressions."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
 
 
 def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:
-    """The parts taken apart at every ``&&``; of contradicting ones, ``false`` alone is left."""
+    """The operands of every ``&&``; of contradicting ones, ``false`` alone is left."""
     found = _conjuncts(parts)
     for part in found:
         if isinstance(part, ast.BooleanLiteral) or _conjuncts((negated(part),)) <= found:
@@ -62,7 +62,7 @@ def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:
 
 
 def _conjuncts(parts: Iterable[ast.Expression]) -> set[ast.Expression]:
-    """The parts taken apart, ``true`` left out."""
+    """The operands of every ``&&``, ``true`` left out."""
     found: set[ast.Expression] = set()
     pending = list(parts)
     while pending:

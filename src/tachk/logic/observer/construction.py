@@ -1,7 +1,7 @@
 """Observers: automata beside a model that can reach their location `Bad` exactly if the model can violate a formula.
 
 An observer guesses how the formula is violated and checks its guess; it never keeps the model from doing anything. Its
-locations have requirements. Where one fails, a broadcast over an urgent channel that nobody hears is enabled: time
+locations have requirements. Where one fails, a broadcast over an urgent channel without receivers is enabled: time
 stands still until the observer has left, and a requirement that fails for no time, between two updates at one instant,
 does not count. docs/logic.md describes the construction.
 """
@@ -164,7 +164,7 @@ class _ObserverWriter:
         binding = [state for state in self.automaton.states if binds(state)]
         endless = list(filter(is_endless, binding))
         answered = sorted({task.goal for state in endless for task in answered_in(state)}, key=repr)
-        # That nothing is left to be seen once, and that what is claimed is so, is one more thing to be met.
+        # A further condition to meet: nothing is left to be seen once, and every assertion holds.
         settles = endless != binding or any(map(self.tableau.settled, endless))
 
         def again(state: State) -> Iterator[ast.Expression | None]:

@@ -2,8 +2,8 @@
 
 Between two instants at which one of the conditions changes whose edges matter, nothing rises or falls. So it is
 enough to know what these conditions were right before an instant: a task remembers them, and a step from one
-valuation to another one claims for its instant what is allowed there. Where an instant that is not allowed asks for
-something that then has to last, the latest such instant asks for it longest, and one clock is enough.
+valuation to another one asserts for its instant what is allowed there. Where an instant that is not allowed requires
+a condition that then has to last, the latest such instant requires it longest, and one clock is enough.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ included; an interval did. After the window, ``last`` and the last two with ``pa
 
 @dataclass(frozen=True, slots=True)
 class ObserverMoveTask:
-    """``task``: what is left to be shown, if anything; ``now``: what is claimed of the instant."""
+    """``task``: what is left to be shown, if anything; ``now``: the assertion about the instant."""
 
     task: TableauTask | None
     now: Conjunction = frozenset()
@@ -182,7 +182,7 @@ def _change(
 
 
 def _conditions_to_require(task: TableauTask, conditions: Conjunction) -> Conjunction:
-    """The conditions to claim at an instant; none if the task requires as much, and its memory of the instant cannot
+    """The conditions to assert at an instant; none if the task requires as much, and its memory of the instant cannot
     allow more than is allowed."""
     goal = _goal(task)
     required = conjunction(requirement(task))

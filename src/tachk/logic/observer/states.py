@@ -1,6 +1,6 @@
 """The states of an observer: what has yet to be shown for a violation.
 
-A state is a set of *items*: tasks that look ahead, conditions that were claimed of the present instant and have to
+A state is a set of *items*: tasks that look ahead, conditions that were asserted of the present instant and have to
 last for some time (`Settling`), and pasts that were seen so far.
 
 Clocks are handed out to the items of a state; those that begin at the same instant share one.
@@ -52,7 +52,7 @@ class TableauTask:
 
 @dataclass(frozen=True, slots=True)
 class Settling:
-    """Conditions claimed of an instant: they have to hold until the clock, 0 then, is positive."""
+    """Conditions asserted of an instant: they have to hold until the clock, 0 then, is positive."""
 
     conditions: Conjunction
     clock: int

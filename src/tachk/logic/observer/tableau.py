@@ -254,7 +254,7 @@ class Tableau:
         clocks: tuple[ClockGuard, ...],
         guard: Conjunction = frozenset(),
     ) -> Iterator[TableauStep]:
-        """A step with a task exchanged for others. Claims of the same instant stay open, older ones are settled."""
+        """A step with other tasks for one. Assertions about the same instant stay open, older ones are settled."""
         others = [item for item in state if isinstance(item, TableauTask) and item != done]
         after = frozenset((*others, *tasks))
         wanted = pasts_wanted(after, self.saved)
@@ -265,7 +265,7 @@ class Tableau:
         stuck = is_false(self.requirement(state))
         if open_ is None or not stuck:
             yield from self._made(state, (*after, *pasts, *self._settling(now, FRESH)), clocks, condition, open_)
-        # A window that is over stays over, so that what is claimed may be settled first.
+        # A window that is over stays over, so that assertions may be settled first.
         ends = not tasks and not now
         if open_ is not None and not ends and not any(implies_positive(clock, open_.clock) for clock in clocks):
             settling = self._settling(open_.conditions | now, FRESH if now else open_.clock)
@@ -310,7 +310,7 @@ class Tableau:
         return (Settling(conditions, clock),) if conditions else ()
 
     def _settled(self, state: State) -> Iterator[TableauStep]:
-        """The claim of an instant has lasted; a step that waits until it fails, unless nothing else is left."""
+        """The assertion about an instant has lasted; a step that waits until it fails, unless nothing else is left."""
         settling = next((item for item in state if isinstance(item, Settling)), None)
         if settling is None or is_false(self.requirement(state)):
             return

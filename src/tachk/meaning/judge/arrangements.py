@@ -1,8 +1,8 @@
 """Symbolic states with the members of groups in other places: for many of them at once.
 
 A set that holds states up to exchanges covers what exchanges lead into it. Which exchanges are tried is a guess:
-members are sorted by what is known of them, as the search for certificates does; those of a ring come to every place.
-Whatever is tried is sound, because each exchange maps the model onto itself.
+members are sorted by what is known of them, as the search for certificates does; those of a cyclic orbit come to every
+place. Each try is sound, because each permutation maps the model onto itself.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Arranged:
         return Arranged(states, zones, self.origin)
 
     def turned(self, group: SymmetryGroup) -> Arranged:
-        """With the members of a ring moved on by one place."""
+        """With the members of a cyclic orbit moved on by one place."""
         return self.placed(group, np.tile(np.roll(np.arange(group.size), 1), (len(self.states), 1)))
 
     def sorted(self, group: SymmetryGroup, way: int) -> Arranged:

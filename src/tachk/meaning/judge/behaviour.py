@@ -75,7 +75,7 @@ class Behaviour:
 
     def is_possible(self, participant: Participant) -> bool:
         """True if an edge is part of anything: it is not if its guard is false everywhere, or if no other process is
-        ever at the other end of its channel. Where it may be an error to ask it, it is."""
+        ever at the other end of its channel. Where its evaluation may be an error, it is."""
         synchronisation, process = self.model.edge(participant).synchronisation, participant.process
         if synchronisation is not None and synchronisation.direction is Direction.RECEIVE:
             channels = self.receives(participant)

@@ -49,7 +49,7 @@ class MalformedCertificateError(Exception):
 
 
 class ProofKind(StrEnum):
-    """The claim of a certificate."""
+    """The statement that a certificate proves."""
 
     UNREACHABLE = "unreachable"
     """No reachable state satisfies the target of the query."""

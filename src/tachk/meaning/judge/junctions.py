@@ -1,4 +1,4 @@
-"""Predicates taken apart into conjunctions and disjunctions, quantified ones included, whose parts have no order.
+"""Predicates split into conjunctions and disjunctions, quantified ones included, whose parts have no order.
 
 That is what they mean as long as no part is a run-time error.
 """
@@ -23,7 +23,7 @@ Sets = frozenset[frozenset[tuple[int, int, int]]]
 
 @dataclass(frozen=True, eq=False)
 class PredicateAtom:
-    """A part that is not taken apart: an expression, or its negation, where some variables have values."""
+    """A part that is not split: an expression, or its negation, where some variables have values."""
 
     expression: Expression
     positive: bool
@@ -35,12 +35,12 @@ class PredicateAtom:
         for variable, value in self.bound:
             scratch.bind(variable, value)
         found: list[Any] = []
-        asks = asks_deadlock(self.expression)
-        for dead in (False, True) if asks else (False,):
+        with_deadlock = asks_deadlock(self.expression)
+        for dead in (False, True) if with_deadlock else (False,):
             scratch.deadlock = partial(bool, dead)
             ways = (certain(self.expression, scratch, not self.positive, unknown) for unknown in (FALSE, TRUE))
             found.append(tuple(map(sets, ways)))
-        return tuple(found if asks else found * 2)
+        return tuple(found if with_deadlock else found * 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ Part = PredicateAtom | Junction
 
 
 def part_of(expression: Expression, positive: bool = True, bound: tuple[tuple[Variable, int], ...] = ()) -> Part:
-    """A predicate, or its negation, taken apart."""
+    """A predicate, or its negation, split into its parts."""
     while isinstance(expression, Unary) and expression.operator is UnaryOperator.NOT:
         expression, positive = expression.operand, not positive
     conjunctive = _joins(expression)

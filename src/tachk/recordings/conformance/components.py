@@ -1,4 +1,4 @@
-"""Parts of a model that share nothing, so that each can be held against its own events.
+"""Independent components of a model: they share nothing, so that each is checked against its own events.
 
 A link whose place the recording takes joins its two ends no longer: a client and the Agent then have no variable, no
 channel and no location test in common, and any run of the one goes with any run of the other. What is left between them

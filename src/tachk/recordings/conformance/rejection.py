@@ -199,7 +199,7 @@ def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteSt
 
 
 def _start(model: PreparedNetwork, product: TraceProduct, happened: Sequence[int], end: FinalState) -> DiscreteState:
-    """The state of the network that knows of each stream only what is near."""
+    """The state of the network with the near events of each stream only."""
     values = list(model.layout.initial)
     for variable, first in model.layout.first.items():
         if variable in end.values and variable not in product.tables:

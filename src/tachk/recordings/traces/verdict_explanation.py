@@ -89,7 +89,7 @@ class Explainer:
         return self._known[node]
 
     def _compute(self, nodes: Sequence[int]) -> None:
-        """Computes what nodes are worth. Their operands are mostly looked at next, and the trace need not be read again
+        """Computes the values of nodes. Their operands are mostly looked at next, and the trace need not be read again
         for them."""
         new = [node for node in nodes if node not in self._known]
         operands = {o for node in new for o in self.program.nodes[node].operands if o not in self._known}

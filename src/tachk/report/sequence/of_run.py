@@ -67,9 +67,9 @@ def _lifelines(run: RunSteps) -> tuple[str, ...]:
     active = {step.sender for step in run.steps if step.channel} - carriers
     chosen = set(active)
     for step in run.steps:
-        hearing = [process for process in step.receivers if process not in carriers]
-        if step.channel and not step.channel.startswith("send[") and not active.intersection(hearing):
-            chosen.update(hearing[:1])
+        receiving = [process for process in step.receivers if process not in carriers]
+        if step.channel and not step.channel.startswith("send[") and not active.intersection(receiving):
+            chosen.update(receiving[:1])
     chosen |= {process for step in run.steps for process, _ in step.news}
     return tuple(process for process in run.processes if process in chosen)
 
@@ -161,9 +161,9 @@ class _Making:
             waiting.remove(arrived)
         made = self.events[arrived.number][0]
         assert isinstance(made, Message)
-        hearing = tuple(self._lifeline[process] for process in step.receivers if process in self._lifeline)
+        receiving = tuple(self._lifeline[process] for process in step.receivers if process in self._lifeline)
         self.events[arrived.number][0] = replace(
-            made, receivers=hearing or made.receivers, arrivals=(*made.arrivals, self._moment(number))
+            made, receivers=receiving or made.receivers, arrivals=(*made.arrivals, self._moment(number))
         )
 
     def _handshake(self, number: int, step: RunStep) -> None:

@@ -2,7 +2,7 @@
 
 The rest acts by the edges of that process: it sends over a channel, or changes variables without sending. The
 values that variables then have are inputs, which the update of such an edge copies, so that receivers read what the
-sender has written. What the part sends the process hears, and keeps the values that go along.
+sender has written. The process receives what the part sends, and keeps the payload.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, Record
 from tachk.transform.transformation import Exactness, Transformation
 
 OUTSIDE, SENT = "outside.", "sent."
-"""Before the names of variables: what the rest writes, and what goes along with the last message of the part."""
+"""Before the names of variables: what the rest writes, and the payload of the last message of the part."""
 _NEVER = Variable("outside.acts", IntType(0, 1), VariableKind.GLOBAL, (0,))
 
 
@@ -51,7 +51,7 @@ class OpenNetwork(Transformation):
 
     Attributes:
         inputs: the variables that the environment writes, each with the one that it is for.
-        hears, sends: the channels over which the environment sends and receives, each with its edge that does it.
+        receives, sends: the channels over which the environment sends and receives, each with its edge that does it.
         nudge: the edge by which it changes inputs without sending.
     """
 

@@ -80,7 +80,7 @@ class CoSimulationUnit:
     """Attributes:
     name: of the model, an identifier of C.
     second: how many ticks are a second.
-    nudge: the edge by which the surroundings change inputs without sending anything; -1 if there are no inputs.
+    nudge: the edge by which the environment changes inputs without sending anything; -1 if there are no inputs.
     """
 
     name: str
@@ -92,7 +92,7 @@ class CoSimulationUnit:
 
 
 def closed_unit(network: Network, name: str) -> CoSimulationUnit:
-    """A network without surroundings. Raises UnsupportedError for what is not simulated."""
+    """A network without environment. Raises UnsupportedError for what is not simulated."""
     check_units(network)
     columns = changing_columns(network)
     program, chances = lower_simulation(network, observed(columns))

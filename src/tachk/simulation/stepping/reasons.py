@@ -89,7 +89,7 @@ def _broken_invariants(names: RunNames, state: TimedState) -> Iterator[Label]:
 
 
 def why_no_transition(names: RunNames, state: TimedState, step: SubmittedStep) -> StepReason:
-    """The reason why none of the transitions that a claimed step may mean can be taken."""
+    """The reason why none of the transitions that a submitted step may mean can be taken."""
     model = names.model
     groups: list[list[Participant]] = []
     for move in step.moves:

@@ -89,7 +89,7 @@ class VisibleClause(Node):
     Attributes:
         channel: its indices are constants, or names for what the recording says.
         direction: whether the model sends (``send[l]!``) or receives; None: as the channels show.
-        per: the indices that events of one queue have in common.
+        per: the indices that events of one stream have in common.
     """
 
     channel: Expression

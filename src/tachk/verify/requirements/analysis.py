@@ -170,12 +170,12 @@ class _Analyst:
         for group in self._groups():
             self.followed = group
             found = len(self.findings)
-            self._ask(f"whether {_listed(group)} can be satisfied", self._consistency)
+            self._examine(f"whether {_listed(group)} can be satisfied", self._consistency)
             if len(self.findings) > found:
                 continue
-            self._ask(f"whether some of {_listed(group)} can collide", self._collisions)
+            self._examine(f"whether some of {_listed(group)} can collide", self._collisions)
             for each in group:
-                self._ask(f"whether {each.name} says something of its own", partial(self._own_part, each))
+                self._examine(f"whether {each.name} says something of its own", partial(self._own_part, each))
             for core, members in self.forbidden.items():
                 self._report(FindingKind.VACUOUS, members, core)
             self.forbidden.clear()
@@ -194,7 +194,7 @@ class _Analyst:
         order = {each.name: number for number, each in enumerate(self.followed)}
         return [tuple(sorted(members, key=lambda each: order[each.name])) for _, members in groups]
 
-    def _ask(self, what: str, question: Callable[[], None]) -> None:
+    def _examine(self, what: str, question: Callable[[], None]) -> None:
         try:
             question()
         except _Undecided as reason:

@@ -140,7 +140,7 @@ def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
 
 
 def deadlock_finding(network: Network, run: TimedTrace) -> Diagnostic:
-    """Told of the process that moved last, as far as one did."""
+    """The finding that a deadlock is reached, at the process that moved last, if one did."""
     state = run.states[-1].discrete
     moved = run.path
     number = moved[-1].participants[0].process if moved else 0

@@ -99,7 +99,7 @@ def zeno_findings(network: Network, known: Known, never: Collection[tuple[int, i
 
 
 def zeno_finding(network: Network, loop: Sequence[Transition]) -> Diagnostic:
-    """Told of the process that decides the first transition of a loop that is taken for ever in finite time."""
+    """The finding that a loop is taken for ever in finite time, at the process that decides its first transition."""
     number = loop[0].participants[0].process
     edges = [p.edge for transition in loop for p in transition.participants if p.process == number]
     process = network.processes[number]

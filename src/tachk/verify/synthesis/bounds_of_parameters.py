@@ -11,7 +11,7 @@ the same times are possible. Hence a reachable state stays reachable. This needs
 else is *not* possible, and that a value of the parameter is nowhere else than in those bounds. So a constant is called
 monotone only if
 
-- the query asks whether a state is reached (``A[]``, ``E<>``, a formula with an observer) and not for ``deadlock``:
+- the query is about reachable states (``A[]``, ``E<>``, a formula with an observer) and not for ``deadlock``:
   whether a run can be continued is the absence of actions, which ``A<>``, ``E[]`` and ``-->`` look at as well;
 - no channel and no process has a priority;
 - it is in no guard of a receiver of a broadcast, which must take part where it can, and in no guard of an edge over an

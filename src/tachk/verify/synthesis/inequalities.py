@@ -1,6 +1,6 @@
 """A set of cells in words: linear inequalities with small integer coefficients.
 
-What is found agrees with every cell that is given, and claims nothing about others.
+The inequalities agree with every given cell, and say nothing about others.
 """
 
 from __future__ import annotations

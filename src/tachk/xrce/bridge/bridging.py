@@ -74,7 +74,7 @@ class Bridge:
         packets += self.due()
         if not was_open:
             return packets
-        words = [word for word in self._translator.words(octets) if self._is_heard(word)]
+        words = [word for word in self._translator.words(octets) if self._is_received(word)]
         self.ignored += not words
         for word in words:
             channel = f"deliver[{self._out ^ 1}][{word.kind}]"
@@ -82,7 +82,7 @@ class Bridge:
             packets += self._packets(self._part.receive(channel, values))
         return packets
 
-    def _is_heard(self, word: ProtocolWord) -> bool:
+    def _is_received(self, word: ProtocolWord) -> bool:
         """True if the model receives it: what is older than the session's first message means nothing to it."""
         old = word.detail < 0 if KINDS[word.kind] == "HEARTBEAT" else word.number < 0
         return not old and f"deliver[{self._out ^ 1}][{word.kind}]" in self._part.receives

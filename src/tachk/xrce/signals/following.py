@@ -42,7 +42,7 @@ SITUATION: Final = (
 they have written has arrived at every reader; a client is silent for long; something came to such a client, which has
 not answered in time; the Agent has got what clients sent; readers have got it in order; a message of a client is
 neither there nor named as missing, or one of the Agent; the Agent has unconfirmed messages; a message of a client is
-not there, and its client has not heard so."""
+not there, and its client does not know that."""
 
 GONE: Final = 60_000_000_000
 """A client that has closed its session, and from which nothing has come for so many nanoseconds, does not come back."""
@@ -185,9 +185,9 @@ class SignalTracker:
                 way = not to_agent, subject
                 self._acknack(self._side.streams.get(way) or self._side.stream(way), first, bitmap)
             elif kind == _HEARTBEAT:
-                heard_stream = self._side.stream((to_agent, subject))
-                heard_stream.state.heartbeat(first, last)
-                self._noted(heard_stream)
+                receiving_stream = self._side.stream((to_agent, subject))
+                receiving_stream.state.heartbeat(first, last)
+                self._noted(receiving_stream)
             elif kind == _CREATE_CLIENT:
                 begin = int(found.starts[entry])
                 self._created(self._side, octets[begin + 8 : begin + 12].hex().upper())
