@@ -130,16 +130,16 @@ class MuntaInterpretation:
                 if not edge.label:
                     yield [(p, edge)]
                 elif edge.label.endswith("!"):
-                    hearing = [
+                    receiving = [
                         [(q, other) for other in self._enabled(state, q) if other.label == f"{name}?"]
                         for q in processes
                         if q != p
                     ]
                     if name in self.broadcast:
-                        for chosen in product(*filter(None, hearing)):
+                        for chosen in product(*filter(None, receiving)):
                             yield [(p, edge), *chosen]
                     else:
-                        for of_process in hearing:
+                        for of_process in receiving:
                             for receiver in of_process:
                                 yield [receiver, (p, edge)]
 

@@ -91,7 +91,7 @@ def with_momentary_triggers(
 ) -> tuple[Verdict, ...]:
     """The verdicts, those that hold with a note for each trigger that is true for no time only, and for each condition
     that must always be true and is false for no time only."""
-    stopped = _somebody_stops_time(network)
+    stopped = _may_stop_time(network)
     if stopped is None:
         return tuple(verdicts)
     stored = 0
@@ -242,7 +242,7 @@ def _stops_time(location: Location) -> bool:
     return location.committed or location.urgent
 
 
-def _somebody_stops_time(network: Network) -> Expression | None:
+def _may_stop_time(network: Network) -> Expression | None:
     """The predicate that some process is in a committed or urgent location. None: there is no such location."""
     return _some_stops_time(
         network, ((p, n) for p, process in enumerate(network.processes) for n, _ in enumerate(process.locations))

@@ -153,7 +153,7 @@ def _why_not_together(
     model = names.model
     begun = [found for first in groups[0] for found in begun_by(model, state, first)]
     if not begun:
-        return _nobody(names, state, groups[0][0])
+        return _no_receiver(names, state, groups[0][0])
     wanted = [found for found in begun if _made_of(found, groups)]
     if not wanted:
         others = {names.network.processes[p.process].name for found in begun for p in found.participants[1:]}
@@ -179,7 +179,7 @@ def _made_of(transition: Transition, groups: list[list[Participant]]) -> bool:
     return all(any(p in group for p in transition.participants) for group in groups)
 
 
-def _nobody(names: RunNames, state: TimedState, first: Participant) -> StepReason:
+def _no_receiver(names: RunNames, state: TimedState, first: Participant) -> StepReason:
     edge = names.model.edge(first)
     process = names.network.processes[first.process].name
     committed = [p.name for p, location in _current(names, state) if location.committed]
