@@ -76,7 +76,7 @@ class PipeByThread:
 
 
 class GrowingFile:
-    """A file to which somebody writes; it has no end."""
+    """A file that is still being written; it has no end."""
 
     def __init__(self, path: Path, sleep: Callable[[float], None] = lambda seconds: time.sleep(seconds)) -> None:
         self._stream = path.open("rb")
@@ -95,7 +95,7 @@ class GrowingFile:
 
 
 class AwaitedStream:
-    """The bytes of what is read without waiting for long. Reading waits, and raises OutOfTimeError where nothing comes
+    """The bytes of a pipe, read without waiting for long. Reading waits, and raises OutOfTimeError where nothing comes
     before the time is over."""
 
     def __init__(self, read1: Callable[[int], bytes | None], close: Callable[[], None] = lambda: None) -> None:
@@ -129,7 +129,7 @@ class AwaitedStream:
         return self._come[start : self._at]
 
     def _take(self) -> bool:
-        """Adds what comes next; False at the end."""
+        """Adds the next bytes; False at the end."""
         while not self._ended:
             check_job()
             piece = self._read1(_PIECE)

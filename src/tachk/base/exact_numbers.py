@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
 DIGITS = r"\d{1,1000}"
-"""A whole number without a sign, as a pattern: one of more digits nobody means, and Python makes none of it."""
+"""A whole number without a sign, as a pattern: more digits are a mistake, and Python refuses them."""
 
 _HUGE_EXPONENT = r"[eE][+-]?0*[1-9]\d{3}"
 _MOST_CHARACTERS = 1000
@@ -18,10 +18,10 @@ _MOST_CHARACTERS = 1000
 def exact_number(text: str) -> Fraction:
     """The value of a decimal number or a fraction.
 
-    Raises ValueError for what is neither, and for a number of so many digits that nobody means it: to work it out would
+    Raises ValueError for another text, and for a number with a mistaken number of digits: to work it out would
     take all the time and memory there is.
     """
-    from fractions import Fraction  # whoever only starts the program needs none
+    from fractions import Fraction  # the start of the program needs none
 
     if is_huge(text):
         raise ValueError("a number of too many digits")

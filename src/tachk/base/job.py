@@ -215,7 +215,7 @@ def remembering_interruption() -> Iterator[None]:
 
 
 def note_interruption() -> None:
-    """For whoever makes a result of a KeyboardInterrupt."""
+    """For a caller that turns a KeyboardInterrupt into a result."""
     interruption = _current.get().interruption
     if interruption is not None:
         interruption.came = True
@@ -228,7 +228,7 @@ def is_interrupted() -> bool:
 
 
 def resident_bytes() -> int | None:
-    """The memory of the machine that the process takes now; None where the system does not tell."""
+    """The memory of the machine that the process takes now; None where it is not known."""
     try:
         return int(_STATM.read_bytes().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except (OSError, ValueError, IndexError, AttributeError):
@@ -236,7 +236,7 @@ def resident_bytes() -> int | None:
 
 
 def _give_back() -> None:
-    """Lets go of what the allocator keeps."""
+    """Returns unused memory of the allocator to the system."""
     from tachk import _core  # not needed where there is no limit
 
     _core.give_back_memory()

@@ -30,13 +30,13 @@ SPELLINGS = {
 
 
 def usual_decimals(unit: str) -> int:
-    """The decimals of a time in this unit that tell nanoseconds apart, at most 9; 9 for what is not a unit."""
+    """The decimals of a time in this unit that distinguish nanoseconds, at most 9; 9 for what is not a unit."""
     length = length_of(unit)
     return 9 if length is None else next((n for n in range(9) if length <= 10**n), 9)
 
 
 def length_of(unit: str) -> Fraction | None:
-    """The nanoseconds of ``1 ms``, ``10 us`` or ``s``; None for what is not a unit."""
+    """The nanoseconds of ``1 ms``, ``10 us`` or ``s``; None for another text."""
     amount, _, name = unit.strip().rpartition(" ")
     if name not in NANOSECONDS:
         return None

@@ -18,7 +18,7 @@ def own_prefix() -> str:
 
 
 def remove_unfinished() -> None:
-    """Removes what this process is writing."""
+    """Removes the files that this process is writing."""
     for part in [part for part in UNFINISHED if os.path.basename(part).startswith(own_prefix())]:
         remove(part)
 

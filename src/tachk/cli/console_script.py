@@ -45,7 +45,7 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
 
 
 def _status_of(command: Callable[[], int | None]) -> int | None:
-    """Raises BrokenPipeError where nobody reads what the command prints."""
+    """Raises BrokenPipeError where the pipe of the output is closed."""
     stdout = sys.stdout
     try:
         status = command()

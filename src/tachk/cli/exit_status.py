@@ -27,7 +27,7 @@ class ExitStatus(IntEnum):
     INTERRUPTED = 130
     """Ctrl-C: the program ends by the signal, so that a shell ends its loop"""
     PIPE_CLOSED = 141
-    """nobody reads the output any more: the program ends by the signal, as others do"""
+    """the pipe of the output is closed: the program ends by the signal, as others do"""
 
 
 _GRAVITY = (

@@ -105,7 +105,7 @@ class Stepper:
         yield from self._possibilities()
 
     def answer(self, line: str) -> Iterator[str]:
-        """The lines that answer what was typed. Raises NotUnderstoodError, and QuitError."""
+        """The lines that answer a command. Raises NotUnderstoodError, and QuitError."""
         words = line.strip()
         if not words or words.startswith("#"):
             return
@@ -132,7 +132,7 @@ class Stepper:
             raise NotUnderstoodError(f"{name!r} may be {' or '.join(fitting)}")
         return fitting[0]
 
-    # ---- what moves -------------------------------------------------------------------------------------------------
+    # ---- transitions ------------------------------------------------------------------------------------------------
 
     def _take(self, number: int, waited: str | None) -> Iterator[str]:
         enabled = self.session.enabled().transitions
@@ -200,7 +200,7 @@ class Stepper:
     def _quit(self, rest: str) -> Iterator[str]:
         raise QuitError
 
-    # ---- what is shown ----------------------------------------------------------------------------------------------
+    # ---- display ----------------------------------------------------------------------------------------------------
 
     @property
     def _names(self) -> RunNames:

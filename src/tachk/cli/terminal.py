@@ -47,7 +47,7 @@ def prepare_streams() -> None:
     """Lets the standard streams replace characters that their encoding does not have, and what is no text in it,
     instead of raising errors.
 
-    A stream that is closed, as by ``>&-``, becomes one that takes everything: nobody wants what it would get, and its
+    A stream that is closed, as by ``>&-``, becomes one that drops everything: its output is not wanted, and its
     number must not become that of the next file that is opened.
     """
     codecs.register_error("tachk", _spelled)

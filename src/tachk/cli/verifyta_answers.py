@@ -58,7 +58,7 @@ Formula = Query | UncheckedQuery
 
 
 def run_verifyta(options: VerifytaOptions) -> ExitStatus:
-    """Checks what a command line asks for. Raises UsageError, OSError."""
+    """Checks the queries of a command line. Raises UsageError, OSError."""
     try:
         return _check(options)
     except InputError as error:
@@ -238,7 +238,7 @@ def _write(path: str, text: str, announced: str, stream: TextIO) -> None:
 
 
 def _print(lines: Iterable[str]) -> None:
-    """Writes lines at once, so that a script sees what is known when it ends the program."""
+    """Writes lines at once, so that a script has the answers so far when it ends the program."""
     for line in lines:
         print(line)
     sys.stdout.flush()

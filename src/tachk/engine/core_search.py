@@ -33,7 +33,7 @@ _SLICE_SECONDS = 0.1
 
 
 class RunningSearch(Protocol):
-    """A search of the core, whatever it looks for."""
+    """A search of the core for any kind of goal."""
 
     def run(
         self, expansions: int, seconds: float | None = None, poll: Callable[[], None] | None = None

@@ -168,11 +168,11 @@ class Options:
         return "symmetry" not in self.without
 
     def off(self, *names: str) -> Options:
-        """These options, with what has these names switched off."""
+        """These options with the reductions of these names switched off."""
         return replace(self, without=self.without | set(names))
 
     def on(self, *names: str) -> Options:
-        """These options, with what has these names not switched off."""
+        """These options with the reductions of these names switched on."""
         return replace(self, without=self.without - set(names))
 
     def __post_init__(self) -> None:

@@ -25,7 +25,7 @@ def members_in_words(slots: Sequence[Sequence[int]], cyclic: bool, processes: Se
 
 
 def with_orbits(statistics: Statistics, program: Program) -> Statistics:
-    """The statistics of a search for a program, with what was exchanged in it."""
+    """The statistics of a search for a program, with the permutations in it."""
     names = [slot.name for slot in program.slots[: len(program.locations)]]
     return replace(
         statistics,

@@ -1,4 +1,4 @@
-"""The formats a model can be written in, and which file name means which. One row each, and nobody else lists them.
+"""The formats a model can be written in, and which file name means which. One row each, listed here only.
 
 The module of a format is imported when something is written in it: the command line names all of them.
 """

@@ -1,7 +1,6 @@
 """Reports that tachk has written as JSON, read again.
 
-What is read is checked against the schema of the report (docs/schema) first, so that whoever uses it finds what it
-expects there.
+A report is checked against its schema (docs/schema) first, so that its users find the fields that they expect.
 """
 
 from __future__ import annotations

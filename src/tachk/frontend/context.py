@@ -109,7 +109,7 @@ class Context:
             self.error("E0606", span, "this model has more than 50000 clocks", "declare fewer, or run fewer processes")
         return self.budget.cells >= 0 and self.budget.clocks >= 0
 
-    # ---- effects --------------------------------------------------------------------------------------------------
+    # ---- effects ----------------------------------------------------------------------------------------------------
 
     def effects_of(self, expressions: Iterable[Expression]) -> Effects:
         """The effects of evaluating the expressions."""
@@ -134,7 +134,7 @@ class Context:
         return Effects(frozenset(reads), frozenset(writes))
 
     def record_function(self, function: Function) -> None:
-        """Notes what a function touches."""
+        """Notes the variables that a function reads or writes."""
         inner = self.effects_of(statement_expressions(function.body))
         self.effects[function] = Effects(
             frozenset(v for v in inner.reads if v.kind not in _INSIDE),

@@ -112,7 +112,7 @@ def refuse_call(node: ast.Expression, symbol: DroppedSymbol, context: Context) -
 
 
 def refuse_use(node: ast.NameExpression | ast.MemberExpression, symbol: DroppedSymbol, context: Context) -> None:
-    """Reports that something checked depends on what is left out."""
+    """Reports that a checked part depends on one that is left out."""
     name = node.name if isinstance(node, ast.NameExpression) else node.name.name
     if symbol.reason is not None:
         context.error("E0203", node.span, f"`{name}` is a function", "write parentheses to call it")
@@ -130,7 +130,7 @@ def checked_part_of_update(update: ast.Expression, scope: Scope) -> ast.Expressi
 
 
 def refuse_reference(node: ast.Expression, parameter: str, context: Context) -> None:
-    """Reports that what is left out is passed by reference."""
+    """Reports that a variable that is left out is passed by reference."""
     context.error(
         "E0750",
         node.span,

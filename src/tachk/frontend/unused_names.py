@@ -54,7 +54,7 @@ def _of_declarations(declarations: Iterable[object], uses: _Uses) -> Iterator[Di
 
 
 def _declared(declarations: Iterable[object]) -> Iterator[tuple[ast.Identifier, str]]:
-    """Each name with what it names."""
+    """Each name with the thing that it names."""
     for declaration in declarations:
         if isinstance(declaration, ast.VariableDeclaration):
             kind = _kind(declaration.type)

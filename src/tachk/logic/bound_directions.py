@@ -75,7 +75,7 @@ def bound_directions(formula: Formula, easier: Easier = True) -> Directions:
 
 
 def directions_in(expression: ast.Expression, easier: Easier) -> Directions:
-    """The same for what a single bound is computed from."""
+    """The same for the names in a single bound."""
     match expression:
         case ast.IntegerLiteral() | ast.FloatLiteral():
             return

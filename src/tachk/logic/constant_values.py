@@ -11,7 +11,7 @@ from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
 Evaluate = Callable[[ast.Expression], Fraction | int]
-"""The value of what is not arithmetic: a name, a call. Raises InputError where there is none."""
+"""The value of a name or a call. Raises InputError where there is none."""
 
 Divide = Callable[[Fraction, Fraction], Fraction]
 

@@ -25,8 +25,8 @@ def resolve(
 
     Args:
         evaluate: the value of a constant; arithmetic on constants is exact. Raises InputError where there is none.
-        unit: what one unit of time is, such as ``1 ms``, ``10 us`` or ``s``; empty where nobody says.
-        remedy: how to say it, for the message about a bound with a unit where nobody says.
+        unit: what one unit of time is, such as ``1 ms``, ``10 us`` or ``s``; empty where it is not given.
+        remedy: how to say it, for the message about a bound with a unit where the unit of time is not given.
 
     Raises:
         InputError: with all that is wrong: a unit that cannot be converted, a negative bound, an upper bound below the

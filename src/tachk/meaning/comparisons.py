@@ -27,7 +27,7 @@ from tachk.model.traversal import depends_on_clocks
 from tachk.model.types import ClockType, ScalarLike, bounds
 
 Dependence = bool | frozenset[Constraint]
-"""The truth of a predicate, or what it depends on: what cannot be evaluated depends on nothing."""
+"""The truth of a predicate, or its comparisons of clocks: a predicate that cannot be evaluated depends on none."""
 
 
 def comparisons(predicate: Expression, environment: Environment) -> frozenset[Constraint]:

@@ -81,7 +81,7 @@ class PreparedNetwork:
 
 
 _PREPARED: WeakValueDictionary[int, PreparedNetwork] = WeakValueDictionary()
-"""By the identities of their networks, as long as somebody uses them."""
+"""By the identities of their networks, as long as they are used."""
 
 
 def prepare(network: Network) -> PreparedNetwork:
@@ -163,7 +163,7 @@ def bind_selects(model: PreparedNetwork, participant: Participant, scratch: Envi
         scratch.bind(variable, value)
 
 
-# ---- which guards are evaluated, and when ----------------------------------------------------------------------------
+# ---- which guards are evaluated, and when ---------------------------------------------------------------------------
 #
 # The rule for run-time errors (docs/semantics.md): the guards of internal and sending edges are evaluated in every
 # state, those of a receiving edge only where the guard of a sender holds whose channel it may name; a channel index is
@@ -226,7 +226,7 @@ def may_be_urgent(model: PreparedNetwork, participant: Participant) -> bool:
 
 
 def _may_denote(model: PreparedNetwork, place: Expression, channel: int) -> bool:
-    """True if a channel expression can denote a channel in any state, judged by the variable it is built on."""
+    """True if a channel expression can denote a channel in any state, decided by the variable it is built on."""
     match place:
         case Index(base) | Field(base):
             return _may_denote(model, base, channel)

@@ -8,7 +8,7 @@ from tachk.meaning.dbm import Federation, Zone
 
 
 def widen(constants: ClockConstants, zone: Zone) -> Federation:
-    """The zone without what no constraint of the network can tell; there are finitely many such zones."""
+    """The zone without bounds that no constraint of the network can distinguish; there are finitely many such zones."""
     pieces = [zone]
     for diagonal in constants.diagonals:
         sides = (diagonal, dbm.complement(diagonal))

@@ -43,7 +43,7 @@ class FloatingOperation(IntEnum):
     """Halves away from zero."""
     FROM_INTEGER = 13
     TO_INTEGER = 14
-    """Without what is behind the point; a run-time error beyond 32 bits."""
+    """The whole part; a run-time error beyond 32 bits."""
     EQUAL = 15
     NOT_EQUAL = 16
     LESS = 17

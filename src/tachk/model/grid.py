@@ -129,7 +129,7 @@ def _axis(name: str, listed: str, where: str) -> ParameterAxis:
 
 
 def _axis_of_values(name: str, values: object) -> ParameterAxis:
-    """An axis of what a dictionary has for a name. Truth values become those of the language."""
+    """An axis from the entry of a dictionary. Truth values become those of the language."""
     if isinstance(values, str):
         return _axis(name, values, f"over: {name}")
     listed = values if isinstance(values, Iterable) else (values,)

@@ -128,7 +128,7 @@ def contains_left_out(type_: Type) -> bool:
 
 
 def element_type(type_: Type) -> Type:
-    """The type of what an array finally consists of, or the type itself."""
+    """The type of the elements of an array, through all dimensions, or the type itself."""
     while isinstance(type_, ArrayType):
         type_ = type_.element
     return type_

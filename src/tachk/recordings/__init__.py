@@ -1,1 +1,1 @@
-"""Recordings of real systems: traces and their readers, monitors that judge them, conformance to a model."""
+"""Recordings of real systems: traces and their readers, monitors that check them, conformance to a model."""

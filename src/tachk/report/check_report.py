@@ -202,4 +202,4 @@ CHECK_FORMATS: dict[str, Callable[[Sequence[Checked]], str]] = {
     "sarif": lambda checks: json.dumps(checks_to_sarif(checks), indent=2) + "\n",
     "github": lambda checks: "".join(f"{line}\n" for line in checks_to_github(checks)),
 }
-"""The formats for programs, each with what writes it about all models."""
+"""The formats for programs, each with the function that writes it about all models."""

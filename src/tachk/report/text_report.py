@@ -53,7 +53,7 @@ def news_line(trace: TraceView, time_unit: str) -> str:
 
 
 def _words(event: TransitionView, move: ProcessMove) -> str:
-    """A hidden process is named by what it does it to."""
+    """A hidden process is named after the process that it acts on."""
     actor = event.channel if move.hidden and event.channel else move.process
     return f"{actor} {' '.join(move.doc.split())}"
 

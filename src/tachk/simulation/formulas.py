@@ -1,4 +1,4 @@
-"""Formulas that judge runs of a model, as ``--monitor`` gives them."""
+"""Formulas that are evaluated on runs of a model, as ``--monitor`` gives them."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def formulas_about(
 
 @lru_cache(maxsize=64)
 def _formulas_with(source: Source, values: tuple[tuple[str, str], ...]) -> tuple[NamedFormula, ...]:
-    """Kept, because the same formulas judge the runs of many cells of a sweep."""
+    """Kept, because the same formulas are evaluated on the runs of many cells of a sweep."""
     return formulas_in(source, dict(values))
 
 

@@ -1,4 +1,4 @@
-"""Intervals for what runs estimate."""
+"""Confidence intervals of estimates from runs."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def is_tchecker(source: Source) -> bool:
 
 
 def _refuse_binary(name: str, data: bytes) -> None:
-    """Refuse what no text contains: null bytes (unless UTF-16) and other control characters in number."""
+    """Refuses content that no text has: null bytes (unless UTF-16) and other control characters in number."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise _no_text(name, "it is UTF-16 text", "save it as UTF-8")
     controls = sum(byte in _CONTROL for byte in data)

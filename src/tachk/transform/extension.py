@@ -20,7 +20,7 @@ class Extension(Transformation):
     """The added parts only watch, or keep something from happening: a run without them is a run of the original."""
 
     def lift(self, run: TimedTrace) -> TimedTrace:
-        """The run without what was added; it ends, and goes round, as it does."""
+        """The run without the additions; it ends, and goes round, as it does."""
         if self.network is self.original:
             return run
         layout, processes = cell_layout(self.original), len(self.original.processes)

@@ -1,4 +1,4 @@
-"""Networks with an observer beside them, and what the observer does on a run."""
+"""Networks with an observer beside them, and the steps of the observer on a run."""
 
 from __future__ import annotations
 

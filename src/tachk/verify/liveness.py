@@ -76,7 +76,7 @@ def sliced(problem: Problem) -> Findings:
 
 
 def _reduced(network: Network, query: Query) -> Transformation:
-    """The network without what nobody notices, where any run that avoids the goal counts."""
+    """The slice of the network that preserves liveness, where any run that avoids the goal counts."""
     if query.non_zeno:
         return unchanged(network)
     return liveness_preserving_slice(network, [one for one in (query.avoided, query.begins) if one is not None])

@@ -391,7 +391,7 @@ def _noting(
 ) -> Iterator[Expression]:
     """The notes that the edge takes of each condition before it begins a transition.
 
-    While somebody is in a committed location, somebody who takes part is, so most edges know whether a chain begins
+    While a process is in a committed location, a process that takes part is, so most edges know whether a chain begins
     with them, goes on, or neither. An urgent location may be that of a process that does not take part.
     """
     partners = _partners(edge, ends)

@@ -159,7 +159,7 @@ def _searched(problem: Problem, relaxing: Relaxing) -> Findings:
 
 
 def reduced_for(network: Network, mentioned: Sequence[Expression], options: Options) -> Transformation:
-    """The network as it is searched for what is mentioned."""
+    """The network as it is searched for the mentioned variables."""
     return cone_of_influence(network, mentioned) if options.cone else unchanged(network)
 
 

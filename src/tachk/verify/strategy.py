@@ -132,7 +132,7 @@ class Problem:
         return [task.target for task in self.tasks]
 
     def knowing(self, found: Findings) -> Problem:
-        """The problem, with what a strategy has found about it."""
+        """The problem, with the findings of a strategy."""
         if not found.reached and not found.partial:
             return self
         return replace(self, reached={**self.reached, **found.reached}, partial={**self.partial, **found.partial})

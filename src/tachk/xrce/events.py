@@ -56,7 +56,7 @@ class SubmessageEvent:
 
     @property
     def is_best_effort(self) -> bool:
-        """True if its message has a number, and nobody acknowledges it."""
+        """True if its message has a number, and is never acknowledged."""
         return self.stream is not None and 0 < self.stream < wire.FIRST_RELIABLE_STREAM
 
 

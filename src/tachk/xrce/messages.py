@@ -27,7 +27,7 @@ Found = list[tuple[bytes, int]]
 
 
 class TcpStream:
-    """Puts segments in order and drops what is repeated. Behind a gap a segment is taken to begin with a message."""
+    """Puts segments in order and drops repeated bytes. Behind a gap a segment is taken to begin with a message."""
 
     def __init__(self) -> None:
         self._begin(None)

@@ -120,7 +120,7 @@ class StreamState:
             self._known = {number for number in self._known if number >= behind}
 
     def note_item(self, number: int, place: int, item: Item) -> bool:
-        """Notes what a message carries. Returns whether it carried something else before."""
+        """Notes the payload of a message. Returns whether it carried something else before."""
         if number < self.arrived:
             return False
         content = self.contents.get(number)

@@ -20,7 +20,7 @@ from tachk.xrce.packets import Numbers
 from tachk.xrce.wire import SubmessageKind
 
 MALFORMED: Final = -1
-"""The kind of what is no submessage."""
+"""The kind of bytes that are no submessage."""
 
 _SMALLEST: Final = {
     SubmessageKind.CREATE_CLIENT: 16,

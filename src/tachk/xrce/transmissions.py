@@ -261,7 +261,7 @@ class _Leg:
         self.messages = sorted(messages, key=lambda message: message.packet)
 
     def is_before(self, other: _Leg) -> bool:
-        """True if a relay hands on to the other leg what comes over this one."""
+        """True if a relay passes messages of this leg on to the other one."""
         ours, theirs = self.creation, other.creation
         return (
             ours is not None

@@ -31,7 +31,7 @@ from tachk.api.plugin import (
 from tachk_munta.cases import CaseFinder, KnownContents, MuntaCase, TooManyCasesError
 
 Said = tuple[tuple[int, int], ...]
-"""Cells with what a sender has written into them."""
+"""Cells with the values that a sender has written into them."""
 
 
 def unsupported(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
@@ -184,7 +184,7 @@ def too_many_cases(name: str, range_: tuple[int, int], span: Span) -> Unsupporte
 
 
 def clock_conjunctions(disjunction: Disjunction, span: Span) -> Disjunction:
-    """A guard without what is always true and without alternatives that are never true.
+    """A guard without conditions that are always true and without alternatives that are never true.
 
     Raises UnsupportedError for a difference of two clocks.
     """

@@ -90,7 +90,7 @@ class KnownContents(list[int]):
         super().__setitem__(position, value)
 
     def settle(self, cell: int, value: int) -> None:
-        """Says what a cell holds from now on; that counts neither as read nor as written."""
+        """Sets the content of a cell from now on; that counts neither as read nor as written."""
         super().__setitem__(cell, value)
         self._unknown -= {cell}
 

@@ -11,7 +11,7 @@ from tachk.api.plugin import Conjunction, bound_value, is_strict
 from tachk_munta.cases import CellCondition
 
 IMPOSSIBLE = "never?"
-"""A label of edges that are never taken: nobody sends over this channel."""
+"""A label of edges that are never taken: no process sends over this channel."""
 
 
 @dataclass(frozen=True, slots=True)

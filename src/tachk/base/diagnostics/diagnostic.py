@@ -1,4 +1,4 @@
-"""A diagnostic is a value; rendering it is somebody else's work."""
+"""A diagnostic is a value; other modules render it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tachk.base.records import dataclass
 from tachk.base.span import Span
 
 UNSUPPORTED = frozenset({"E0728", "E0730", "E0731", "E0732", "E0733", "E0750"})
-"""The codes of what is refused although it is not a mistake."""
+"""The codes of constructs that are refused although they are no mistake."""
 
 
 class Severity(StrEnum):

@@ -35,7 +35,7 @@ def command(before: str, after: str, definitions: tuple[str, ...], seconds: floa
 
 
 def run_diff(before: str, after: str, definitions: Iterable[str] = ()) -> ExitStatus:
-    """Prints what is different in the behaviour of two models; nothing if nothing is.
+    """Prints the differences in the behaviour of two models; nothing if nothing is.
 
     Args:
         definitions: values of constants, for both.

@@ -41,7 +41,7 @@ _INSTANTS = "instants  what is true for no time only, such as in a committed loc
 
 
 def run_explain(what: str) -> ExitStatus:
-    """Prints what the code of a message means, or what a formula, a sentence or the properties of a file say."""
+    """Prints the meaning of the code of a message, of a formula, a sentence or the properties of a file."""
     from tachk.recordings.monitors.formulas import read_formulas
 
     if re.fullmatch(r"[A-Za-z]+[0-9]+|[A-Za-z]\w?", what):
@@ -125,7 +125,7 @@ def _observer(formula: Formula) -> str:
 
 
 def _resolved(named: NamedFormula) -> tuple[Formula, str]:
-    """The formula with numbers as bounds, and their unit, empty where nobody says it."""
+    """The formula with numbers as bounds, and their unit, empty where it is not known."""
     from tachk.logic.durations import resolve
     from tachk.recordings.monitors.given_constants import constants_by_name
     from tachk.syntax.formula import Duration

@@ -137,7 +137,7 @@ def run_export(
 
 
 def write_exported(exported: Exported, output: Path | None) -> None:
-    """Writes the file and what belongs beside it; without a name only the text, to standard output."""
+    """Writes the file and its side files; without a name only the text, to standard output."""
     if output is None:
         sys.stdout.write(exported.text)
     else:
@@ -145,7 +145,7 @@ def write_exported(exported: Exported, output: Path | None) -> None:
 
 
 def files_of(exported: Exported, output: Path) -> dict[Path, str]:
-    """The file and what belongs beside it, each with its content."""
+    """The file and its side files, each with its content."""
     return {output: exported.text} | ({output.with_suffix(".q"): exported.queries} if exported.queries else {})
 
 

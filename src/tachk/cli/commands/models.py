@@ -68,7 +68,7 @@ def run_list() -> ExitStatus:
 
 
 def run_copy(name: str, folder: Path, force: bool = False) -> ExitStatus:
-    """Copies a model and what it imports; the files keep their places relative to each other.
+    """Copies a model and its imports; the files keep their places relative to each other.
 
     Raises:
         UsageError: there is no such model, or a file that is different would be lost.

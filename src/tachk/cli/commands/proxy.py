@@ -92,7 +92,7 @@ class Proxying:
 
 
 def run_proxy(proxying: Proxying) -> ExitStatus:
-    """Raises InputError for what is no rule, UsageError for a wrong option, OSError for a port that is taken."""
+    """Raises InputError for a line that is no rule, UsageError for a wrong option, OSError for a port that is taken."""
     import asyncio
 
     from tachk.cli.places import place
@@ -145,7 +145,7 @@ def _rules(proxying: Proxying, ports: list[int]) -> list[RelayRule]:
 
 
 class _RelayLog:
-    """Prints what rules do, a line for each packet."""
+    """Prints the effects of rules, a line for each packet."""
 
     def __init__(self, rules: list[RelayRule]) -> None:
         self.rules = rules

@@ -1,4 +1,4 @@
-"""`tachk replay`: execute a run on a model, and judge it."""
+"""`tachk replay`: execute a run on a model, and check it."""
 
 from __future__ import annotations
 

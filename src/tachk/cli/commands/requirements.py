@@ -138,7 +138,7 @@ def run_requirements(
     seconds: float | None = None,
     definitions: tuple[str, ...] = (),
 ) -> ExitStatus:
-    """Tells what is wrong with a set of requirements.
+    """Reports the defects of a set of requirements.
 
     Args:
         seconds: for each search.

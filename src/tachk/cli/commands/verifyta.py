@@ -14,7 +14,7 @@ from tachk.cli.console_script import end_program
 from tachk.cli.exit_status import ExitStatus
 
 _SPOKEN_VERSION = "4.1.26"
-"""The release whose output is followed; wrappers ask for it and tell by it how trace files are called."""
+"""The release whose output is followed; wrappers read it and derive the names of trace files from it."""
 
 
 class _Untouched(click.Command):

@@ -1,4 +1,4 @@
-"""Code that sets clocks, and what code cannot say about them, as their values lie in zones."""
+"""Code that sets clocks, and the facts about them that code cannot express, as their values lie in zones."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ class ConditionCompiler:
         return Condition(code=self.generator.value_code(Constant(0)))
 
     def _tests_or_rest(self, part: Expression, known: Known) -> Sequence[Test | bool | Expression]:
-        """The condition as tests, truth values that are known, and what needs code."""
+        """The condition as tests, known truth values, and the parts that need code."""
         test = self._test(part)
         if test is not None:
             return [test]

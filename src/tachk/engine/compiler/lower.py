@@ -399,7 +399,7 @@ class _Lowering:
     # ---- chances ----------------------------------------------------------------------------------------------------
 
     def chance(self, value: Chance | None, known: Known) -> Computed:
-        """A rate or weight; what is not given is 1. Raises UnsupportedError for what is wrong with it."""
+        """A rate or weight, 1 by default. Raises UnsupportedError for an unsupported one."""
         if isinstance(value, Diagnostic):
             raise UnsupportedError(replace(value, code="E0722"))
         return Computed(constant=1) if value is None else self.computed(value, known)

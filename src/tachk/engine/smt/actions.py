@@ -24,7 +24,7 @@ _COMPARISONS = 500
 
 @dataclass(slots=True)
 class Instance:
-    """An edge with values of its select variables, and what it says in the template frame."""
+    """An edge with values of its select variables, and its conditions in the template frame."""
 
     participant: Participant
     edge: Edge

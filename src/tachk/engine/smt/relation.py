@@ -175,7 +175,7 @@ class _Encoder:
     def _at(self, process: int, locations: Iterable[int]) -> Formula:
         return any_of(self.frame.locations[process].is_value(location) for location in locations)
 
-    # ---- what is possible --------------------------------------------------------------------------------------------
+    # ---- possible actions -------------------------------------------------------------------------------------------
 
     def _add_conditions(self) -> None:
         """Encodes which edges are open at the end of the delay, over which channels; and the run-time errors in their
@@ -322,7 +322,7 @@ class _Encoder:
             raise unsupported("a rate that may go wrong", machine.faults[0].span)
         return {clock: formula for clock, formula in found.items() if formula is not False}
 
-    # ---- single actions ----------------------------------------------------------------------------------------------
+    # ---- single actions ---------------------------------------------------------------------------------------------
 
     def _actions(self) -> list[SymbolicAction]:
         return actions(self.network, self, [priority for _, priority in prepare(self.network).channels])
@@ -371,7 +371,7 @@ class _Encoder:
             what = "deadlock where what is possible later depends on clocks in too many ways"
             raise unsupported(what, self.network.processes[0].span) from None
 
-    # ---- the step ----------------------------------------------------------------------------------------------------
+    # ---- the step ---------------------------------------------------------------------------------------------------
 
     def _chosen(self) -> Formula:
         """The formula that edges fire together: one sender or internal edge, with its receivers."""

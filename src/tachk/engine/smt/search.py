@@ -81,7 +81,7 @@ def explore(
 
 
 def _decide(unrolled: Unrolled, proofs: Proofs | None, depth_limit: int | None) -> tuple[RunTimeFault | None, str]:
-    """Decides goals; what went wrong, and why some goal is still open."""
+    """Decides goals. Returns the error, and the reason why a goal is still open."""
     fault = unrolled.entry_fault()
     while fault is None:
         unrolled.stay()

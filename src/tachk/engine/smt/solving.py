@@ -47,7 +47,7 @@ class SolverOptions:
         return made
 
     def is_satisfiable(self, solver: z3.Solver, *assumptions: Formula, deadline: float | None = None) -> bool:
-        """True if there is a model of what the solver holds and of the assumptions.
+        """True if there is a model of the assertions of the solver and of the assumptions.
 
         Raises GaveUpError, and KeyboardInterrupt.
         """

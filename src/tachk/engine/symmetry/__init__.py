@@ -1,1 +1,1 @@
-"""Processes that can be exchanged without changing what is possible, and the proof that they can."""
+"""Processes that can be permuted without changing the behaviour, and the proof that they can."""

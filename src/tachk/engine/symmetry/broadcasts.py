@@ -36,7 +36,7 @@ Cell = tuple[Variable, int | None]
 
 @dataclass(frozen=True, slots=True)
 class _BroadcastReceiver:
-    """An edge that receives a broadcast, and what its updates do.
+    """An edge that receives a broadcast, with the effects of its updates.
 
     Attributes:
         channel: what it listens to.

@@ -124,7 +124,7 @@ class ExpressionWriter:
 
 @dataclass(slots=True)
 class ExpressionReader:
-    """Rebuilds what the writer took apart. Every method raises ValueError, KeyError or TypeError for other JSON.
+    """Rebuilds expressions from JSON. Every method raises ValueError, KeyError or TypeError for other JSON.
 
     Attributes:
         variables: by number.

@@ -77,7 +77,7 @@ class Mirrors:
     declarations: list[ast.VariableDeclaration] = field(default_factory=list)
     found: dict[tuple[str, str], Mirror] = field(default_factory=dict)
 
-    # ---- what an expression becomes ---------------------------------------------------------------------------------
+    # ---- expressions ------------------------------------------------------------------------------------------------
 
     def reflect(self, expression: ast.Expression) -> ast.Expression:
         """The expression with mirrors in place of locations and local variables. Raises NoMirror."""

@@ -1,4 +1,4 @@
-"""Declared types of names in a text, without elaboration: enough to tell clocks from numbers."""
+"""Declared types of names in a text, without elaboration: enough to distinguish clocks from numbers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class TextTypes:
     processes: Mapping[str, TextTypes]
 
     def within(self, declarations: Iterable[Any], parameters: Iterable[ast.Parameter] = ()) -> TextTypes:
-        """With what a block declares, which hides what has the same name outside."""
+        """With the names that a block declares, which hide equal names outside."""
         names, types, results = dict(self.names), dict(self.types), dict(self.results)
         for parameter in parameters:
             names[parameter.name.name] = DeclaredName(parameter.type, len(parameter.dimensions))

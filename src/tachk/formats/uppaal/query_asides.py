@@ -17,7 +17,7 @@ _WRONG = "// a query that is wrong: "
 _HEADING = "// a heading among the queries: "
 _HEADING_FORMULA = "// a heading in place of a query: "
 _BEHIND = " /// "
-"""Between a formula and what its comment says."""
+"""Between a formula and its comment."""
 
 
 def wrong_query(formula: str, comment: str) -> str:

@@ -66,7 +66,7 @@ class Sections:
         return (text if unit else self._as_written(written, parse_declarations, self.before, text)) or ""
 
     def system(self, written: str | None) -> str:
-        """The instantiations and the system line with what stands beside it, and the comments of the properties."""
+        """The instantiations and the system line with its comments, and the comments of the properties."""
         text = self._text(self.after, [], self.comments_after)
         return self._as_written(written, parse_system, self.after, text) or ""
 

@@ -1,4 +1,4 @@
-"""Comparisons of clocks, and what conditions over clocks may look like.
+"""Comparisons of clocks, and the forms of conditions over clocks.
 
 Every comparison is brought into the form ``x ~ e`` or ``x - y ~ e`` with clocks x, y and an integer expression e.
 A guard or invariant must describe a convex set of clock values in every discrete state: a conjunction of comparisons

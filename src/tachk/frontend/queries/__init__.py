@@ -1,1 +1,1 @@
-"""Queries, properties, what they are expected to answer, and the observers of formulas."""
+"""Queries, properties, their expected answers, and the observers of formulas."""

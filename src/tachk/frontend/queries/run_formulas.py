@@ -32,7 +32,7 @@ _FOREIGN = {
     "X": "a next step has no meaning where time is dense; give an interval: <>[0,1] p",
     "R": "write !(!p U[a,b] !q) for p R[a,b] q",
 }
-"""UPPAAL's other operators, and what to write in their place."""
+"""UPPAAL's other operators, each with a substitute."""
 
 
 _OPERATORS: Mapping[type[syntax.Formula], RunOperator] = {

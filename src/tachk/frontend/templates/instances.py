@@ -317,7 +317,7 @@ class Instances:
                 self.context.error("E0317", place.span, "an argument passed by reference must be a variable")
                 return None
 
-    # ---- what is not part of the system -----------------------------------------------------------------------------
+    # ---- templates without instance ---------------------------------------------------------------------------------
 
     def check_unused(self) -> None:
         """Checks the templates and instantiations that no process uses, with made-up arguments.

@@ -203,7 +203,7 @@ def _task(goal: Everywhere, phase: str, valuation: Valuation) -> TableauTask:
 
 
 def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[TableauTask, ...]:
-    """The tasks that begin with something to last, which the instant itself, or only what comes after it, asks for."""
+    """The tasks that begin with something to last, which the instant itself, or only a later one, requires."""
     if not goal.inner_ways:
         return ()
     during = _task(goal, DURING, valuation)

@@ -67,7 +67,7 @@ class GoalWindow:
         )
 
 
-# ---- what was right before an instant -------------------------------------------------------------------------------
+# ---- the past right before an instant -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +203,7 @@ class Everywhere:
 Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | ResponseGoal | Everywhere
 
 
-# ---- joining goals and looking into them ---------------------------------------------------------------------------
+# ---- joining goals and looking into them ----------------------------------------------------------------------------
 
 
 def both(parts: tuple[Goal, ...]) -> Goal:

@@ -100,7 +100,7 @@ def positive(clock: int) -> ClockGuard:
     return at_least(clock, 0, False)
 
 
-# ---- small questions about states ------------------------------------------------------------------------------------
+# ---- small questions about states -----------------------------------------------------------------------------------
 
 
 def timed_tasks(state: State) -> int:
@@ -192,7 +192,7 @@ def ordered(state: State) -> list[Item]:
     return sorted(state, key=repr)
 
 
-# ---- what clocks have to say -----------------------------------------------------------------------------------------
+# ---- conditions on clocks -------------------------------------------------------------------------------------------
 
 
 def readiness(item: Seen) -> tuple[ClockGuard, ...] | None:

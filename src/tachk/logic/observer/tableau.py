@@ -1,7 +1,7 @@
 """The steps of an observer: its states (`observer_states`) unfolded from its goal (`observer_expansion`).
 
 Time passes in a state only while its requirement holds. What holds at an instant is what lasts for some time from then
-on; values that are overwritten in the same instant are nobody's business. A step happens at one instant, several steps
+on; values that are overwritten in the same instant do not count. A step happens at one instant, several steps
 may happen at the same one.
 """
 
@@ -108,7 +108,7 @@ class Tableau:
             return SHOWN, frozenset()
         return numbered(frozenset((*branch.tasks, *settling, *pasts)))[0], branch.now
 
-    # ---- what a state requires --------------------------------------------------------------------------------------
+    # ---- requirements -----------------------------------------------------------------------------------------------
 
     def requirement(self, state: State) -> Conjunction:
         """The condition while time passes."""

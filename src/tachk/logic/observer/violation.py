@@ -1,4 +1,4 @@
-"""From formulas to what a run must show to violate them.
+"""From formulas to the goals of a run that violates them.
 
 Sources: the expansion of timed until of Alur, Feder and Henzinger (1996); the past as deterministic phases of Maler,
 Nickovic and Pnueli (2005).

@@ -90,7 +90,7 @@ class Automorphisms:
         leaves = (leaf for atom in atoms(part) for leaf in self.behaviour.of(atom, atom.truth))
         return not any(leaf.answer is FAULT or any(some != all_ for some, all_ in leaf.answer) for leaf in leaves)
 
-    # ---- one exchange ------------------------------------------------------------------------------------------------
+    # ---- one exchange -----------------------------------------------------------------------------------------------
 
     def _objection(self, given: StatePermutation) -> str | None:
         self._check_places(given)
@@ -236,7 +236,7 @@ class Automorphisms:
             self._supports[part] = frozenset(slot for leaf in leaves for slot in leaf.case)
         return self._supports[part]
 
-    # ---- cases and their images ----------------------------------------------------------------------------------
+    # ---- cases and their images -------------------------------------------------------------------------------------
 
     def _corresponds(
         self,
@@ -292,7 +292,7 @@ class Automorphisms:
             raise IndivisibleError("a name is copied to what holds other names, or none")
         return name_of(self._before(image, whole.slot(value.slot)))
 
-    # ---- the order of receivers ----------------------------------------------------------------------------------
+    # ---- the order of receivers -------------------------------------------------------------------------------------
 
     def _of_broadcasts(self, whole: StatePermutation) -> str | None:
         receivers = [
@@ -310,7 +310,7 @@ class Automorphisms:
                     continue
                 for (one, received), (other, also) in product(own, receivers[second]):
                     if not received.isdisjoint(also) and not self.behaviour.commute(one, other):
-                        return "the order of those that hear a broadcast matters"
+                        return "the order of the receivers of a broadcast matters"
         return None
 
 
@@ -339,7 +339,7 @@ def _distance(one: Participant, other: Participant) -> tuple[bool, bool]:
     return one.edge != other.edge, one.selects != other.selects
 
 
-# ---- questions -------------------------------------------------------------------------------------------------------
+# ---- questions ------------------------------------------------------------------------------------------------------
 
 
 def _exchanged(condition: Sets, whole: StatePermutation) -> Sets:

@@ -1,6 +1,6 @@
 """Certificates as files: sets of symbolic states, written and read block by block. docs/certificates.md has the format.
 
-What a file holds proves nothing by itself, and whoever checks it need not trust this module: a set that is read wrongly
+A file proves nothing by itself, and its checker need not trust this module: a set that is read wrongly
 is still only accepted if it is closed.
 """
 
@@ -197,7 +197,7 @@ def ragged(first: Numbers, pieces: Numbers) -> Numbers:
     return np.repeat(first[pieces] - starts(lengths)[:-1], lengths) + np.arange(lengths.sum())
 
 
-# ---- writing ---------------------------------------------------------------------------------------------------------
+# ---- writing --------------------------------------------------------------------------------------------------------
 
 
 class CertificateWriter:
@@ -276,7 +276,7 @@ def _folded(numbers: Numbers) -> Numbers:
     return (numbers << 1) ^ (numbers >> 63)
 
 
-# ---- reading ---------------------------------------------------------------------------------------------------------
+# ---- reading --------------------------------------------------------------------------------------------------------
 
 
 class CertificateReader:

@@ -80,7 +80,7 @@ def _check_goal(model: PreparedNetwork, trace: TimedTrace, goal: Expression, tri
 def _moments(
     model: PreparedNetwork, trace: TimedTrace, predicates: list[Expression]
 ) -> Iterator[tuple[int, TimedState]]:
-    """The states of a run at all moments that can tell, each with the number of its step."""
+    """The states of a run at all decisive moments, each with the number of its step."""
     state = trace.initial
     yield 0, state
     for number, step in enumerate(trace.steps, start=1):
@@ -111,7 +111,7 @@ def _check_ending(model: PreparedNetwork, trace: TimedTrace, goal: Expression) -
 
 
 def _later(model: PreparedNetwork, state: TimedState, goal: Expression) -> Iterator[TimedState]:
-    """The states that time leads to, at all moments that can tell, as far as it can pass."""
+    """The states that time leads to, at all decisive moments, as far as it can pass."""
     for moment in relevant_moments(model, state, None, [goal]) if may_delay(model, state.discrete) else ():
         try:
             yield delay(model, state, moment)
@@ -120,7 +120,7 @@ def _later(model: PreparedNetwork, state: TimedState, goal: Expression) -> Itera
 
 
 def _check_idle(model: PreparedNetwork, state: TimedState, goal: Expression, number: int) -> None:
-    """The last of the moments that can tell lies behind all changes: what can pass until then passes for ever."""
+    """The last of the decisive moments lies behind all changes: what can pass until then passes for ever."""
     for moment in relevant_moments(model, state, None, [goal]):
         try:
             later = delay(model, state, moment)

@@ -92,7 +92,7 @@ class SymmetryGroup:
 
 @dataclass(frozen=True, slots=True)
 class StatePermutation:
-    """A permutation of what a state consists of. What is not mentioned stays.
+    """A permutation of the components of a state. Those that are not mentioned stay.
 
     Attributes:
         slots, clocks, channels: where each comes.

@@ -119,8 +119,8 @@ def _cut(zones: Numbers, i: int, j: int, raw: Numbers) -> tuple[Numbers | slice,
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Sets of clock values: of each the number of its zone in a table, the number of its discrete state, and what it
-    comes from, which whoever makes it says."""
+    """Sets of clock values: of each the number of its zone in a table, the number of its discrete state, and its
+    origin, which its maker defines."""
 
     table: Numbers
     zone: Numbers

@@ -150,7 +150,7 @@ class _WindowCut(NamedTuple):
     arrival: tuple[int, int]
 
 
-# ---- what processes and streams touch --------------------------------------------------------------------------------
+# ---- variables of processes and streams -----------------------------------------------------------------------------
 
 
 class _Groups:

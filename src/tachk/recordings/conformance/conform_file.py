@@ -106,7 +106,7 @@ def _samples_in(detail: Cell | None) -> int:
 
 
 def _is_sample(detail: Cell | None) -> bool:
-    """Less than 0 is what the client asks for or creates."""
+    """A number below 0 is an object that the client requests or creates."""
     return not isinstance(detail, int) or detail >= 0
 
 

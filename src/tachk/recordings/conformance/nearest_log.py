@@ -1,4 +1,4 @@
-"""Edits of a recording near an event are tried on what is near, from where runs of the parts of the model were before.
+"""Edits of a recording near an event, tried on the events near it, from the states of the components before.
 
 A long recording takes seconds to be held against a model, and there are some hundred edits to try. So each part of the
 model goes on from a state in which a run of it was shortly before the event, and only to shortly behind it. Parts whose

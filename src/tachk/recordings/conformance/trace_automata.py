@@ -108,7 +108,7 @@ class TraceAutomaton:
             process.edge(here, here, guard=not_recorded, receive=channel, updates=[matches.assign(_NEVER)])
 
     def _add_sending_edges(self, process: ProcessBuilder, here: LocationHandle, indices: Indices) -> None:
-        """The edge that sends an event from outside, with what it says."""
+        """The edge that sends an event from outside, with its values."""
         guard = self.position < len(self.stream.events)
         for other, needed in self._needs():
             guard = guard & (self.positions[other] >= needed)
@@ -165,7 +165,7 @@ def is_broadcast(stream: EventStream) -> bool:
     return type_.broadcast
 
 
-# ---- what lets more happen than was recorded ------------------------------------------------------------------------
+# ---- unrecorded events ----------------------------------------------------------------------------------------------
 
 
 def with_any_output(process: Process, stream: EventStream, said: Mapping[str, Variable]) -> Process:

@@ -162,8 +162,8 @@ def trace_product(
 
 
 def _receiving_last(streams: EventStreams, hidden: int, modelled: int) -> tuple[list[int], tuple[int, ...]]:
-    """The order of hidden processes, those that are kept and one for each stream, as numbers in that list: whoever
-    receives what the model sends comes last. And the place of the process of each stream in that order."""
+    """The order of hidden processes, those that are kept and one for each stream, as numbers in that list: the
+    receivers of events of the model come last. And the place of the process of each stream in that order."""
     first = hidden + modelled
     outputs = [first + number for number, stream in enumerate(streams.streams) if stream.outputs]
     inputs = [first + number for number, stream in enumerate(streams.streams) if not stream.outputs]
@@ -198,7 +198,7 @@ def _synchronisations(channel: Variable, processes: Sequence[Process]) -> Iterat
                 yield edge.synchronisation
 
 
-# ---- what is outside ------------------------------------------------------------------------------------------------
+# ---- the environment ------------------------------------------------------------------------------------------------
 
 
 def _outsider(builder: NetworkBuilder, mapping: RecordingMap, processes: Sequence[Process]) -> list[Process]:

@@ -140,7 +140,7 @@ class _ParameterSearch:
             return self._enumerated(Lattice(self.low, self.high, step or Fraction(1)))
         return self._bisected(candidates, effect, exact)
 
-    # ---- what is tried ----
+    # ---- candidates ----
 
     def _candidates(self, found: tuple[Occurrence, ...], step: Fraction | None) -> tuple[Candidates, bool]:
         """The values that matter, and whether these are all."""

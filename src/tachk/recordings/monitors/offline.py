@@ -156,7 +156,7 @@ def _program(
 
 
 def _check_lines(formulas: Sequence[Formula], programs: Sequence[MonitorProgram], trace: Trace) -> None:
-    """Raises InputError and UsageError for what has no meaning on lines."""
+    """Raises InputError and UsageError for formulas without meaning on lines."""
     moving = [column for column in trace.columns if trace.moves(column)]
     for column in moving:
         if not np.isfinite(trace.columns[column]).all():

@@ -137,7 +137,7 @@ class Monitor:
         self._update, self._push = self._group.update, self._group.push
         self._factors: dict[int, int] = {}
 
-    # ---- what comes in ----
+    # ---- rows ----
 
     def update(self, time: Time, values: Mapping[str, float | str] | None = None, **more: float | str) -> Truth:
         """Some columns have these values from this time on; the others keep theirs.
@@ -232,7 +232,7 @@ class Monitor:
             self._watch.finish(time)
         return self.verdicts
 
-    # ---- what is known ----
+    # ---- verdicts ----
 
     @property
     def truth(self) -> Truth:
@@ -406,7 +406,7 @@ class Monitor:
                 )
 
     def _note_verdicts(self) -> Truth:
-        """Notes what the last call has decided, while the rows that explain it are there still."""
+        """Notes the decisions of the last call, while the rows that explain it are there still."""
         for number, watched in enumerate(self._watched):
             truth = Truth(self._group.verdict_of(number))
             if watched.decided or truth is Truth.UNDETERMINED:

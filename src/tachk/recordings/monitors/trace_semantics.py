@@ -170,7 +170,7 @@ def follows_from_truth(program: MonitorProgram) -> bool:
 
 
 def infinite_robustness(truth: Truth) -> RobustnessResult:
-    """The robustness of what compares no numbers."""
+    """The robustness of a formula that compares no numbers."""
     low = math.inf if truth is Truth.TRUE else -math.inf
     return RobustnessResult(low, -math.inf if truth is Truth.FALSE else math.inf)
 

@@ -24,7 +24,7 @@ _PIECE = 1 << 13
 
 
 def plain_suffix(path: Path) -> str:
-    """The ending of what is in a file, in lower case."""
+    """The ending of the uncompressed file, in lower case."""
     own = path.suffix.lower()
     return path.with_suffix("").suffix.lower() if own in COMPRESSED_SUFFIXES else own
 
@@ -75,7 +75,7 @@ class TornStream(RawIOBase):
         return count
 
     def _more(self) -> bool:
-        """Decompresses what comes next; False: there is no more. Raises UsageError if nothing at all can be read."""
+        """Decompresses the next bytes; False: there is no more. Raises UsageError if nothing at all can be read."""
         if self.torn is not None:
             return False
         try:

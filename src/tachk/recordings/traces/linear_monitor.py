@@ -95,7 +95,7 @@ def parts_of_tick(programs: Iterable[MonitorProgram], trace: Trace) -> int:
     if parts == 1:
         raise UsageError(
             f"{trace.name} is too long for lines between its rows, with {trace.ticks_per_unit} ticks per unit of time",
-            "times and bounds with fewer decimals, or a shorter trace, can be judged",
+            "times and bounds with fewer decimals, or a shorter trace, can be evaluated",
         )
     return parts
 

@@ -68,7 +68,7 @@ class FloatTimes:
 def changed_trace() -> UsageError:
     """The error for arrays that have changed since they were evaluated."""
     return UsageError(
-        "the trace has been changed since it was judged, so that its verdict cannot be explained",
+        "the trace has been changed since it was evaluated, so that its verdict cannot be explained",
         "leave its arrays as they are while the report is in use, or give copies of them",
     )
 

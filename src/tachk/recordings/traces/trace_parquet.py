@@ -88,7 +88,7 @@ def open_parquet(path: str | Path, time: str | None = None, unit: str | None = N
 
 
 def _unreadable(path: str, error: Exception) -> UsageError:
-    """pyarrow's errors about what a file holds are subclasses of built-in ones."""
+    """pyarrow's errors about the content of a file are subclasses of built-in ones."""
     reason = (str(error).splitlines() or [type(error).__name__])[0]
     if "footer" in reason and _begins_as_parquet(path):
         return UsageError(

@@ -37,7 +37,7 @@ class _WatchedConjunct:
 
 
 class ViolationWatch:
-    """Watches what has to be true always by itself, so that it goes on where the verdict is decided.
+    """Watches each condition that must always be true by itself, so that it goes on where the verdict is decided.
 
     A violation is reported when all before it is decided. The rows are those of a `Monitor`, which has checked them.
     Memory is bounded as that of the monitor is, if the violations are taken.

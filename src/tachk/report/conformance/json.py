@@ -1,4 +1,4 @@
-"""The machine form of what `tachk conform` found, as docs/schema/conform.schema.json describes it."""
+"""The machine form of the result of `tachk conform`, as docs/schema/conform.schema.json describes it."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict
 
 
 def with_notes(shown: dict[str, Json], notes: Sequence[str]) -> dict[str, Json]:
-    """With what the reader of a trace has to say, if there is something."""
+    """With the notes of the reader of a trace, if there are any."""
     return {**shown, "notes": list(notes)} if notes else shown
 
 

@@ -144,7 +144,7 @@ def print_trace(trace: TraceView, console: Console, time_unit: str = "", display
 
 
 def _items(trace: TraceView, begin: int, end: int, every_step: bool) -> Sequence[Single | Round]:
-    """Some steps of a run: a loop at its end is not put together with what comes before it."""
+    """Some steps of a run: a loop at its end is not joined with the steps before it."""
     if every_step:
         return [Single(number) for number in range(begin, end)]
     return [_later(item, begin) for item in fold_rounds(trace.steps[begin:end])]

@@ -142,7 +142,7 @@ def _chosen(network: Network, names: Sequence[str]) -> set[int]:
 
 
 def _check_separable(network: Network, ours: _PartInterface, theirs: _PartInterface) -> None:
-    """Raises UsageError for what only one network can do."""
+    """Raises UsageError for constructs that cannot be divided between two networks."""
     foreign = sorted(network.processes[n].name for n in ours.places & theirs.members)
     if foreign:
         raise UsageError(

@@ -60,7 +60,7 @@ class RatioTest:
         self.decision = Decision.UNKNOWN
 
     def add(self, hit: bool) -> Decision:
-        """One more run; what is decided stays so."""
+        """One more run; a decision stays."""
         if self.decision is Decision.UNKNOWN:
             self._ratio += self._hit if hit else self._miss
             if self._ratio >= self._holds:

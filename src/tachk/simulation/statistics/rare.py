@@ -1,4 +1,4 @@
-"""Probabilities of what runs hardly ever reach, by importance splitting.
+"""Probabilities of rare events, by importance splitting.
 
 The levels are distances of discrete states from the goal in the zone graph, in transitions. Each replication is an
 estimate that is right on average; the interval is Student's for the mean of replications that are normally distributed,
@@ -26,7 +26,7 @@ from tachk.simulation.statistics.sampling import RunSource, lowered_path, trial_
 _BATCH = 4
 """The number of replications that are made at once."""
 _LEAST = 16
-"""Fewer of them tell nothing of how much they vary."""
+"""Fewer of them do not show how much they vary."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -117,7 +117,7 @@ def constants_of(run: SubmittedRun, known: Mapping[str, int], given: Mapping[str
 
     Args:
         known: the constants of the model as it is written.
-        given: those that somebody has chosen.
+        given: those that the user has chosen.
 
     Raises UsageError for a constant that the model does not have.
     """

@@ -1,4 +1,4 @@
-"""A run under way, with its past and what was taken back."""
+"""A run under way, with its past and the steps taken back."""
 
 from __future__ import annotations
 

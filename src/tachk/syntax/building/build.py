@@ -1,4 +1,4 @@
-"""From what the grammar recognises to syntax tree nodes.
+"""From parse trees to syntax tree nodes.
 
 Each method is named after a rule (or its alias) of the grammar and gets everything the rule matched, tokens included.
 Methods hold no state; a rule of the language that the grammar cannot express is enforced by raising `Misplaced`.

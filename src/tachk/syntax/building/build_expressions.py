@@ -1,4 +1,4 @@
-"""From what the grammar recognises to expressions, types, variables and parameters."""
+"""From parse trees to expressions, types, variables and parameters."""
 
 from __future__ import annotations
 

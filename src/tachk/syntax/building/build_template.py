@@ -78,7 +78,7 @@ def clauses_of(clauses: Sequence[WrittenClause]) -> dict[str, Any]:
 def template(
     span: Span, doc: str, name: ast.Identifier, parameters: tuple[ast.Parameter, ...], items: Sequence[Any]
 ) -> ast.Template:
-    """A template from what stands in its braces.
+    """A template from the items in its braces.
 
     Raises:
         Misplaced: the two forms of a body are mixed, or a line names a location that no ``state`` line declares.

@@ -106,7 +106,7 @@ def bracket_errors(tokens: list[Token]) -> tuple[Diagnostic, ...]:
 
 
 def too_deep(span: Span) -> Diagnostic:
-    """The refusal of what stands at a place."""
+    """The refusal of the text at a place."""
     return Diagnostic(
         "E0111",
         f"this is nested more than {DEEPEST} levels deep",

@@ -16,7 +16,7 @@ def print_expected(expected: ast.Expected) -> str:
 
 
 def print_query(query: ast.PropertyFormula) -> str:
-    """The text of what a property or a query asks; a sentence as it was written."""
+    """The text of the question of a property or a query; a sentence as it was written."""
     match query:
         case ast.UncheckedFormula(text=text):
             return text

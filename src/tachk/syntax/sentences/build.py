@@ -199,7 +199,7 @@ class SentenceBuilder:
         )
         return s.MustBeTrue(span, Or(span, either))
 
-    # ---- what parts are made of ----
+    # ---- parts ----
 
     def level(self, children: Children) -> Formula:
         return _condition(*children)

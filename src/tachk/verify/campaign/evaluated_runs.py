@@ -49,7 +49,7 @@ class EvaluatedRuns:
 
     def __post_init__(self) -> None:
         if self.runs < 1:
-            raise UsageError(f"runs={self.runs}: formulas judge at least one run")
+            raise UsageError(f"runs={self.runs}: formulas need at least one run")
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The file that holds what is finished: an SQLite database, for which a campaign that was stopped at any moment is as
+"""The file of the finished cells: an SQLite database, for which a campaign that was stopped at any moment is as
 good as one that was not.
 
 Its table ``rows`` has a column for each constant that varies and the columns of the job, so that other programs can
@@ -60,7 +60,7 @@ class Store:
         return tuple(values)
 
     def add(self, values: Values, rows: Sequence[Row], seconds: float) -> None:
-        """Keeps what was found for a cell. One that is finished already, by a program that shares the file, stays.
+        """Stores the answers for a cell. One that is finished already, by a program that shares the file, stays.
 
         Args:
             seconds: what it took the process that computed it, in wall-clock time.

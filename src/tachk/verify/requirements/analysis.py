@@ -1,4 +1,4 @@
-"""The questions about a set of requirements, and what the answers say about them.
+"""The questions about a set of requirements, and the findings from the answers.
 
 Sources: Post, Hoenicke, Podelski, "rt-inconsistency: a new property for real-time requirements" (FASE 2011).
 """

@@ -1,4 +1,4 @@
-"""Requirements as rules, which tell of any run so far what may come next.
+"""Requirements as rules, which say for every finite run how it may go on.
 
 An observer guesses how a requirement is violated. Whether a run can still be saved is a question about all guesses, so
 here a requirement becomes a deterministic rule: with a trigger, something has to hold at once, or to come by a
@@ -69,7 +69,7 @@ class RequirementRule:
 
 
 def rules_of(formula: Formula) -> tuple[RequirementRule, ...]:
-    """The rules that say together what the requirement says. Durations have to be whole numbers.
+    """The rules that together are equivalent to the requirement. Durations have to be whole numbers.
 
     Raises:
         NotFollowed: naming the part that no rule says.

@@ -195,7 +195,7 @@ _ZENO = "Zeno loops"
 _ENDS = ("time-locks", "deadlocks in which time passes")
 
 
-# ---- what was reached ------------------------------------------------------------------------------------------------
+# ---- reached states -------------------------------------------------------------------------------------------------
 
 
 def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[LintAnswer, ...]:
@@ -232,7 +232,7 @@ def _counted(findings: tuple[Diagnostic, ...], single: int) -> str:
     return f"{counted(findings)}, and {single} only in some processes of a template" if single else counted(findings)
 
 
-# ---- where nothing follows -------------------------------------------------------------------------------------------
+# ---- where nothing follows ------------------------------------------------------------------------------------------
 
 
 def _stuck_parts(explored: Explored) -> tuple[LintAnswer, ...]:

@@ -78,7 +78,7 @@ class ParameterBound(StrEnum):
     LOWER = "lower"
     """Less of it only adds behaviour."""
     ABSENT = "absent"
-    """It does not occur in what the property depends on."""
+    """It does not occur in the part on which the property depends."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,7 +67,7 @@ class BridgeSocket:
             self._send(self.bridge.arrived(octets))
 
     def due(self) -> None:
-        """Sends what is due."""
+        """Sends the packets that are due."""
         self._send(self.bridge.due())
 
     def run(self, clock: WallClock, until: int, stop: Callable[[], bool] = lambda: False) -> None:

@@ -1,4 +1,4 @@
-"""A reliable stream in one direction, as its sender sees it: what it sends, what comes in, what is unacknowledged."""
+"""A reliable stream in one direction, as its sender sees it: messages, answers and missing acknowledgements."""
 
 from __future__ import annotations
 

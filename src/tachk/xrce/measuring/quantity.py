@@ -84,7 +84,7 @@ class Quantity:
 def seen(
     name: str, title: str, samples: Iterable[Observation], missing: str, unit: QuantityUnit = QuantityUnit.MILLISECONDS
 ) -> Quantity:
-    """A quantity whose value is the median of what was seen.
+    """A quantity whose value is the median of the observations.
 
     Args:
         missing: what the captures would have to show, said where there is no sample.

@@ -93,7 +93,7 @@ class SettingsFindings:
 
 
 def settings(found: SettingsFindings) -> tuple[Setting, ...]:
-    """The constants that captures say something about; what they say nothing about is left to the model."""
+    """The constants that captures determine; others keep their values of the model."""
     return (*_client(found), *_agent(found), *_network(found), *_subscriber(found))
 
 

@@ -173,7 +173,7 @@ def _one_before(message: ModelMessage) -> ModelMessage:
 
 
 def _is_delivery_before(one: Happening, message: ModelMessage) -> bool:
-    """True if a packet waits for this delivery. A second CREATE_CLIENT waits for the same as what comes after it."""
+    """True if a packet waits for this delivery. A second CREATE_CLIENT waits for the same as the packets after it."""
     other = one.message
     return (
         not one.sent

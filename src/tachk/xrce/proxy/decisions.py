@@ -64,7 +64,7 @@ class RelayDecision:
 
 
 _EventKey = tuple[int, Chosen]
-"""The port of a client, and packets that somebody waits for."""
+"""The port of a client, and packets that are awaited."""
 
 
 @dataclass(slots=True)

@@ -42,7 +42,7 @@ class CaptureWriter:
         return header[:10] + struct.pack(">H", total ^ 0xFFFF) + header[12:]
 
     def flush(self) -> None:
-        """Lets readers of the file see what was written."""
+        """Flushes the file, so that its readers see all packets."""
         self._file.flush()
 
 

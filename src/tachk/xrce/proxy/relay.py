@@ -160,10 +160,10 @@ class Relay:
             if self._recording is not None:
                 self._recording.write(None)
 
-    # ---- what arrives ------------------------------------------------------------------------------------------------
+    # ---- arrivals ---------------------------------------------------------------------------------------------------
 
     def _take(self) -> None:
-        """Takes what waits in all sockets, the earliest first."""
+        """Takes the packets that wait in all sockets, the earliest first."""
         known = time.monotonic_ns()
         waiting: list[tuple[Received, int, Endpoint | None]] = []
         places = [(at, port, None) for port, at in self._listening.items()]
@@ -203,7 +203,7 @@ class Relay:
                 self._silence.cancel()
             self._silence = asyncio.get_running_loop().call_later(self._plan.idle, self._done.set)
 
-    # ---- what leaves -------------------------------------------------------------------------------------------------
+    # ---- departures -------------------------------------------------------------------------------------------------
 
     def _follow(self, answer: RelayDecision) -> None:
         for departure in answer.departures:
@@ -233,7 +233,7 @@ class Relay:
         except (BlockingIOError, ConnectionRefusedError):
             pass  # no socket listens there: on a network the datagram would be gone, too
 
-    # ---- what is recorded --------------------------------------------------------------------------------------------
+    # ---- recording --------------------------------------------------------------------------------------------------
 
     def _record(self, moment: int, source: Endpoint, destination: Endpoint, octets: bytes) -> None:
         if self._recording is not None:

@@ -111,7 +111,7 @@ class Waited:
 
 
 class SignalTracker:
-    """Takes messages, and gives what they say as `RowBlock`.
+    """Takes messages, and gives their signals as `RowBlock`.
 
     Attributes:
         sides: of all clients, in the order in which they were seen.
@@ -150,7 +150,7 @@ class SignalTracker:
         self._base = 0
         self._side = Side(0, 0, 0)
 
-    # ---- what comes in ----
+    # ---- messages ----
 
     def push(self, found: Submessages) -> None:
         """The messages of a piece."""
@@ -261,7 +261,7 @@ class SignalTracker:
             self._rows += 1
 
     def waiting(self) -> MessageWait | None:
-        """For what the Agent waits still, and longest."""
+        """The longest wait of the Agent for a confirmation; None if it waits for none."""
         transfers = (transfer for client in self._owners() for transfer in client.transfers.values())
         waits = [transfer.waiting[0][1] for transfer in transfers if transfer.waiting]
         return min(waits, key=lambda wait: wait.time) if waits else None
@@ -426,7 +426,7 @@ class SignalTracker:
         self._stand()
 
     def _stand(self) -> None:
-        """Looks again at what readers have got."""
+        """Updates whether readers have got all samples, and in order."""
         standing = self._exchange.standing()
         if standing != (self._complete, self._ordered):
             self._complete, self._ordered = standing

@@ -97,7 +97,7 @@ def test_a_ring_whose_place_0_begins() -> None:
         assert found is not None and found.reason.startswith("what it exchanges is not interchangeable")
 
 
-# ---- the conditions --------------------------------------------------------------------------------------------------
+# ---- the conditions -------------------------------------------------------------------------------------------------
 
 MODEL = """
 int[0, 2] owner = 0;
@@ -194,15 +194,15 @@ DIFFERENT = {
     ),
     "the order of receivers": (
         {"of_a": "to M { sync all?; assign owner = 1; }", "of_b": "to M { sync all?; assign owner = 2; }"},
-        "the order of those that hear a broadcast matters",
+        "the order of the receivers of a broadcast matters",
     ),
     "what a receiver reads of another one": (
         {"of_a": "to M { sync all?; assign a = b; }", "of_b": "to M { sync all?; assign b = a; }"},
-        "the order of those that hear a broadcast matters",
+        "the order of the receivers of a broadcast matters",
     ),
     "a clock that two receivers set": (
         {"of_a": "to M { sync all?; assign z = a; }", "of_b": "to M { sync all?; assign z = b; }"},
-        "the order of those that hear a broadcast matters",
+        "the order of the receivers of a broadcast matters",
     ),
     "a clock that gets the value of their own one": (
         {"of_a": "to M { assign x = x + 2; }", "of_b": "to M { assign x = x + 2; }"},
@@ -226,7 +226,7 @@ DIFFERENT = {
             "of_a": "to M { sync all?; assign y = z, z = 0; }",
             "of_b": "to M { sync all?; assign y = z, z = 0; }",
         },
-        "the order of those that hear a broadcast matters",
+        "the order of the receivers of a broadcast matters",
     ),
     "an order of receivers that does not matter": (
         {
@@ -421,7 +421,7 @@ def test_states_in_which_a_constant_has_another_value_are_refused() -> None:
             check_proof(loaded.network, query, changed, checker)
 
 
-# ---- mutations -------------------------------------------------------------------------------------------------------
+# ---- mutations ------------------------------------------------------------------------------------------------------
 
 
 def mutated(header: CertificateHeader, random: Random) -> CertificateHeader:

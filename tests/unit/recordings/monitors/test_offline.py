@@ -332,7 +332,7 @@ def test_a_changed_trace_does_not_explain_its_old_verdict(formula: str) -> None:
     verdict = tachk.monitor(formula, trace)[0]
     assert verdict.truth is tachk.Truth.FALSE
     trace["y"][:] = 5
-    with pytest.raises(UsageError, match="changed since it was judged"):
+    with pytest.raises(UsageError, match="changed since it was evaluated"):
         verdict.finding  # noqa: B018
 
 
@@ -340,7 +340,7 @@ def test_changed_times_do_not_explain_an_old_verdict() -> None:
     trace = {"time": np.array([0.0, 1, 3]), "x": np.array([0, 7.5, 3])}
     verdict = tachk.monitor("G x < 5", trace)[0]
     trace["time"][1] = 9
-    with pytest.raises(UsageError, match="changed since it was judged"):
+    with pytest.raises(UsageError, match="changed since it was evaluated"):
         verdict.finding  # noqa: B018
 
 

@@ -40,7 +40,7 @@ _MARGIN = 2
 
 
 class CommentPlacer:
-    """Finds room for one comment after the other, near what it is about."""
+    """Finds room for one comment after the other, near its subject."""
 
     def __init__(self, sketch: Sketch, drawing: TemplateDrawing) -> None:
         self.sketch = sketch
@@ -180,7 +180,7 @@ def arrange_in_rows(sketch: Sketch, shape: float) -> TemplateDrawing:
 
 
 def _cell(sketch: Sketch, node: int, leaving: list[int]) -> tuple[int, int]:
-    """Width and height of what belongs to a node."""
+    """Width and height of a node with its labels."""
     (name_width, _), (labels_width, labels_height) = sketch.nodes[node].name_size, sketch.nodes[node].labels_size
     sizes = [sketch.edges[at].labels_size for at in leaving]
     width = max(name_width, labels_width, *(_TO_LABEL + 10 + w for w, _ in sizes), 2 * RADIUS) + _GAP

@@ -17,7 +17,7 @@ def not_installed(what: str, library: str, extra: str) -> UsageError:
 
 @contextmanager
 def library_errors(path: Path, what: str) -> Iterator[None]:
-    """Turns what a library raises about a damaged file, which can be anything, into a UsageError."""
+    """Turns any exception of a library about a damaged file into a UsageError."""
     if not path.exists():
         raise UsageError(f"there is no file {path}")
     try:

@@ -88,7 +88,7 @@ class Hdf5Table:
 
 
 def open_hdf5(path: Path, time: str | None, unit: str | None) -> TraceSource:
-    """Finds out what a file holds. Raises UsageError, also where h5py is not installed."""
+    """Finds the data sets of a file. Raises UsageError, also where h5py is not installed."""
     try:
         import h5py  # noqa: F401
     except ModuleNotFoundError:

@@ -21,7 +21,7 @@ class Category(StrEnum):
 
 
 class Moment(NamedTuple):
-    """A time, and what comes first of what happens at one time."""
+    """A time, and the rank among events of equal time."""
 
     time: Fraction
     order: int = 0
