@@ -4,7 +4,7 @@
 
 It simulates the five automata, judges every run by the seven sentences, checks the sentences on all runs that there
 are, shows where the two disagree, estimates how often that happens, and puts everything on a page. Every command is
-printed before it runs; docs/paper.md tells the story.
+printed before it runs; docs/paper.md describes it.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ Now each packet is lost with a probability of one in a hundred. {verdict}
 _FEW = """
 ## All runs, LOSSES = {losses}
 
-The same sentences, asked of every run of the same automata: every moment at which something may happen, every
+The same sentences, checked on every run of the same automata: every moment at which something may happen, every
 packet that may be lost. No run is missing here. {verdict}
 """
 

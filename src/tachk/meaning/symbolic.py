@@ -102,7 +102,7 @@ class Situation:
 
 @by_state
 def situation(model: PreparedNetwork, discrete: DiscreteState) -> Situation:
-    """The invariants, stopped clocks and guarded transitions of a discrete state. Raises EvaluationFault for invariants that go wrong."""
+    """The behaviour of a discrete state. Raises EvaluationFault for invariants that go wrong."""
     invariant = invariant_zone(model, discrete)
     delays = may_delay(model, discrete)
     stopped = stopped_clocks(model, discrete)
